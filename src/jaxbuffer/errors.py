@@ -1,0 +1,70 @@
+"""Input errors that name the field, the value, the unit and the allowed range."""
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+import jax
+import numpy as np
+
+
+class InputError(ValueError):
+    """A value, name or file given by the user that can't be used. The message is one line meant for that user."""
+
+
+def concrete(value: Any) -> np.ndarray | None:
+    """The value as a NumPy array, or None inside a trace, where there is nothing to check yet."""
+    if isinstance(value, jax.core.Tracer):
+        return None
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
+
+
+def check_number(
+    path: str,
+    value: Any,
+    unit: str,
+    *,
+    low: float = -np.inf,
+    high: float = np.inf,
+    low_open: bool = False,
+    high_open: bool = False,
+) -> None:
+    """Raise `InputError` unless ``value`` (a number or an array of them) is finite and inside the range.
+
+    **Arguments:** ``path``: dotted name shown to the user; ``unit``: as shown, '-' for none; ``low``, ``high``: the
+    range, its ends included unless ``low_open`` or ``high_open``. Traced values pass: they have no value yet.
+    """
+    if isinstance(value, jax.core.Tracer):
+        return
+    if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None:
+        raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)} {unit}")
+    too_low = (array <= low) if low_open else (array < low)
+    too_high = (array >= high) if high_open else (array > high)
+    bad = ~np.isfinite(array) | too_low | too_high
+    if np.any(bad):
+        shown = float(array[bad].flat[0]) if array.ndim else float(array)
+        raise InputError(
+            f"{path} = {shown:g} {unit} is out of range; allowed: {_range(low, high, low_open, high_open)} {unit}"
+        )
+
+
+def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
+    left = "(-inf" if low == -np.inf else ("(" if low_open else "[") + f"{low:g}"
+    right = "inf)" if high == np.inf else f"{high:g}" + (")" if high_open else "]")
+    return f"{left}, {right}"
+
+
+def check_choice(path: str, value: Any, choices: Iterable[str]) -> None:
+    """Raise `InputError` unless ``value`` is one of ``choices``."""
+    options = list(choices)
+    if value not in options:
+        raise InputError(f"{path} = {value!r} is unknown; choose one of {', '.join(options)}{suggest(value, options)}")
+
+
+def suggest(name: Any, known: Iterable[str]) -> str:
+    """'; did you mean …?' for a mistyped name, or nothing."""
+    near = difflib.get_close_matches(str(name), list(known), n=1, cutoff=0.5)
+    return f"; did you mean {near[0]}?" if near else ""

@@ -1,0 +1,41 @@
+"""Error norm and step size."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .lanes import Rows
+
+
+class Tolerance(eqx.Module):
+    """Local error allowed in one step, relative to the larger of a component's scale and (``rtol``) its own size.
+
+    ``rtol`` [-] serves every row; ``atol`` [-] multiplies the system's scales.
+    """
+
+    rtol: float | Array = 1e-7
+    atol: float | Array = 1e-7
+
+    def norm(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, ""]:
+        """Largest over rows of the root mean square of error over allowance; 1 is just allowed."""
+        size = jnp.maximum(jnp.abs(rows), jnp.abs(end))
+        ratio = error / (self.atol * scales + self.rtol * size)
+        return jnp.sqrt(jnp.max(jnp.mean(ratio * ratio, axis=-1)))
+
+
+class Controller(eqx.Module):
+    """Proportional-integral step size control (Söderlind 2003; Hairer & Wanner II, IV.8)."""
+
+    safety: float = 0.9
+    shrink: float = 0.2
+    grow: float = 8.0
+    proportional: float = 0.3
+    integral: float = 0.4
+
+    def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: int) -> Float[Array, ""]:
+        """Ratio of the next step to this one. After a rejection (norm > 1) only the present error counts."""
+        norm = jnp.maximum(norm, 1e-10)
+        k = float(order)
+        steady = norm ** (-(self.integral + self.proportional) / k) * previous ** (self.proportional / k)
+        factor = self.safety * jnp.where(norm > 1.0, norm ** (-1.0 / k), steady)
+        return jnp.clip(factor, self.shrink, self.grow)

@@ -1,0 +1,110 @@
+"""Where within a step a guard crosses zero: touchdowns, releases, the end of the run, and maxima.
+
+Guards are signed so that each crossing of interest goes from negative to positive. A first guess comes from the cubic
+Hermite polynomial through both ends of the step; the loop then lands a real step on it and corrects.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+
+class Guards(NamedTuple):
+    """Guards and observables at one instant, with their time derivatives."""
+
+    gap: Float[Array, " contacts"]
+    gap_rate: Float[Array, " contacts"]
+    terminal: Float[Array, " terminals"]
+    terminal_rate: Float[Array, " terminals"]
+    value: Float[Array, " observables"]
+    slope: Float[Array, " observables"]
+
+
+def signed(
+    guards: Guards, active: Float[Array, " contacts"]
+) -> tuple[Float[Array, " guards"], Float[Array, " guards"]]:
+    """All guards, negative before their event, and the rates of those that have one (0 for maxima)."""
+    sign = jnp.where(active > 0.5, 1.0, -1.0)
+    value = jnp.concatenate([sign * guards.gap, guards.terminal, -guards.slope])
+    rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, jnp.zeros_like(guards.slope)])
+    return value, rate
+
+
+class Crossing(NamedTuple):
+    """The first crossing in a step: which guard (-1 for none), where [s from the step's start], the bracket's far end."""
+
+    which: Int[Array, ""]
+    at: Float[Array, ""]
+    far: Float[Array, ""]
+
+
+def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) -> Float[Array, " n"]:
+    """Where in (0, 1] the Hermite cubic's derivative falls (or rises) through zero, its ends being of opposite sign."""
+    jump = end - start
+    a = 3.0 * (rate_start + rate_end - 2.0 * jump)
+    b = 2.0 * (3.0 * jump - 2.0 * rate_start - rate_end)
+    c = rate_start
+    root = jnp.sqrt(jnp.maximum(b * b - 4.0 * a * c, 0.0))
+    q = -0.5 * (b + jnp.where(b >= 0.0, root, -root))
+    first = c / jnp.where(q == 0.0, 1.0, q)
+    second = q / jnp.where(a == 0.0, 1e-300, a)
+    inside = (first >= 0.0) & (first <= 1.0) & (q != 0.0)
+    return jnp.clip(jnp.where(inside, first, second), 0.0, 1.0)
+
+
+def _cubic_root(z0: Array, z1: Array, m0: Array, m1: Array, far: Array) -> Float[Array, " n"]:
+    """Root of Hermite cubics in (0, far] that are negative at 0 and positive at ``far``: Newton kept in its bracket."""
+    jump = z1 - z0
+    c2, c3 = 3.0 * jump - 2.0 * m0 - m1, m0 + m1 - 2.0 * jump
+    low, high = jnp.zeros_like(far), far
+    x = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
+    for _ in range(7):
+        z = z0 + x * (m0 + x * (c2 + x * c3))
+        slope = m0 + x * (2.0 * c2 + 3.0 * x * c3)
+        low, high = jnp.where(z < 0.0, x, low), jnp.where(z < 0.0, high, x)
+        newton = x - z / jnp.where(slope == 0.0, 1.0, slope)
+        x = jnp.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+    return x
+
+
+def first_crossing(
+    before: Guards,
+    after: Guards,
+    step: Float[Array, ""],
+    active: Float[Array, " contacts"],
+    wanted: Bool[Array, " observables"],
+) -> Crossing:
+    """The earliest event in a step.
+
+    **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``wanted``:
+    which maxima may matter.
+    """
+    contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
+    z0, rate0 = signed(before, active)
+    z1, rate1 = signed(after, active)
+    m0, m1 = rate0 * step, rate1 * step
+    rises = slice(0, contacts + terminals)
+
+    # An open contact may touch and leave within one step: its guard -gap has a maximum above zero inside.
+    hump = _stationary(z0[rises], z1[rises], m0[rises], m1[rises])
+    jump = z1[rises] - z0[rises]
+    c2, c3 = 3.0 * jump - 2.0 * m0[rises] - m1[rises], m0[rises] + m1[rises] - 2.0 * jump
+    top = z0[rises] + hump * (m0[rises] + hump * (c2 + hump * c3))
+    open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
+    dips = open_contact & (z1[rises] <= 0.0) & (m0[rises] > 0.0) & (m1[rises] < 0.0) & (top > 0.0)
+    far = jnp.where(dips, hump, 1.0)
+    root = _cubic_root(z0[rises], z1[rises], m0[rises], m1[rises], far)
+    # A guard already past zero at the start (by the tolerance of an earlier landing) acts at once if it stays there.
+    root = jnp.where(z0[rises] > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
+    crossed = (z1[rises] > 0.0) | dips
+
+    peak = _stationary(before.value, after.value, before.slope * step, after.slope * step)
+    peaked = wanted & (before.slope > 0.0) & (after.slope <= 0.0)
+
+    where = jnp.concatenate([jnp.where(crossed, root, jnp.inf), jnp.where(peaked, peak, jnp.inf)])
+    which = jnp.argmin(where)
+    fraction = where[which]
+    reach = jnp.concatenate([far, jnp.ones_like(peak)])[which]
+    found = jnp.isfinite(fraction)
+    return Crossing(jnp.where(found, which, -1), jnp.where(found, fraction, 1.0) * step, reach * step)

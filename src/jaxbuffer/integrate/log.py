@@ -1,0 +1,103 @@
+"""What a run remembers: located events, and accepted steps when a history is wanted.
+
+Both are fixed-size buffers with a spare slot at the end that takes the writes of iterations with nothing to record, so
+that every write is a plain slice update and stays in place inside a compiled loop.
+"""
+
+import enum
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from .lanes import Rows
+
+
+class Kind(enum.IntEnum):
+    """What an entry of the log records."""
+
+    NONE = -1
+    TOUCHDOWN = 0
+    RELEASE = 1
+    PEAK = 2
+    END = 3
+
+
+class Log(NamedTuple):
+    """Located events in order of time.
+
+    ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
+    ``value``: the observable at a `Kind.PEAK`; ``guard_rate``: rate of the signed guard at its zero, so that the event's
+    time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time.
+    """
+
+    kind: Int[Array, " slots"]
+    which: Int[Array, " slots"]
+    time: Float[Array, " slots"]
+    value: Float[Array, " slots"]
+    guard_rate: Float[Array, " slots"]
+    active: Float[Array, "slots contacts"]
+    rows: Float[Array, "slots rows state"]
+    count: Int[Array, ""]
+
+    @staticmethod
+    def empty(slots: int, rows: Rows, contacts: int) -> "Log":
+        """A log with room for ``slots`` events."""
+        n = slots + 1
+        none, zero = jnp.full(n, int(Kind.NONE)), jnp.zeros(n)
+        return Log(none, none, zero, zero, zero, jnp.zeros((n, contacts)), jnp.zeros((n, *rows.shape)), jnp.asarray(0))
+
+    def append(
+        self,
+        when: Bool[Array, ""],
+        kind: Int[Array, ""],
+        which: Int[Array, ""],
+        time: Float[Array, ""],
+        value: Float[Array, ""],
+        guard_rate: Float[Array, ""],
+        active: Float[Array, " contacts"],
+        rows: Rows,
+    ) -> "Log":
+        """The log with one more entry if ``when``."""
+        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, value, guard_rate, active, rows)
+        slot = jnp.where(when, self.count, self.kind.shape[0] - 1)
+        return Log(
+            *(_put(buffer, item, slot) for buffer, item in zip(self[:-1], entry, strict=True)), self.count + when
+        )
+
+
+class Steps(NamedTuple):
+    """Accepted steps: time, closed contacts, state."""
+
+    time: Float[Array, " slots"]
+    active: Float[Array, "slots contacts"]
+    state: Float[Array, "slots state"]
+    count: Int[Array, ""]
+
+    @staticmethod
+    def empty(slots: int, state: Float[Array, " state"], contacts: int) -> "Steps":
+        """Room for ``slots`` steps; none at all for 0."""
+        n = slots + 1 if slots else 0
+        return Steps(jnp.zeros(n), jnp.zeros((n, contacts)), jnp.zeros((n, state.shape[0])), jnp.asarray(0))
+
+    def append(
+        self,
+        when: Bool[Array, ""],
+        time: Float[Array, ""],
+        active: Float[Array, " contacts"],
+        state: Float[Array, " state"],
+    ) -> "Steps":
+        """One more step if ``when`` and there is room; ``count`` goes on counting."""
+        spare = self.time.shape[0] - 1
+        if spare < 0:
+            return self._replace(count=self.count + when)
+        slot = jnp.where(when, jnp.minimum(self.count, spare), spare)
+        entry = (time, active, state)
+        return Steps(
+            *(_put(buffer, item, slot) for buffer, item in zip(self[:-1], entry, strict=True)), self.count + when
+        )
+
+
+def _put(buffer: Array, item: Array, slot: Array) -> Array:
+    return lax.dynamic_update_index_in_dim(buffer, jnp.asarray(item, buffer.dtype), slot, 0)

@@ -1,0 +1,257 @@
+"""One run of a hybrid system: a single loop of error-controlled steps that lands on every event.
+
+Everything is one `while_loop` of plain array operations: no LAPACK, no scatter, no callback, so that XLA may compile it
+into one kernel (see `runtime`).
+"""
+
+import enum
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Float, Int
+
+from .._types import Scalar
+from ..mechanisms.hybrid import HybridSystem
+from .controller import Controller, Tolerance
+from .events import Guards, first_crossing, signed
+from .landing import Landing, judge
+from .lanes import Lanes, Rows
+from .log import Kind, Log, Steps
+from .solvers import ExplicitRungeKutta, Solver
+
+P = TypeVar("P")
+
+
+class Status(enum.IntEnum):
+    """How a run ended. Values from 0 up to ``TIMEOUT`` are the system's terminal guards, in order."""
+
+    RUNNING = -1
+    TIMEOUT = 100
+    TOO_MANY_STEPS = 101
+    STEP_TOO_SMALL = 102
+    NOT_FINITE = 103
+    LOG_FULL = 104
+
+
+class Options(eqx.Module):
+    """How to step.
+
+    **Arguments:** ``solver``; ``tolerance``; ``controller``; ``max_steps``: attempts before giving up; ``max_events``:
+    room in the log; ``event_time`` [s]: how closely a step lands on an event; ``keep``: accepted steps to keep for a
+    history, 0 for none.
+    """
+
+    solver: Solver = ExplicitRungeKutta()
+    tolerance: Tolerance = Tolerance()
+    controller: Controller = Controller()
+    event_time: Scalar = 1e-9
+    max_steps: int = eqx.field(static=True, default=200_000)
+    max_events: int = eqx.field(static=True, default=512)
+    keep: int = eqx.field(static=True, default=0)
+
+
+class Result(NamedTuple):
+    """A finished run: ``status`` (see `Status`), located events, kept steps, counts of attempted and accepted steps."""
+
+    status: Int[Array, ""]
+    log: Log
+    steps: Steps
+    attempts: Int[Array, ""]
+    accepted: Int[Array, ""]
+
+
+class _Progress(NamedTuple):
+    time: Float[Array, ""]
+    rows: Rows
+    rate: Rows
+    active: Float[Array, " contacts"]
+    guards: Guards
+    best: Float[Array, " observables"]
+    step: Float[Array, ""]
+    previous_norm: Float[Array, ""]
+    landing: Landing
+    status: Int[Array, ""]
+    attempts: Int[Array, ""]
+    log: Log
+    steps: Steps
+
+
+def run(
+    build: Callable[[P], HybridSystem], lanes: Lanes[P], duration: Float[Array, ""] | float, options: Options
+) -> Result:
+    """Step a system from its start until a terminal guard, ``duration`` [s] or a failure.
+
+    **Arguments:** ``build``: from parameters to the system; ``lanes``: its parameters and the directions of the wanted
+    sensitivities. **Returns:** a `Result` whose log holds every located event with those sensitivities.
+    """
+    system = build(lanes.primal)
+    duration = jnp.asarray(duration, float)
+    scales = system.scales()
+    start = lanes.start(lambda p: build(p).start()[0])
+    active = system.start()[1]
+    begin = _begin(system, start, active, duration, options)
+    contacts, observables = active.shape[0], begin.best.shape[0]
+    rated = contacts + begin.guards.terminal.shape[0]
+    each_contact, each_observable = jnp.arange(contacts), jnp.arange(observables)
+
+    def body(c: _Progress) -> _Progress:
+        landing, first = c.landing.under_way, c.attempts == 0
+        step = jnp.where(landing, c.landing.aim, jnp.minimum(c.step, duration - c.time))
+        step = jnp.where(first, 0.0, step)
+        trial = options.solver.step(
+            _field(build, lanes, c.active),
+            lambda: system.linearisation(c.time, c.rows[0], c.active),
+            c.time,
+            c.rows,
+            c.rate,
+            step,
+        )
+        norm = options.tolerance.norm(trial.error, c.rows, trial.rows, scales)
+        finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
+        fits = landing | (norm <= 1.0)
+        after = _observe(system, c.time + step, trial.rows[0], trial.rate[0], c.active)
+
+        # A step that holds an event is taken again, shortened until it ends on the event.
+        wanted = (after.value > c.best) | (c.guards.value > 0.999 * c.best)
+        crossing = first_crossing(c.guards, after, step, c.active, wanted)
+        guard, guard_rate = signed(after, c.active)
+        verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
+        starts = ~landing & ~first & fits & finite & (crossing.which >= 0)
+        accept = jnp.where(landing, verdict.settled, fits & ~starts) & finite
+        going = _where(landing & ~verdict.settled, verdict.next, Landing.none())
+        next_landing = _where(starts, Landing.begin(crossing, signed(c.guards, c.active)[0], guard), going)
+
+        # What the event is, and what it does.
+        target = jnp.where(landing & verdict.happened, c.landing.target, -1)
+        is_contact = (target >= 0) & (target < contacts)
+        is_terminal = (target >= contacts) & (target < rated)
+        is_peak = target >= rated
+        chosen = is_contact & (each_contact == target)
+        closing = is_contact & jnp.any(chosen & (c.active < 0.5))
+        active = jnp.where(chosen & system.closed_by_events(), 1.0 - c.active, c.active)
+        offset = jnp.where(landing, verdict.offset, 0.0)
+        at_event = trial.rows + offset * trial.rate
+        jump = lax.cond(
+            closing,
+            lambda: lanes.lift(lambda p, y: build(p).touchdown(y, trial.rate[0], target) - y)(at_event),
+            lambda: jnp.zeros_like(at_event),
+        )
+        rows = trial.rows + jump
+        time = c.time + step
+        timed_out = accept & ~is_terminal & (time >= duration * (1.0 - 1e-15))
+
+        kind = jnp.where(closing, Kind.TOUCHDOWN, jnp.where(is_contact, Kind.RELEASE, Kind.NONE))
+        kind = jnp.where(is_peak, Kind.PEAK, jnp.where(is_terminal | timed_out, Kind.END, kind))
+        log = c.log.append(
+            when=accept & (kind != Kind.NONE),
+            kind=kind,
+            which=jnp.where(is_contact, target, jnp.where(is_terminal, target - contacts, target - rated)),
+            time=time + offset,
+            value=jnp.sum(jnp.where(each_observable == target - rated, after.value, 0.0)),
+            guard_rate=verdict.rate,
+            active=active,
+            rows=at_event + jump,
+        )
+        # A landed maximum must not be found again, so its slope counts as falling. The best force of a contact is that
+        # of its present impact, so that every impact's peak is located.
+        slope = jnp.where(each_observable == target - rated, -1e-300, after.slope)
+        fresh = closing & (each_observable == target)
+        best = jnp.where(fresh, 0.0, jnp.maximum(c.best, after.value))
+
+        factor = options.controller.factor(norm, c.previous_norm, options.solver.order)
+        resized = jnp.where(finite, step * factor, 0.1 * step)
+        # A step cut short by the end of the run says nothing against a longer one.
+        resized = jnp.where(fits & (step < c.step), jnp.maximum(resized, c.step), resized)
+        resized = jnp.where(landing | starts | first, c.step, resized)
+        resized = jnp.where(closing & accept, system.impact_step(rows[0]), resized)
+
+        attempts = c.attempts + 1
+        stuck = ~accept & ~landing & ~starts & (first | (resized < 1e-14))
+        status = jnp.where(
+            accept & is_terminal, target - contacts, jnp.where(timed_out, Status.TIMEOUT, Status.RUNNING)
+        )
+        for failed, code in (
+            (attempts >= options.max_steps, Status.TOO_MANY_STEPS),
+            (log.count >= options.max_events, Status.LOG_FULL),
+            (stuck & finite, Status.STEP_TOO_SMALL),
+            ((stuck | landing) & ~finite, Status.NOT_FINITE),
+        ):
+            status = jnp.where((status == Status.RUNNING) & failed, code, status)
+
+        return _Progress(
+            time=jnp.where(accept, time, c.time),
+            rows=jnp.where(accept, rows, c.rows),
+            rate=jnp.where(accept, trial.rate, c.rate),
+            active=jnp.where(accept, active, c.active),
+            guards=_where(accept, after._replace(slope=slope), c.guards),
+            best=jnp.where(accept, best, c.best),
+            step=resized,
+            previous_norm=jnp.where(accept & ~landing & ~first, jnp.maximum(norm, 1e-4), c.previous_norm),
+            landing=next_landing,
+            status=status,
+            attempts=attempts,
+            log=log,
+            steps=c.steps.append(accept, time, active, rows[0]),
+        )
+
+    end = lax.while_loop(lambda c: c.status == Status.RUNNING, body, begin)
+    return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
+
+
+def _begin(
+    system: HybridSystem,
+    start: Rows,
+    active: Float[Array, " contacts"],
+    duration: Float[Array, ""],
+    options: Options,
+) -> _Progress:
+    """The loop's first state. A run may start in contact: that is its first touchdown.
+
+    Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
+    compiling the right-hand side twice.
+    """
+    zero, one = jnp.zeros(()), jnp.ones(())
+    contacts = active.shape[0]
+    log = Log.empty(options.max_events, start, contacts)
+    for contact in range(contacts):
+        begins = (active[contact] > 0.5) & system.closed_by_events()
+        log = log.append(begins, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, zero, one, active, start)
+    unknown = jax.eval_shape(lambda: _observe(system, zero, start[0], start[0], active))
+    guards = jax.tree.map(lambda shape: jnp.zeros(shape.shape), unknown)
+    return _Progress(
+        time=zero,
+        rows=start,
+        rate=jnp.zeros_like(start),
+        active=active,
+        guards=guards,
+        best=guards.value,
+        step=jnp.minimum(system.impact_step(start[0]), duration),
+        previous_norm=one,
+        landing=Landing.none(),
+        status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
+        attempts=jnp.asarray(0),
+        log=log,
+        steps=Steps.empty(options.keep, start[0], contacts),
+    )
+
+
+def _field(build: Callable[[P], HybridSystem], lanes: Lanes[P], active: Array) -> Callable[[Array, Rows], Rows]:
+    """The rows' time derivative within a mode."""
+    return lambda time, rows: lanes.lift(lambda p, y: build(p).derivative(time, y, active))(rows)
+
+
+def _observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array) -> Guards:
+    """Guards and observables with their rates."""
+    gap, gap_rate = jax.jvp(system.gaps, (state,), (rate,))
+    terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
+    _, second = jax.jvp(lambda y: system.derivative(time, y, active), (state,), (rate,))
+    value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
+    return Guards(gap, gap_rate, terminal, terminal_rate, value, slope)
+
+
+def _where(condition: Array, new: P, old: P) -> P:
+    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), new, old)

@@ -1,0 +1,195 @@
+"""The capture mechanism's design and scenario: every number an engineer may choose, validated at construction."""
+
+import math
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+
+from .._types import Scalar
+from ..contact import hertz_stiffness
+from ..errors import InputError, check_choice, check_number, concrete
+
+ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
+ROD_RADIUS = 0.009  # m, r_p of Table 2
+TIP_RADIUS = 0.015  # m, R_tip of Table 2
+PROBE_LENGTH = 0.2  # m, L_P of Table 2
+
+
+def number(default: float, unit: str, **limits: Any) -> Any:
+    """A differentiable field with its unit and allowed range."""
+    return eqx.field(default=default, metadata={"unit": unit, "limits": limits})
+
+
+def choice(default: str, *options: str) -> Any:
+    """A static field that takes one of a few words."""
+    return eqx.field(default=default, static=True, metadata={"choices": options})
+
+
+POSITIVE = {"low": 0.0, "low_open": True}
+NON_NEGATIVE = {"low": 0.0}
+
+
+class Part(eqx.Module):
+    """A group of fields that checks each against its declared range."""
+
+    def __check_init__(self) -> None:
+        prefix = f"{type(self).section}." if hasattr(type(self), "section") else ""
+        for name, field in self.__dataclass_fields__.items():
+            value, path = getattr(self, name), prefix + name
+            if "choices" in field.metadata:
+                check_choice(path, value, field.metadata["choices"])
+            elif "flag" in field.metadata:
+                if not isinstance(value, bool):
+                    raise InputError(f"{path} = {value!r} must be true or false")
+            elif "unit" in field.metadata and not (value is None and field.default is None):
+                check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+
+
+class Active(Part):
+    """The active vehicle S, which carries the probe."""
+
+    section = "active"
+    mass: Scalar = number(21.9706, "kg", **POSITIVE)
+    inertia: Scalar = number(0.445, "kg m²", **POSITIVE)
+    hinge_offset: Scalar = number(0.1365, "m", **NON_NEGATIVE)
+
+
+class Passive(Part):
+    """The passive vehicle T, which carries the cone."""
+
+    section = "passive"
+    mass: Scalar = number(23.5731, "kg", **POSITIVE)
+    inertia: Scalar = number(0.5206, "kg m²", **POSITIVE)
+
+
+class Buffer(Part):
+    """Axial and torsional spring-dampers, and the cylinder between them.
+
+    ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
+    angular momentum.
+    """
+
+    section = "buffer"
+    k_A: Scalar = number(500.0, "N/m", **POSITIVE)
+    c_A: Scalar = number(5.0, "N s/m", **NON_NEGATIVE)
+    k_T: Scalar = number(300.0, "N m/rad", **POSITIVE)
+    c_T: Scalar = number(2.0, "N m s/rad", **NON_NEGATIVE)
+    free_length: Scalar = number(0.1365, "m", **POSITIVE)
+    cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE)
+    cylinder_length: Scalar = number(0.1365, "m", **POSITIVE)
+    damping: str = choice("physical", "physical", "published")
+
+
+class Probe(Part):
+    """The rod and its ball tip, welded to the rod or (``free_tip``) spinning freely about its centre."""
+
+    section = "probe"
+    length: Scalar = number(PROBE_LENGTH, "m", **POSITIVE)
+    rod_mass: Scalar = number(ALUMINIUM_DENSITY * math.pi * ROD_RADIUS**2 * PROBE_LENGTH, "kg", **POSITIVE)
+    tip_radius: Scalar = number(TIP_RADIUS, "m", **POSITIVE)
+    tip_mass: Scalar = number(ALUMINIUM_DENSITY * 4.0 / 3.0 * math.pi * TIP_RADIUS**3, "kg", **POSITIVE)
+    free_tip: bool = eqx.field(default=False, static=True, metadata={"flag": True})
+
+
+class Cone(Part):
+    """The cone on the passive vehicle. ``length`` is measured along the flank, ``offset`` from throat plane to T."""
+
+    section = "cone"
+    half_angle: Scalar = number(math.pi / 4, "rad", low=0.0, high=math.pi / 2, low_open=True, high_open=True)
+    offset: Scalar = number(0.096, "m", **NON_NEGATIVE)
+    throat_radius: Scalar = number(0.015, "m", **POSITIVE)
+    length: Scalar = number(0.0735, "m", **POSITIVE)
+
+
+class Contact(Part):
+    """Tip against flank: Hertz with hysteresis, regularised Coulomb friction.
+
+    ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and the tip radius.
+    ``memory``: "event" holds the speed of the last touchdown, located as an event (the exact model); "smooth" lets it
+    follow the approach speed within ``memory_time`` while out of contact, and rounds the onset over ``onset_length``.
+    ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
+    """
+
+    section = "contact"
+    stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)  # type: ignore[arg-type]
+    restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
+    friction: Scalar = number(0.33, "-", **NON_NEGATIVE)
+    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
+    young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    onset_length: Scalar = number(1e-8, "m", **POSITIVE)
+    memory_time: Scalar = number(2e-4, "s", **POSITIVE)
+    memory: str = choice("event", "event", "smooth")
+    arms: str = choice("moving", "moving", "published")
+
+
+class Design(Part):
+    """The whole mechanism; the defaults are the paper's Table 2 (assumed values are marked in the documentation)."""
+
+    active: Active = Active()
+    passive: Passive = Passive()
+    buffer: Buffer = Buffer()
+    probe: Probe = Probe()
+    cone: Cone = Cone()
+    contact: Contact = Contact()
+
+    def __check_init__(self) -> None:
+        # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
+        known = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
+        if not any(v is None for v in known):
+            throat, length, angle = (v for v in known if v is not None)
+            mouth = float(np.min(throat + length * np.sin(angle)))
+            check_number("probe.tip_radius", self.probe.tip_radius, "m", high=mouth, high_open=True, **POSITIVE)
+
+    @property
+    def contact_stiffness(self) -> Scalar:
+        """K [N/m^1.5], as given or by the paper's eq. 3-4."""
+        if self.contact.stiffness is not None:
+            return self.contact.stiffness
+        modulus, ratio = self.contact.young_modulus, self.contact.poisson_ratio
+        return hertz_stiffness(self.probe.tip_radius, modulus, ratio, modulus, ratio)
+
+
+class Scenario(Part):
+    """How the vehicles meet: the tip touches the lower flank at t = 0.
+
+    **Arguments:** ``approach_speed`` v0 [m/s]; ``contact_distance`` b [m], slant distance of the first contact from the
+    throat edge; ``misalignment`` θ_T0 [rad]; ``passive_rate`` θ̇_T0 [rad/s].
+    """
+
+    section = "scenario"
+    approach_speed: Scalar = number(0.1, "m/s", **POSITIVE)
+    contact_distance: Scalar = number(0.0435, "m", **POSITIVE)
+    misalignment: Scalar = number(0.0, "rad", low=-math.pi / 2, high=math.pi / 2, low_open=True, high_open=True)
+    passive_rate: Scalar = number(0.0, "rad/s")
+
+
+def check_fit(design: Design, scenario: Scenario) -> None:
+    """Raise `InputError` where scenario and design don't fit: first contact off the flank, tip not facing the flank."""
+    length, angle = concrete(design.cone.length), concrete(design.cone.half_angle)
+    if length is not None:
+        check_number("scenario.contact_distance", scenario.contact_distance, "m", high=float(length.min()), **POSITIVE)
+    if angle is not None:
+        limit = float(np.min(np.minimum(angle, math.pi / 2 - angle)))
+        check_number(
+            "scenario.misalignment", scenario.misalignment, "rad", low=-limit, high=limit, low_open=True, high_open=True
+        )
+
+
+def table2() -> Design:
+    """The mechanism of the paper's Table 2 and section 7, with the assumptions its text leaves open."""
+    return Design()
+
+
+def rigid_probe(design: Design | None = None) -> Design:
+    """The paper's "traditional rigid probe" as a baseline: the buffer made stiff enough to act as a weld.
+
+    1e8 N/m and 1e6 N m/rad let the probe yield about 1e-5 m and 1e-4 rad under the rigid peak of some 1 kN, the size of
+    the contact's own penetration; damping of 1e4 N s/m and 1e2 N m s/rad keeps the stiff modes from ringing. Stiffer
+    springs change the peak no further (see the verification page); the paper states no value ("high enough").
+    """
+    from .paths import replace
+
+    stiff = {"buffer.k_A": 1e8, "buffer.c_A": 1e4, "buffer.k_T": 1e6, "buffer.c_T": 1e2}
+    return replace(design if design is not None else table2(), stiff)

@@ -1,0 +1,68 @@
+"""What time stepping needs to know of a mechanism whose contacts come and go."""
+
+import equinox as eqx
+from jaxtyping import Array, Float, Int
+
+State = Float[Array, " state"]
+Active = Float[Array, " contacts"]
+
+
+class Linearisation(eqx.Module):
+    """The stiff part of the velocities' equation: ẇ ≈ -X (K Bᵀ δq + C Bᵀ δw), of low rank.
+
+    ``directions`` B: how each of ``rank`` scalar forces acts on the velocities; ``response`` X: the accelerations a unit
+    of each force causes, constraints included; ``stiffness`` K and ``damping`` C: how forces answer to motion.
+    """
+
+    directions: Float[Array, "velocities rank"]
+    response: Float[Array, "velocities rank"]
+    stiffness: Float[Array, "rank rank"]
+    damping: Float[Array, "rank rank"]
+
+
+class HybridSystem(eqx.Module):
+    """A mechanism in modes: each contact is open or closed, and the motion is smooth while none changes.
+
+    The state is one vector: coordinates first, then velocities, then anything else (a contact memory, dissipated
+    energies). Subclasses are pytrees of the numbers sensitivities may be asked for.
+    """
+
+    def start(self) -> tuple[State, Active]:
+        """State and open (0) or closed (1) contacts at t = 0."""
+        raise NotImplementedError
+
+    def derivative(self, time: Float[Array, ""], state: State, active: Active) -> State:
+        """dy/dt within a mode."""
+        raise NotImplementedError
+
+    def gaps(self, state: State) -> Float[Array, " contacts"]:
+        """Distance of each contact [m]; crossing zero downwards closes it (touchdown), upwards opens it (release)."""
+        raise NotImplementedError
+
+    def closed_by_events(self) -> bool:
+        """Whether touchdown and release switch the mode (True) or are only recorded (False: a smooth law)."""
+        return True
+
+    def touchdown(self, state: State, rate: State, contact: Int[Array, ""]) -> State:
+        """The state just after a contact closes, from the state and its rate at the crossing."""
+        raise NotImplementedError
+
+    def terminals(self, state: State) -> Float[Array, " terminals"]:
+        """Functions whose crossing of zero upwards ends the run."""
+        raise NotImplementedError
+
+    def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
+        """Quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
+        raise NotImplementedError
+
+    def scales(self) -> State:
+        """Magnitude below which an error in each component of the state does not matter in itself."""
+        raise NotImplementedError
+
+    def impact_step(self, state: State) -> Float[Array, ""]:
+        """A first step after a touchdown [s], small against the impact's duration."""
+        raise NotImplementedError
+
+    def linearisation(self, time: Float[Array, ""], state: State, active: Active) -> Linearisation:
+        """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
+        raise NotImplementedError

@@ -1,0 +1,67 @@
+"""Dotted paths into designs and scenarios: "buffer.k_A", as in TOML and on the command line."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar
+
+import equinox as eqx
+
+from ..errors import InputError, suggest
+
+T = TypeVar("T", bound=eqx.Module)
+
+
+def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
+    """All dotted paths of a design or scenario, static choices included."""
+    for name in module.__dataclass_fields__:
+        value = getattr(module, name)
+        if isinstance(value, eqx.Module):
+            yield from paths(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name
+
+
+def check_path(module: eqx.Module, path: str) -> None:
+    """Raise `InputError` with the nearest name unless ``path`` exists."""
+    known = list(paths(module))
+    if path not in known:
+        sections = {p.rsplit(".", 1)[0] for p in known if "." in p}
+        hint = " is a section; name one of its fields" if path in sections else " is unknown" + suggest(path, known)
+        raise InputError(f"{path}{hint}")
+
+
+def get(module: eqx.Module, path: str) -> Any:
+    """The value at a dotted path."""
+    check_path(module, path)
+    for name in path.split("."):
+        module = getattr(module, name)
+    return module
+
+
+def unit(module: eqx.Module, path: str) -> str:
+    """The unit of a path, "" for a choice."""
+    *owners, name = path.split(".")
+    for owner in owners:
+        module = getattr(module, owner)
+    return module.__dataclass_fields__[name].metadata.get("unit", "")
+
+
+def replace(module: T, values: Mapping[str, Any]) -> T:
+    """A copy with the values at dotted paths replaced, validated like a new one; works on traced values.
+
+    Example: ``replace(table2(), {"buffer.k_A": 800.0, "probe.tip_mass": 0.05})``.
+    """
+    for path in values:
+        check_path(module, path)
+    return _replace(module, {tuple(path.split(".")): value for path, value in values.items()})
+
+
+def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
+    fields = {}
+    for name in module.__dataclass_fields__:
+        inner = {key[1:]: value for key, value in values.items() if key[0] == name}
+        current = getattr(module, name)
+        if () in inner:
+            fields[name] = inner[()]
+        else:
+            fields[name] = _replace(current, inner) if inner else current
+    return type(module)(**fields)

@@ -1,0 +1,223 @@
+"""From a run's log to the quantities of the model's section 7: each a plain function of located states, differentiable
+because the states carry their sensitivities."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .integrate import Kind, Log
+from .mechanisms.capture import N, CaptureMechanism
+from .multibody import Kinematics
+
+FLANKS = 2
+HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE = 2, 3, 4, 5  # observables, after the contact forces of both flanks
+
+
+class Maxima(NamedTuple):
+    """Largest values over a run: contact force [N] with its time [s] and flank, hinge force [N], buffer force [N],
+    stroke [m], hinge angle [rad]."""
+
+    peak_force: Float[Array, ""]
+    peak_time: Float[Array, ""]
+    peak_flank: Int[Array, ""]
+    hinge_force: Float[Array, ""]
+    buffer_force: Float[Array, ""]
+    stroke: Float[Array, ""]
+    hinge_angle: Float[Array, ""]
+
+
+def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
+    """The state at one entry of the log."""
+    return log.rows[slot, 0]
+
+
+def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
+    """The largest located maxima, or the values at the end where those are larger.
+
+    By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
+    """
+
+    def observe(slot: Array) -> Array:
+        state, active = state_at(log, slot), log.active[slot]
+        return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
+
+    groups = [log.which < FLANKS, *(log.which == k for k in (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))]
+    located = (log.kind == Kind.PEAK) & jnp.stack(groups)
+    slots = jnp.argmax(jnp.where(located, log.value, -jnp.inf), axis=1)
+    found = jnp.any(located, axis=1)
+    last = jnp.maximum(log.count - 1, 0)
+    seen = jax.vmap(observe)(jnp.append(slots, last))
+    columns = jnp.stack(
+        [log.which[slots[0]] % FLANKS, *map(jnp.asarray, (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))]
+    )
+    inside = jnp.where(found, seen[jnp.arange(5), columns], 0.0)
+    final_flank = jnp.argmax(seen[5, :FLANKS])
+    final = jnp.concatenate([jnp.max(seen[5, :FLANKS])[None], seen[5, FLANKS:]])
+    at_end = final > inside
+    value = jnp.where(at_end, final, inside)
+    time = jnp.where(found[0], _peak_time(mechanism, log, slots[0]), 0.0)
+    return Maxima(
+        value[0],
+        jnp.where(at_end[0], log.time[last], time),
+        jnp.where(at_end[0], final_flank, columns[0]),
+        *value[1:],
+    )
+
+
+def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""]) -> Float[Array, ""]:
+    """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
+    state, active = state_at(log, slot), log.active[slot]
+    rate = mechanism.derivative(log.time[slot], state, active)
+    slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
+    return _shifted(log.time[slot], -slope[log.which[slot] % FLANKS], log.guard_rate[slot])
+
+
+def end_time(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Float[Array, ""]:
+    """When the run ended; it shifts with the parameters if a guard ended it."""
+    last = jnp.maximum(log.count - 1, 0)
+    guard = mechanism.terminals(state_at(log, last))[jnp.clip(log.which[last], 0, 1)]
+    return jnp.where(by_guard, _shifted(log.time[last], guard, log.guard_rate[last]), log.time[last])
+
+
+def _shifted(time: Array, guard: Array, rate: Array) -> Float[Array, ""]:
+    """An event's time: the located one, with the derivative of where the guard crosses zero."""
+    move = -guard / rate
+    return time + move - jax.lax.stop_gradient(move)
+
+
+class Impacts(eqx.Module):
+    """Touchdowns in order, an entry each; slots beyond ``count`` are padding (flank -1, zeros).
+
+    ``time`` [s], ``flank`` (0 lower, 1 upper), ``approach_speed`` δ̇⁻ [m/s], ``peak_force`` [N] until the flank's next
+    touchdown, ``release_time`` [s] (NaN where the run ended in contact).
+    """
+
+    time: Float[Array, " slots"]
+    flank: Int[Array, " slots"]
+    approach_speed: Float[Array, " slots"]
+    peak_force: Float[Array, " slots"]
+    release_time: Float[Array, " slots"]
+    count: Int[Array, ""]
+
+
+def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
+    """All impacts of a run."""
+    slots = log.kind.shape[0]
+    order = jnp.arange(slots)
+    touch = log.kind == Kind.TOUCHDOWN
+
+    def forces(row: Array, active: Array) -> Array:
+        return mechanism.contact(mechanism.kinematics(row), row, active).normal
+
+    def approach(row: Array, flank: Array) -> tuple[Array, Array]:
+        a = mechanism.approach(mechanism.kinematics(row), row)
+        return a.gap[flank], mechanism.memory(row)[flank]
+
+    flank = log.which % FLANKS
+    force = jnp.take_along_axis(jax.vmap(forces)(log.rows[:, 0], log.active), flank[:, None], axis=1)[:, 0]
+    gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
+    time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
+
+    later = order[None, :] > order[:, None]
+    same = log.which[None, :] == log.which[:, None]
+    next_touch = jnp.min(jnp.where(later & same & touch[None, :], order[None, :], slots), axis=1)
+    within = later & same & (order[None, :] < next_touch[:, None])
+    peaks = within & (log.kind == Kind.PEAK)[None, :]
+    ends = within & (log.kind == Kind.RELEASE)[None, :]
+    peak = jnp.max(jnp.where(peaks, force[None, :], 0.0), axis=1)
+    release = jnp.min(jnp.where(ends, log.time[None, :], jnp.inf), axis=1)
+
+    picked = jnp.argsort(~touch, stable=True)
+    present = touch[picked]
+    return Impacts(
+        time=jnp.where(present, time[picked], 0.0),
+        flank=jnp.where(present, log.which[picked], -1),
+        approach_speed=jnp.where(present, speed[picked], 0.0),
+        peak_force=jnp.where(present, peak[picked], 0.0),
+        release_time=jnp.where(present, jnp.where(jnp.isfinite(release), release, jnp.nan)[picked], 0.0),
+        count=jnp.sum(touch),
+    )
+
+
+def contact_time(log: Log) -> Float[Array, ""]:
+    """Time during which at least one flank is touched [s]."""
+    last = jnp.maximum(log.count - 1, 0)
+    touching = jnp.any(log.active > 0.5, axis=1)
+    inside = (jnp.arange(log.kind.shape[0]) < last) & touching
+    following = jnp.append(log.time[1:], 0.0)
+    return jnp.sum(jnp.where(inside, following - log.time, 0.0))
+
+
+class Energy(eqx.Module):
+    """The ledger at one instant [J]: kinetic, springs, elastic contact, and what was lost so far."""
+
+    kinetic: Float[Array, "..."]
+    spring: Float[Array, "..."]
+    contact: Float[Array, "..."]
+    axial_damper: Float[Array, "..."]
+    torsional_damper: Float[Array, "..."]
+    hysteresis: Float[Array, "..."]
+    friction: Float[Array, "..."]
+
+    @property
+    def dissipated(self) -> Float[Array, "..."]:
+        """Everything lost [J]."""
+        return self.axial_damper + self.torsional_damper + self.hysteresis + self.friction
+
+    @property
+    def total(self) -> Float[Array, "..."]:
+        """The sum, constant in time [J]."""
+        return self.kinetic + self.spring + self.contact + self.dissipated
+
+
+def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Energy:
+    """The ledger of one state."""
+    kin = mechanism.kinematics(state)
+    system, pair = mechanism.system, mechanism.pair
+    kinetic = system.kinetic_energy(kin.v)
+    if mechanism.spins:
+        kinetic = kinetic + 0.5 * mechanism.probe.tip_inertia * state[2 * N] ** 2
+    elastic = jnp.sum(active * pair.stored_energy(mechanism.contact(kin, state, active).approach))
+    return Energy(kinetic, jnp.asarray(system.stored_energy(kin)), elastic, *mechanism.losses(state))
+
+
+class Balance(eqx.Module):
+    """What should not change, and by how much it did over the run.
+
+    ``energy``: relative to the initial energy; ``linear_momentum`` relative to m_S v0, ``angular_momentum`` to
+    m_S v0 · 1 m; ``drift``: largest constraint error [m, rad] at any located event.
+    """
+
+    energy: Float[Array, ""]
+    linear_momentum: Float[Array, ""]
+    angular_momentum: Float[Array, ""]
+    drift: Float[Array, ""]
+
+
+def balance(mechanism: CaptureMechanism, log: Log) -> Balance:
+    """Conservation over a whole run, from its first state to its last."""
+    first, active = mechanism.start()
+    last = jnp.maximum(log.count - 1, 0)
+    end = state_at(log, last)
+    before, after = energy(mechanism, first, active), energy(mechanism, end, log.active[last])
+    scale = mechanism.design.active.mass * mechanism.scenario.approach_speed
+
+    def momenta(state: Array) -> tuple[Array, Array]:
+        kin = mechanism.kinematics(state)
+        angular = mechanism.system.angular_momentum(kin.q, kin.v)
+        if mechanism.spins:
+            angular = angular + mechanism.probe.tip_inertia * state[2 * N]
+        return mechanism.system.linear_momentum(kin.v), angular
+
+    (linear_0, angular_0), (linear_1, angular_1) = momenta(first), momenta(end)
+    used = jnp.arange(log.kind.shape[0]) < log.count
+    phi = jax.vmap(lambda row: mechanism.system.constraints(Kinematics(row[:N], row[N : 2 * N])).phi)(log.rows[:, 0])
+    return Balance(
+        energy=(after.total - before.total) / before.total,
+        linear_momentum=jnp.max(jnp.abs(linear_1 - linear_0)) / scale,
+        angular_momentum=jnp.abs(angular_1 - angular_0) / scale,
+        drift=jnp.max(jnp.where(used[:, None], jnp.abs(phi), 0.0)),
+    )

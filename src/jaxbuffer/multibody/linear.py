@@ -1,0 +1,30 @@
+"""Small symmetric systems solved without LAPACK: a library call inside a loop would split XLA's single kernel."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+def ldl_solve(matrix: Float[Array, "m m"], rhs: Float[Array, " m"]) -> Float[Array, " m"]:
+    """Solve a symmetric positive definite system by a written-out LDLᵀ, for the few rows a mechanism has."""
+    n = rhs.shape[0]
+    lower: list[list[Array]] = [[] for _ in range(n)]
+    pivot: list[Array] = []
+    for i in range(n):
+        for j in range(i):
+            entry = matrix[i, j]
+            for k in range(j):
+                entry = entry - lower[i][k] * lower[j][k] * pivot[k]
+            lower[i].append(entry / pivot[j])
+        diagonal = matrix[i, i]
+        for k in range(i):
+            diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
+        pivot.append(diagonal)
+    x = [rhs[i] for i in range(n)]
+    for i in range(n):
+        for k in range(i):
+            x[i] = x[i] - lower[i][k] * x[k]
+    x = [x[i] / pivot[i] for i in range(n)]
+    for i in reversed(range(n)):
+        for k in range(i + 1, n):
+            x[i] = x[i] - lower[k][i] * x[k]
+    return jnp.stack(x)

@@ -1,0 +1,59 @@
+"""How a capture ended."""
+
+import enum
+
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from .integrate import Status
+
+
+class Outcome(enum.IntEnum):
+    """How a capture ended; the members compare with the integer codes inside compiled code.
+
+    A failed capture is one whose equations were not solved: its numbers are NaN and say nothing about the design.
+    """
+
+    captured = 0
+    escaped = 1
+    timeout = 2
+    failed_steps = 3
+    failed_step_size = 4
+    failed_not_finite = 5
+    failed_log = 6
+
+    @property
+    def failed(self) -> bool:
+        """Whether the solver gave up."""
+        return self >= Outcome.failed_steps
+
+    @property
+    def reason(self) -> str:
+        """A sentence for the user."""
+        return _REASONS[self]
+
+
+_REASONS = {
+    Outcome.captured: "captured: the tip centre crossed the capture plane inwards",
+    Outcome.escaped: "escaped: the tip left the cone",
+    Outcome.timeout: "timeout: neither captured nor escaped within the duration",
+    Outcome.failed_steps: "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver",
+    Outcome.failed_step_size: "failed: the step size fell below 1e-14 s; the tolerance can't be met",
+    Outcome.failed_not_finite: "failed: the state stopped being finite",
+    Outcome.failed_log: "failed: more events than max_events; raise it",
+}
+
+_FROM_STATUS = {
+    Status.TIMEOUT: Outcome.timeout,
+    Status.TOO_MANY_STEPS: Outcome.failed_steps,
+    Status.STEP_TOO_SMALL: Outcome.failed_step_size,
+    Status.NOT_FINITE: Outcome.failed_not_finite,
+    Status.LOG_FULL: Outcome.failed_log,
+}
+
+
+def outcome_code(status: Int[Array, ""]) -> Int[Array, ""]:
+    """The outcome's code from a run's status: terminal guards come first and in the same order."""
+    for code, outcome in _FROM_STATUS.items():
+        status = jnp.where(status == int(code), int(outcome), status)
+    return status

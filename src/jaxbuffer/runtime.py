@@ -1,0 +1,48 @@
+"""Process-wide settings that make JAX fast here. Importing jaxbuffer changes nothing; calling this does.
+
+XLA's CPU backend runs each operation of a loop on its own unless the loop is small. The option below lets it compile a
+whole loop into one function, which makes a capture about ten times faster; it must be set before JAX's backend starts.
+"""
+
+import os
+import warnings
+from pathlib import Path
+
+ONE_KERNEL = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
+
+
+def configure(*, cache: str | Path | None = None) -> None:
+    """Switch on one-kernel loops and double precision, and (with ``cache``) keep compiled programs on disk.
+
+    Call it first, before any JAX computation: the command line, the tests and the benchmarks do. It warns if JAX's
+    backend is already up, when the loop option can't take effect any more (all else still does).
+
+    **Arguments:** ``cache``: folder of JAX's persistent compilation cache, or None to leave that alone.
+    """
+    flags = os.environ.get("XLA_FLAGS", "")
+    if "xla_cpu_small_while_loop_byte_threshold" not in flags:
+        if _backend_is_up():
+            warnings.warn(
+                "jaxbuffer.configure() came after JAX's backend started: loops stay about ten times slower. "
+                "Call it before the first JAX computation.",
+                RuntimeWarning,
+                stacklevel=2,
+            )
+        else:
+            os.environ["XLA_FLAGS"] = f"{flags} {ONE_KERNEL}".strip()
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    if cache is not None:
+        jax.config.update("jax_compilation_cache_dir", str(cache))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+def _backend_is_up() -> bool:
+    import sys
+
+    if "jax" not in sys.modules:
+        return False
+    from jax._src import xla_bridge
+
+    return bool(xla_bridge._backends)
