@@ -5,4 +5,4 @@ from .lanes import Lanes as Lanes
 from .log import Kind as Kind, Log as Log, Steps as Steps
 from .run import Options as Options, Result as Result, Status as Status, run as run
 from .solve import solve as solve
-from .solvers import ExplicitRungeKutta as ExplicitRungeKutta, Solver as Solver
+from .solvers import ExplicitRungeKutta as ExplicitRungeKutta, LinearlyImplicit as LinearlyImplicit, Solver as Solver

@@ -43,10 +43,15 @@ class Log(NamedTuple):
 
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int) -> "Log":
-        """A log with room for ``slots`` events."""
+        """A log with room for ``slots`` events.
+
+        Unused slots hold the start: whatever is computed from them is thrown away, but it must stay finite, or
+        reverse-mode derivatives turn it into NaN.
+        """
         n = slots + 1
         none, zero = jnp.full(n, int(Kind.NONE)), jnp.zeros(n)
-        return Log(none, none, zero, zero, zero, jnp.zeros((n, contacts)), jnp.zeros((n, *rows.shape)), jnp.asarray(0))
+        start = jnp.broadcast_to(rows, (n, *rows.shape))
+        return Log(none, none, zero, zero, jnp.ones(n), jnp.zeros((n, contacts)), start, jnp.asarray(0))
 
     def append(
         self,

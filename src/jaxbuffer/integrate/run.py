@@ -21,7 +21,7 @@ from .events import Guards, first_crossing, signed
 from .landing import Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
-from .solvers import ExplicitRungeKutta, Solver
+from .solvers import LinearlyImplicit, Solver
 
 P = TypeVar("P")
 
@@ -45,7 +45,7 @@ class Options(eqx.Module):
     history, 0 for none.
     """
 
-    solver: Solver = ExplicitRungeKutta()
+    solver: Solver = LinearlyImplicit()
     tolerance: Tolerance = Tolerance()
     controller: Controller = Controller()
     event_time: Scalar = 1e-9

@@ -6,6 +6,7 @@ The state is ``[q (12), v (12), tip spin (if free), energy lost (4), contact mem
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -26,7 +27,7 @@ from ..multibody import (
     load_at,
 )
 from .design import Design, Scenario
-from .hybrid import HybridSystem
+from .hybrid import HybridSystem, Linearisation
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 N = 12  # coordinates
@@ -361,6 +362,65 @@ class CaptureMechanism(HybridSystem):
         """A hundredth of the duration of a Hertz impact of the probe's mass at the memorised speed [s]."""
         mass, speed = self.probe.mass, jnp.max(self.memory(state))
         return 0.03 * (mass**2 / (self.design.contact_stiffness**2 * speed)) ** 0.2
+
+
+    def linearisation(
+        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
+    ) -> Linearisation:
+        """Axial and torsional spring-damper, and each flank's normal force and friction, with frozen directions."""
+        kin = self.kinematics(state)
+        approach, memory = self._onset(self.approach(kin, state)), self.memory(state)
+        pair, buffer = self.pair, self.design.buffer
+        axial = self.system.forces[0].state(kin)
+
+        def contact_forces(depth: Array, speed: Array, slip: Array) -> tuple[Array, Array]:
+            normal = active * pair.law.force(depth, speed, memory)
+            return normal, -pair.friction.force(normal, slip)
+
+        def slopes(along: tuple[float, float, float]) -> tuple[Array, Array]:
+            point = (-approach.gap, approach.approach_speed, approach.slip)
+            return jax.jvp(contact_forces, point, tuple(jnp.full(2, a) for a in along))[1]
+
+        none = jnp.zeros(2)
+        per_depth, per_speed, per_slip = slopes((1.0, 0.0, 0.0)), slopes((0.0, 1.0, 0.0)), slopes((0.0, 0.0, 1.0))
+
+        def coupled(axial: Scalar, torsional: Scalar, normal: tuple[Array, Array], tangential: Array) -> Array:
+            """Rows: axial, torsional, normal (2), friction (2); columns: what each depends on, in the same order."""
+            buffer_rows = _vector([axial, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, torsional, 0.0, 0.0, 0.0, 0.0]).reshape(2, 6)
+            left, eye = jnp.zeros((2, 2)), jnp.eye(2)
+            normal_rows = jnp.concatenate([left, normal[0] * eye, left], axis=1)
+            friction_rows = jnp.concatenate([left, normal[1] * eye, tangential * eye], axis=1)
+            return jnp.concatenate([buffer_rows, normal_rows, friction_rows])
+
+        directions = self._contact_directions(kin, state, approach)
+        u, a, b = axial.along, axial.first_arm, axial.second_arm
+        along = _vector([0.0] * 3 + [-u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u)] + [0.0] * (3 + self.spins))
+        twist = _vector([0.0, 0.0, -1.0, 0.0, 0.0, 1.0] + [0.0] * (6 + self.spins))
+        directions = jnp.concatenate([along[:, None], twist[:, None], directions], axis=1)
+        response = self.system.response(kin, directions[:N])
+        if self.spins:
+            response = jnp.concatenate([response, directions[N:] / self.probe.tip_inertia])
+        return Linearisation(
+            directions=directions,
+            response=response,
+            stiffness=coupled(buffer.k_A, buffer.k_T, per_depth, none),
+            damping=coupled(buffer.c_A, buffer.c_T, per_speed, per_slip[1]),
+            coordinates=N,
+        )
+
+    def _contact_directions(self, kin: Kinematics, state: Array, approach: Approach) -> Float[Array, "velocities 4"]:
+        """Columns b with δ̇ = b·w (both flanks), then v_t = b·w (both flanks)."""
+        _, arm = self.tip(kin, state)
+        normal_x, normal_y = -approach.normal_x, -approach.normal_y
+        x = jnp.concatenate([normal_x, approach.tangent_x])
+        y = jnp.concatenate([normal_y, approach.tangent_y])
+        foot_x, foot_y = jnp.tile(approach.foot_x, 2), jnp.tile(approach.foot_y, 2)
+        # The foot seen from the tip's centre: only the tangential speed feels the tip's spin.
+        spin = jnp.concatenate([jnp.zeros(2), SIDE * approach.distance])
+        turn = arm.x * y - arm.y * x + (0.0 if self.spins else spin)
+        zero = jnp.zeros(4)
+        rows = [zero] * 6 + [x, y, turn, -x, -y, -(foot_x * y - foot_y * x)] + [spin] * self.spins
+        return jnp.stack(rows)
 
 
 def _vector(values: list[Scalar]) -> Float[Array, " n"]:

@@ -8,16 +8,18 @@ Active = Float[Array, " contacts"]
 
 
 class Linearisation(eqx.Module):
-    """The stiff part of the velocities' equation: ẇ ≈ -X (K Bᵀ δq + C Bᵀ δw), of low rank.
+    """The stiff part of the velocities' equation: ẇ ≈ -X (K B_qᵀ δq + C Bᵀ δw), of low rank.
 
-    ``directions`` B: how each of ``rank`` scalar forces acts on the velocities; ``response`` X: the accelerations a unit
-    of each force causes, constraints included; ``stiffness`` K and ``damping`` C: how forces answer to motion.
+    ``directions`` B: how each of ``rank`` scalar forces acts on the velocities w (its first rows, B_q, on the
+    coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K and
+    ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
     """
 
     directions: Float[Array, "velocities rank"]
     response: Float[Array, "velocities rank"]
     stiffness: Float[Array, "rank rank"]
     damping: Float[Array, "rank rank"]
+    coordinates: int = eqx.field(static=True)
 
 
 class HybridSystem(eqx.Module):

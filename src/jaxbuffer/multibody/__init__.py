@@ -21,5 +21,5 @@ from .joints import (
     Weld as Weld,
 )
 from .kinematics import GROUND as GROUND, Frame as Frame, Kinematics as Kinematics, Vector as Vector
-from .linear import ldl_solve as ldl_solve
+from .linear import inverse as inverse, ldl_solve as ldl_solve
 from .system import Constraints as Constraints, Motion as Motion, System as System

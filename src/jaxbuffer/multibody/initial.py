@@ -20,7 +20,7 @@ def assemble(
     inverse_mass = 1.0 / system.masses()
 
     def correction(jacobian: Array, defect: Array) -> Array:
-        weighted = jacobian * inverse_mass
+        weighted = jacobian * inverse_mass[None]
         schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
         return jnp.sum(ldl_solve(schur, defect)[:, None] * weighted, axis=0)
 
@@ -30,4 +30,4 @@ def assemble(
         phi, jacobian, _ = system.constraints(Kinematics(q, v))
         q = q - correction(jacobian, phi)
     jacobian = system.constraints(Kinematics(q, v)).jacobian
-    return q, v - correction(jacobian, jnp.sum(jacobian * v, axis=-1))
+    return q, v - correction(jacobian, jnp.sum(jacobian * v[None], axis=-1))

@@ -1,10 +1,11 @@
 """Small symmetric systems solved without LAPACK: a library call inside a loop would split XLA's single kernel."""
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 
-def ldl_solve(matrix: Float[Array, "m m"], rhs: Float[Array, " m"]) -> Float[Array, " m"]:
+def ldl_solve(matrix: Float[Array, "m m"], rhs: Float[Array, "m *columns"]) -> Float[Array, "m *columns"]:
     """Solve a symmetric positive definite system by a written-out LDLᵀ, for the few rows a mechanism has."""
     n = rhs.shape[0]
     lower: list[list[Array]] = [[] for _ in range(n)]
@@ -28,3 +29,15 @@ def ldl_solve(matrix: Float[Array, "m m"], rhs: Float[Array, " m"]) -> Float[Arr
         for k in range(i + 1, n):
             x[i] = x[i] - lower[k][i] * x[k]
     return jnp.stack(x)
+
+
+def inverse(matrix: Float[Array, "m m"]) -> Float[Array, "m m"]:
+    """Invert a small matrix by Gauss-Jordan elimination without pivoting, for matrices near the identity."""
+    n = matrix.shape[0]
+    index = np.arange(n)
+    work = jnp.concatenate([matrix, jnp.eye(n)], axis=1)
+    for k in range(n):
+        row = work[k] / work[k, k]
+        column = jnp.where(index == k, 0.0, work[:, k])
+        work = jnp.where((index == k)[:, None], row[None], work - column[:, None] * row[None])
+    return work[:, n:]

@@ -86,13 +86,25 @@ class System(eqx.Module):
             return Motion(inverse_mass * force, phi)
         alpha = self.stabilisation
         # Sums of products rather than matrix products: XLA hands even tiny products to a library.
-        weighted = jacobian * inverse_mass
+        weighted = jacobian * inverse_mass[None]
         schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
         drive = inverse_mass * force + 2.0 * alpha * kin.v
-        rhs = jnp.sum(jacobian * drive, axis=-1) - gamma + alpha * alpha * phi
+        rhs = jnp.sum(jacobian * drive[None], axis=-1) - gamma + alpha * alpha * phi
         multipliers = ldl_solve(schur, rhs)
         reaction = jnp.sum(multipliers[:, None] * jacobian, axis=0)
         return Motion(inverse_mass * (force - reaction), multipliers)
+
+    def response(self, kin: Kinematics, directions: Float[Array, "coordinates rank"]) -> Float[Array, "coordinates rank"]:
+        """Accelerations that generalised forces of unit size cause, the joints holding."""
+        inverse_mass = 1.0 / self.masses()
+        free = inverse_mass[:, None] * directions
+        jacobian = self.constraints(kin).jacobian
+        if jacobian.shape[0] == 0:
+            return free
+        weighted = jacobian * inverse_mass[None]
+        schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
+        multipliers = ldl_solve(schur, jnp.sum(jacobian[:, :, None] * free[None], axis=1))
+        return free - jnp.sum(weighted[:, :, None] * multipliers[:, None, :], axis=0)
 
     def kinetic_energy(self, v: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """½ vᵀ M v [J]."""

@@ -1,0 +1,3 @@
+"""The command line: `jaxbuffer simulate|sensitivity|tune`."""
+
+from .entry import main as main

@@ -1,0 +1,42 @@
+"""From arguments to an exit code: no error leaves as a traceback unless it is a bug."""
+
+import os
+import sys
+from collections.abc import Sequence
+
+import typer
+
+from ..errors import InputError
+from .app import app
+from .exits import BAD_INPUT, INTERRUPTED, OK, fail
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with its code."""
+    code = run(sys.argv[1:] if arguments is None else arguments)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if code == INTERRUPTED:
+        os._exit(
+            code
+        )  # a compiler may still be at work in a thread, which an ordinary exit would wait for or trip over
+    sys.exit(code)
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line; errors become one line on stderr and an exit code."""
+    try:
+        code = app(list(arguments), prog_name="jaxbuffer", standalone_mode=False)
+    except InputError as error:
+        return fail(error, BAD_INPUT)
+    except OSError as error:
+        return fail(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # what typer's usage errors have in common, in all its versions
+            raise
+        return fail(error.format_message(), BAD_INPUT)
+    if code == INTERRUPTED:
+        typer.echo("interrupted", err=True)
+    return code or OK

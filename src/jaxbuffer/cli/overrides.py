@@ -1,0 +1,58 @@
+"""Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
+
+from collections.abc import Sequence
+
+from typer import Context
+from typer.core import TyperCommand
+
+from ..errors import InputError
+
+FIELDS = """\
+\b
+Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
+  active    mass [kg], inertia [kg m²], hinge_offset [m]
+  passive   mass [kg], inertia [kg m²]
+  buffer    k_A [N/m], c_A [N s/m], k_T [N m/rad], c_T [N m s/rad],
+            free_length [m], cylinder_mass [kg], cylinder_length [m],
+            damping (physical, published)
+  probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
+            free_tip (true, false)
+  cone      half_angle [rad], offset [m], throat_radius [m], length [m]
+  contact   stiffness [N/m^1.5], restitution [-], friction [-],
+            slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
+            onset_length [m], memory_time [s], memory (event, smooth),
+            arms (moving, published)
+  scenario  approach_speed [m/s], contact_distance [m],
+            misalignment [rad], passive_rate [rad/s]
+"""
+
+
+class Command(TyperCommand):
+    """A command that sets dotted options aside, as text, in the context's ``obj``.
+
+    They are taken out before the parser sees them: to it their values would look like the CONFIG argument.
+    """
+
+    def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
+        """Parse what is left without the dotted options."""
+        rest, ctx.obj = split(args)
+        return super().parse_args(ctx, rest)
+
+
+def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Ordinary arguments, and the dotted options with their values."""
+    rest, overrides = [], {}
+    words = iter(arguments)
+    for word in words:
+        name, equals, value = word.partition("=")
+        if word == "--":
+            rest += [word, *words]
+        elif name.startswith("--") and "." in name:
+            path = name.removeprefix("--")
+            given = value if equals else next(words, "--")
+            if given.startswith("--"):
+                raise InputError(f"{path} needs a value: --{path} VALUE")
+            overrides[path] = given
+        else:
+            rest.append(word)
+    return rest, overrides

@@ -1,0 +1,190 @@
+"""Results as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
+
+import importlib.metadata
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import equinox as eqx
+import numpy as np
+
+from ..capture import Capture
+from ..history import BODIES, MULTIPLIERS
+from ..mechanisms import paths, unit
+from ..report import FLANKS, UNITS, scenario_label
+
+if TYPE_CHECKING:
+    from ..sensitivity import Sensitivity
+    from ..tune import Tuned
+
+Table = tuple[list[str], list[Sequence[Any]]]
+
+HISTORY_UNITS = {
+    "tip_spin": "rad/s",
+    "gap": "m",
+    "approach_speed": "m/s",
+    "slip": "m/s",
+    "contact_force": "N",
+    "friction_force": "N",
+    "hinge_force": "N",
+    "buffer_force": "N",
+    "stroke": "m",
+    "hinge_angle": "rad",
+    "throat_distance": "m",
+}
+COORDINATES = {
+    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
+    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
+}
+MULTIPLIER_UNITS = ("N", "N", "N m", "N")
+ENERGIES = ("kinetic", "spring", "contact", "axial_damper", "torsional_damper", "hysteresis", "friction", "total")
+
+
+def version() -> str:
+    """The installed version."""
+    try:
+        return importlib.metadata.version("jaxbuffer")
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def capture_record(capture: Capture) -> dict[str, Any]:
+    """Everything but the history. Impacts count from 1."""
+    hits, balance = capture.impacts, capture.balance
+    peak_impact = int(capture.peak_impact)
+    return {
+        "outcome": capture.outcome.name,
+        **{f"{name} [{symbol}]": _number(getattr(capture, name)) for name, symbol in UNITS.items()},
+        "peak_flank": FLANKS[int(capture.peak_flank)],
+        "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
+        "impacts": [
+            {
+                "number": k + 1,
+                "flank": FLANKS[int(hits.flank[k])],
+                "time [s]": _number(hits.time[k]),
+                "approach_speed [m/s]": _number(hits.approach_speed[k]),
+                "peak_force [N]": _number(hits.peak_force[k]),
+                "release_time [s]": _number(hits.release_time[k]),
+            }
+            for k in range(int(hits.count))
+        ],
+        "energy_at_end": {f"{name} [J]": _number(getattr(capture.energy, name)) for name in ENERGIES},
+        "numerical_balance": {
+            "energy [-]": _number(balance.energy),
+            "linear_momentum [-]": _number(balance.linear_momentum),
+            "angular_momentum [-]": _number(balance.angular_momentum),
+            "constraint_drift [m]": _number(balance.drift),
+        },
+        "steps_accepted": int(capture.accepted),
+        "steps_attempted": int(capture.attempts),
+        "design": _fields(capture.design),
+        "scenario": _fields(capture.scenario),
+        "jaxbuffer": version(),
+    }
+
+
+def capture_history(capture: Capture) -> Table:
+    """The history, a row for each accepted step."""
+    seen = capture.history
+    assert seen is not None
+    columns: dict[str, Any] = {"time [s]": seen.time}
+    for name, symbol in HISTORY_UNITS.items():
+        value = getattr(seen, name)
+        if value.ndim == 1:
+            columns[f"{name} [{symbol}]"] = value
+        else:
+            columns |= {f"{name} {flank} [{symbol}]": value[:, k] for k, flank in enumerate(FLANKS)}
+    for name, axes in COORDINATES.items():
+        for k, body in enumerate(BODIES):
+            columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
+    for k, (name, symbol) in enumerate(zip(MULTIPLIERS, MULTIPLIER_UNITS, strict=True)):
+        columns[f"multiplier {name} [{symbol}]"] = seen.multipliers[:, k]
+    columns |= {f"energy {name} [J]": getattr(seen.energy, name) for name in ENERGIES}
+    return list(columns), np.column_stack([np.asarray(column) for column in columns.values()]).tolist()
+
+
+def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
+    """Quantities, and for each parameter its gradients and elasticities."""
+    header, rows = sensitivity_rows(result)
+    capture = result.capture
+    return {
+        "outcome": capture.outcome.name,
+        **{f"{name} [{UNITS[name]}]": _number(x) for name, x in zip(result.quantities, result.results, strict=True)},
+        "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
+        "design": _fields(capture.design),
+        "scenario": _fields(capture.scenario),
+        "jaxbuffer": version(),
+    }
+
+
+def sensitivity_rows(result: "Sensitivity") -> Table:
+    """A row for each pair of quantity and parameter; "error" belongs to the peak force's gradients."""
+    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
+    rows: list[Sequence[Any]] = []
+    for i, quantity in enumerate(result.quantities):
+        for k, path in enumerate(result.paths):
+            of_scenario = path.startswith("scenario.")
+            owner = result.capture.scenario if of_scenario else result.capture.design
+            symbol = unit(owner, path.removeprefix("scenario."))
+            error = result.error if quantity == "peak_force" else None
+            rows.append(
+                [
+                    quantity,
+                    path,
+                    _number(result.values[k]),
+                    symbol,
+                    _number(result.gradients[i, k]),
+                    f"{UNITS[quantity]}/({symbol})",
+                    _number(result.elasticities[i, k]),
+                    None if error is None else _number(error[k]),
+                ]
+            )
+    return [*header, "error [-]"], rows
+
+
+def tuning_history(tuned: "Tuned") -> Table:
+    """A row for each iteration."""
+    problem = tuned.problem
+    labels = [scenario_label(s, problem.scenarios) for s in problem.scenarios]
+    header = ["iteration", "objective [-]", "worst_peak_force [N]"]
+    header += [f"peak_force at {label} [N]" for label in labels] + [f"stroke at {label} [m]" for label in labels]
+    header += ["captured", "step_norm [-]"]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for it in tuned.iterations:
+        numbers = [it.number, it.objective, it.worst_peak, *map(float, it.peaks), *map(float, it.strokes)]
+        rows.append([*numbers, it.captured, it.step_norm, *(it.values[v.path] for v in problem.variables)])
+    return header, rows
+
+
+def tuned_comment(tuned: "Tuned") -> str:
+    """What the tuned design's file says of its origin."""
+    problem = tuned.problem
+    peaks = zip(problem.scenarios, tuned.before, tuned.after, strict=True)
+    lines = [
+        f"Tuned by jaxbuffer {version()} in {len(tuned.iterations)} iterations: {tuned.message}.",
+        f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}, stroke limit {problem.stroke_limit:g} m.",
+        "Peak contact force, before and after:",
+    ]
+    for scenario, before, after in peaks:
+        label = scenario_label(scenario, problem.scenarios)
+        lines.append(f"  {label}: {float(before.peak_force):.6g} N, {float(after.peak_force):.6g} N")
+    return "\n".join(lines)
+
+
+def _fields(module: eqx.Module) -> dict[str, Any]:
+    record: dict[str, Any] = {}
+    for path in paths(module):
+        value: Any = module
+        for name in path.split("."):
+            value = getattr(value, name)
+        symbol = unit(module, path)
+        record[f"{path} [{symbol}]" if symbol else path] = _number(value) if symbol else value
+    return record
+
+
+def _number(value: Any) -> float | None:
+    if value is None:
+        return None
+    number = float(value)
+    return number if math.isfinite(number) else None

@@ -1,0 +1,235 @@
+"""Figures of captures and tunings; needs matplotlib, ``pip install jaxbuffer[plots]``."""
+
+import functools
+import io
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from .capture import Capture
+from .errors import InputError
+from .report import FLANKS, scenario_label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .tune import Tuned
+
+T = TypeVar("T")
+
+# Okabe and Ito's colours, told apart by everyone; lightness differs too
+BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#CC79A7",
+    "#56B4E9",
+    "#D55E00",
+    "#888888",
+)
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
+STYLES = ("-", "--", "-.", ":")
+FLANK_COLOURS = (BLUE, ORANGE)
+COLUMNS = 3
+DOTS_PER_INCH = 150
+STYLE: dict[Any, Any] = {
+    "axes.grid": True,
+    "axes.labelsize": 9,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 10,
+    "font.size": 9,
+    "grid.alpha": 0.3,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+}
+
+
+def require_matplotlib() -> None:
+    """Raise `InputError` if matplotlib is not installed."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise InputError("figures need matplotlib; install it with: pip install 'jaxbuffer[plots]'") from None
+
+
+def _styled(draw: "Callable[[T], Figure]") -> "Callable[[T], Figure]":
+    """Draw in our style, and leave matplotlib's settings as they were."""
+
+    @functools.wraps(draw)
+    def styled(data: T) -> "Figure":
+        require_matplotlib()
+        import matplotlib
+
+        with matplotlib.rc_context(STYLE):
+            return draw(data)
+
+    return styled
+
+
+def png(figure: "Figure") -> bytes:
+    """The figure as a PNG file's content."""
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
+    return content.getvalue()
+
+
+@_styled
+def capture_figure(capture: Capture) -> "Figure":
+    """Contact force with its peak enlarged, gap, energies, stroke and hinge angle over time.
+
+    **Arguments:** ``capture``: one simulated with ``history=True``.
+    """
+    seen = _history(capture)
+    figure, grid = _figure(9.0, 9.0, 3, 2)
+    (force, zoom), (gap, energy), (stroke, angle) = grid
+    time = np.asarray(seen.time)
+    peak, at = float(capture.peak_force), float(capture.peak_time)
+    figure.suptitle(
+        f"{capture.outcome.name} at {float(capture.end_time):.4g} s, {scenario_label(capture.scenario)}: "
+        f"peak {peak:.4g} N, {int(capture.impact_count)} impacts"
+    )
+    for k, flank in enumerate(FLANKS):
+        force.plot(time, seen.contact_force[:, k], color=FLANK_COLOURS[k], label=f"{flank} flank")
+    force.plot(at, peak, "o", color=RED, markersize=4, label="peak")
+    _label(force, "Contact force", "time [s]", "contact force [N]")
+
+    _pulses(zoom, capture)
+    zoom.plot(0.0, peak, "o", color=RED, markersize=4)
+    zoom.annotate(f"{peak:.4g} N at {at:.5g} s", (0.0, peak), (6, 2), textcoords="offset points", fontsize=8)
+    zoom.set_ylim(top=1.12 * peak)
+    _label(zoom, "The peak", "time from the peak [ms]", "contact force [N]")
+
+    for k, flank in enumerate(FLANKS):
+        gap.plot(time, 1e3 * seen.gap[:, k], color=FLANK_COLOURS[k], label=f"gap, {flank} flank")
+    gap.plot(time, 1e3 * seen.throat_distance, color=GREEN, linestyle="--", label="to the capture plane")
+    gap.axhline(0.0, color="black", linewidth=0.6)
+    _label(gap, "Gap and distance to capture", "time [s]", "distance [mm]")
+
+    ledger = {
+        "kinetic": (seen.energy.kinetic, BLUE),
+        "springs": (seen.energy.spring, GREEN),
+        "lost in dampers": (seen.energy.axial_damper + seen.energy.torsional_damper, PURPLE),
+        "lost in friction": (seen.energy.friction, ORANGE),
+        "contact, stored and lost": (seen.energy.contact + seen.energy.hysteresis, SKY),
+    }
+    values, colours = zip(*ledger.values(), strict=True)
+    energy.stackplot(time, *(1e3 * value for value in values), colors=colours, labels=ledger)
+    energy.set_ylim(0.0, 1.45e3 * float(np.max(seen.energy.total)))  # room for the legend
+    _label(energy, "Energy, adding up to the total", "time [s]", "energy [mJ]", columns=2)
+
+    stroke.plot(time, 1e3 * seen.stroke, color=BLUE)
+    stroke.axhline(1e3 * float(capture.stroke), color=GREY, linestyle="--", linewidth=0.8)
+    _label(stroke, f"Buffer stroke, largest {1e3 * float(capture.stroke):.4g} mm", "time [s]", "stroke [mm]", False)
+
+    angle.plot(time, np.degrees(seen.hinge_angle), color=BLUE)
+    largest = math.degrees(float(capture.hinge_angle))
+    _label(angle, f"Hinge angle, largest {largest:.3g}°", "time [s]", "hinge angle [deg]", False)
+    return figure
+
+
+@_styled
+def tune_figure(tuned: "Tuned") -> "Figure":
+    """Contact force around the peak before and after in each scenario, convergence, and variables in their bounds."""
+    scenarios = tuned.problem.scenarios
+    rows = math.ceil(len(scenarios) / COLUMNS)
+    figure, grid = _figure(11.0, 3.2 * (rows + 1), rows + 1, COLUMNS)
+    panels = [axes for row in grid[:rows] for axes in row]
+    for axes in panels[len(scenarios) :]:
+        axes.remove()
+    for axes, scenario, *captures in zip(panels, scenarios, tuned.before, tuned.after, strict=False):
+        peaks = [float(capture.peak_force) for capture in captures]
+        for capture, colour, label, peak in zip(captures, (ORANGE, BLUE), ("before", "after"), peaks, strict=True):
+            _pulses(axes, capture, colour, f"{label}, {peak:.4g} N")
+        change = 100.0 * (peaks[1] / peaks[0] - 1.0)
+        axes.set_ylim(top=1.35 * max(peaks))
+        title = f"{scenario_label(scenario, scenarios)}: {change:+.1f} %"
+        _label(axes, title, "time from the run's peak [ms]", "contact force [N]")
+    peak, objective, variables = grid[rows]
+    _convergence(peak, objective, tuned)
+    _variables(variables, tuned)
+    figure.suptitle("Tuning the buffer: the largest contact force before and after")
+    return figure
+
+
+def _convergence(peak: "Axes", objective: "Axes", tuned: "Tuned") -> None:
+    iterations = tuned.iterations
+    numbers = [it.number for it in iterations]
+    for k, scenario in enumerate(tuned.problem.scenarios):
+        peak.plot(numbers, [it.peaks[k] for it in iterations], label=scenario_label(scenario), **_line(k))
+    _label(peak, "Peak contact force", "iteration", "peak force [N]")
+    objective.plot(numbers, [it.objective for it in iterations], color=BLUE)
+    lost = [it for it in iterations if not it.captured]
+    if lost:
+        points = [it.number for it in lost], [it.objective for it in lost]
+        objective.plot(*points, "x", color=RED, label="not captured")
+    _label(objective, "Objective", "iteration", "objective, relative to the start [-]", bool(lost))
+
+
+def _line(number: int) -> dict[str, Any]:
+    return {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)]}
+
+
+def _variables(axes: "Axes", tuned: "Tuned") -> None:
+    numbers = [it.number for it in tuned.iterations]
+    for k, variable in enumerate(tuned.problem.variables):
+        span = variable.high - variable.low
+        place = [(it.values[variable.path] - variable.low) / span for it in tuned.iterations]
+        axes.plot(numbers, place, label=variable.path, **_line(k))
+    axes.set_ylim(-0.03, 1.5)  # room for the legend
+    axes.set_yticks([0.0, 0.5, 1.0], ["low", "0.5", "high"])
+    _label(axes, "Variables within their bounds", "iteration", "place between the bounds [-]", columns=2)
+
+
+def _pulses(axes: "Axes", capture: Capture, colour: str | None = None, label: str | None = None) -> None:
+    """Contact force over time from the run's peak [ms], as wide as the impact that holds it, dots at the steps.
+
+    Both flanks in their colours, or the peak's flank in ``colour``.
+    """
+    seen, at = _history(capture), float(capture.peak_time)
+    flank = int(capture.peak_flank)
+    time, force = np.asarray(seen.time), np.asarray(seen.contact_force)
+    near = int(np.argmin(np.abs(time - at)))
+    pressed = force[:, flank] > 0.02 * float(capture.peak_force)
+    before, after = np.flatnonzero(~pressed[:near]), np.flatnonzero(~pressed[near:])
+    start = time[before[-1]] if before.size else time[0]
+    end = time[near + after[0]] if after.size else time[-1]
+    room = 0.25 * (end - start)
+    inside = slice(*np.searchsorted(time, (start - room, end + room)) + np.array([-1, 1]).clip(-near))
+    shown = (flank,) if colour else range(len(FLANKS))
+    for k in shown:
+        axes.plot(
+            1e3 * (time[inside] - at),
+            force[inside, k],
+            ".-",
+            markersize=3,
+            color=colour or FLANK_COLOURS[k],
+            label=label or f"{FLANKS[k]} flank",
+        )
+
+
+def _history(capture: Capture) -> Any:
+    if capture.history is None:
+        raise InputError("this capture has no history to plot; simulate it with history=True")
+    return capture.history
+
+
+def _figure(width: float, height: float, rows: int, columns: int) -> "tuple[Figure, np.ndarray]":
+    """A figure [inch] of its own: pyplot's global state stays as it is."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def _label(axes: "Axes", title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
+    axes.set_title(title)
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    if legend:
+        axes.legend(ncols=columns)

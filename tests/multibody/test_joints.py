@@ -1,0 +1,89 @@
+"""Every joint's Φ against geometry, its Φ_q and γ against automatic differentiation of Φ alone."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.multibody import GROUND, Body, FixedAngle, Kinematics, PointOnLine, Prismatic, Revolute, System, Weld
+
+A, B = (0.31, -0.12), (-0.45, 0.27)
+NORMAL = (np.sin(0.7), np.cos(0.7))
+JOINTS = {
+    "revolute": lambda i, j: Revolute(i, j, A, B),
+    "fixed angle": lambda i, j: FixedAngle(i, j, 0.4),
+    "point on line": lambda i, j: PointOnLine(i, j, A, B, NORMAL),
+    "prismatic": lambda i, j: Prismatic(i, j, A, B, NORMAL, 0.4),
+    "weld": lambda i, j: Weld(i, j, A, B, 0.4),
+}
+BODIES = {"both bodies": (0, 1), "swapped": (1, 0), "ground first": (GROUND, 1), "ground second": (0, GROUND)}
+
+each_joint = pytest.mark.parametrize("joint", JOINTS)
+each_pair = pytest.mark.parametrize("pair", BODIES)
+each_seed = pytest.mark.parametrize("seed", range(3))
+
+
+def random_system(joint, pair, seed):
+    rng = np.random.default_rng(seed)
+    system = System((Body(1.0, 0.1), Body(2.0, 0.3)), (JOINTS[joint](*BODIES[pair]),))
+    return system, jnp.asarray(rng.normal(size=6)), jnp.asarray(rng.normal(size=6))
+
+
+def pose(q, body):
+    """Origin and rotation matrix of a body."""
+    x, y, angle = (0.0, 0.0, 0.0) if body == GROUND else np.asarray(q)[3 * body : 3 * body + 3]
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return np.array([x, y]), turn, angle
+
+
+@each_joint
+@each_pair
+@each_seed
+def test_constraint_is_the_stated_geometry(joint, pair, seed):
+    system, q, v = random_system(joint, pair, seed)
+    (origin_i, turn_i, angle_i), (origin_j, turn_j, angle_j) = (pose(q, body) for body in BODIES[pair])
+    apart = origin_i + turn_i @ A - origin_j - turn_j @ B
+    angle = angle_i - angle_j - 0.4
+    across = -(turn_i @ NORMAL) @ apart
+    expected = {
+        "revolute": apart,
+        "fixed angle": [angle],
+        "point on line": [across],
+        "prismatic": [angle, across],
+        "weld": [*apart, angle],
+    }[joint]
+    np.testing.assert_allclose(system.constraints(Kinematics(q, v)).phi, expected, atol=1e-14)
+
+
+@each_joint
+@each_pair
+@each_seed
+def test_jacobian_is_the_derivative_of_the_constraint(joint, pair, seed):
+    system, q, v = random_system(joint, pair, seed)
+    expected = jax.jacfwd(lambda q: system.constraints(Kinematics(q, v)).phi)(q)
+    np.testing.assert_allclose(system.constraints(Kinematics(q, v)).jacobian, expected, atol=1e-14)
+
+
+@each_joint
+@each_pair
+@each_seed
+def test_gamma_is_the_velocity_part_of_the_second_derivative(joint, pair, seed):
+    """γ = -(Φ_q q̇)_q q̇, from two push-forwards of Φ."""
+    system, q, v = random_system(joint, pair, seed)
+
+    def phi(q):
+        return system.constraints(Kinematics(q, v)).phi
+
+    def rate(q):
+        return jax.jvp(phi, (q,), (v,))[1]
+
+    expected = -jax.jvp(rate, (q,), (v,))[1]
+    np.testing.assert_allclose(system.constraints(Kinematics(q, v)).gamma, expected, atol=1e-13)
+
+
+@each_joint
+def test_swapping_the_ground_and_a_body_leaves_reactions_on_the_body_alone(joint):
+    system, q, v = random_system(joint, "ground first", 0)
+    jacobian = system.constraints(Kinematics(q, v)).jacobian
+    assert np.all(np.asarray(jacobian[:, :3]) == 0.0)
+    assert np.any(np.asarray(jacobian[:, 3:]) != 0.0)
