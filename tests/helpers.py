@@ -37,10 +37,14 @@ def phi(system: System, q):
     return system.constraints(Kinematics(q, jnp.zeros_like(q))).phi
 
 
-@eqx.filter_jit
 def integrate(mechanism: Mechanism, times, tolerance=1e-13):
     """Coordinates and velocities at ``times``, by an eighth-order method independent of jaxbuffer's own loop."""
+    # Arrays in place of floats: mechanisms of one kind then share one compiled program.
+    return _integrate(*jax.tree.map(lambda leaf: jnp.asarray(leaf, float), (mechanism, times, tolerance)))
 
+
+@eqx.filter_jit
+def _integrate(mechanism, times, tolerance):
     def field(_, y, system):
         return y[1], system.motion(Kinematics(*y)).acceleration
 
@@ -156,7 +160,7 @@ def merged_pair(angle: float, first=(0.7, 0.02), second=(1.9, 0.05), offset=(0.3
     apart = first[0] * second[0] / mass * np.dot(offset, offset)
     body = Body(mass, first[1] + second[1] + apart)
     cos, sin = np.cos(turn), np.sin(turn)
-    tip = np.array(offset) + [cos * 0.1 - sin * 0.05, sin * 0.1 + cos * 0.05] - shift
+    tip = offset - shift + np.array([cos * 0.1 - sin * 0.05, sin * 0.1 + cos * 0.05])
     spring = AxialSpringDamper(GROUND, 0, (0.5, 0.4), tuple(tip), stiffness=40.0, damping=0.6, free_length=0.3)
     system = System((body,), (Revolute(GROUND, 0, second_point=tuple(-shift)),), (spring,))
     cos, sin = np.cos(angle), np.sin(angle)

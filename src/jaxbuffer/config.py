@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import equinox as eqx
 import tomli_w
 
-from . import integrate
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
-from .errors import InputError, check_choice, check_number, suggest
+from .errors import InputError, check_number, suggest
+from .integrate import ExplicitRungeKutta, LinearlyImplicit, Solver
 from .mechanisms import Design, Scenario, check_fit, get, paths, replace, unit
-from .mechanisms.design import POSITIVE, Part, number
+from .mechanisms.design import POSITIVE, Part, choice, number
 from .mechanisms.paths import check_path
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=eqx.Module)
 
 SECTIONS = tuple(Design.__dataclass_fields__)
-SOLVERS: Mapping[str, Any] = getattr(integrate, "SOLVERS", {"explicit": integrate.ExplicitRungeKutta})
+SOLVERS: Mapping[str, type[Solver]] = {"implicit": LinearlyImplicit, "explicit": ExplicitRungeKutta}
 VARIABLES = {
     "buffer.k_A": (100.0, 2000.0),  # N/m
     "buffer.c_A": (1.0, 60.0),  # N s/m
@@ -33,20 +33,16 @@ VARIABLES = {
 
 
 class Options(Part):
-    """How to simulate: ``duration`` [s], ``rtol`` [-], ``solver`` (a name in `SOLVERS`; None: `simulate`'s default)."""
+    """How to simulate: ``duration`` [s], ``rtol`` [-], ``solver``, a name in `SOLVERS`."""
 
     section = "options"
     duration: float = number(DEFAULT_DURATION, "s", **POSITIVE)
     rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2)
-    solver: str | None = eqx.field(default=None, static=True)
+    solver: str = choice("implicit", *SOLVERS)
 
-    def __check_init__(self) -> None:
-        if self.solver is not None:
-            check_choice("options.solver", self.solver, SOLVERS)
-
-    def stepper(self) -> integrate.Solver | None:
+    def stepper(self) -> Solver:
         """The solver that ``solver`` names."""
-        return None if self.solver is None else SOLVERS[self.solver]()
+        return SOLVERS[self.solver]()
 
 
 class Tuning(Part):
@@ -88,6 +84,8 @@ class Config:
         """The tuning problem; its start must lie within the bounds."""
         from .tune import Problem, Variable
 
+        if self.options.solver != Options.solver:
+            raise InputError(f"options.solver = {self.options.solver!r}: tuning has the {Options.solver} solver only")
         for path, (low, high) in self.tuning.variables.items():
             try:
                 check_number(path, get(self.design, path), unit(self.design, path), low=low, high=high)

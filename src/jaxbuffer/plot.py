@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import jax
 import numpy as np
 
 from .capture import Capture
@@ -33,6 +34,7 @@ BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
 STYLES = ("-", "--", "-.", ":")
 FLANK_COLOURS = (BLUE, ORANGE)
+ITERATION = "iteration [-]"
 COLUMNS = 3
 DOTS_PER_INCH = 150
 STYLE: dict[Any, Any] = {
@@ -91,19 +93,18 @@ def capture_figure(capture: Capture) -> "Figure":
     time = np.asarray(seen.time)
     peak, at = float(capture.peak_force), float(capture.peak_time)
     figure.suptitle(
-        f"{capture.outcome.name} at {float(capture.end_time):.4g} s, {scenario_label(capture.scenario)}: "
-        f"peak {peak:.4g} N, {int(capture.impact_count)} impacts"
+        f"{capture.outcome.name} after {float(capture.end_time):.4g} s, {int(capture.impact_count)} impacts, "
+        f"approach at {scenario_label(capture.scenario)}"
     )
     for k, flank in enumerate(FLANKS):
         force.plot(time, seen.contact_force[:, k], color=FLANK_COLOURS[k], label=f"{flank} flank")
     force.plot(at, peak, "o", color=RED, markersize=4, label="peak")
     _label(force, "Contact force", "time [s]", "contact force [N]")
 
-    _pulses(zoom, capture)
+    for k in range(len(FLANKS)):
+        _pulse(zoom, capture, k, FLANK_COLOURS[k], marker=".")
     zoom.plot(0.0, peak, "o", color=RED, markersize=4)
-    zoom.annotate(f"{peak:.4g} N at {at:.5g} s", (0.0, peak), (6, 2), textcoords="offset points", fontsize=8)
-    zoom.set_ylim(top=1.12 * peak)
-    _label(zoom, "The peak", "time from the peak [ms]", "contact force [N]")
+    _label(zoom, f"The peak, {peak:.4g} N at {at:.6g} s", "time from the peak [ms]", "contact force [N]", False)
 
     for k, flank in enumerate(FLANKS):
         gap.plot(time, 1e3 * seen.gap[:, k], color=FLANK_COLOURS[k], label=f"gap, {flank} flank")
@@ -145,7 +146,7 @@ def tune_figure(tuned: "Tuned") -> "Figure":
     for axes, scenario, *captures in zip(panels, scenarios, tuned.before, tuned.after, strict=False):
         peaks = [float(capture.peak_force) for capture in captures]
         for capture, colour, label, peak in zip(captures, (ORANGE, BLUE), ("before", "after"), peaks, strict=True):
-            _pulses(axes, capture, colour, f"{label}, {peak:.4g} N")
+            _pulse(axes, capture, int(capture.peak_flank), colour, f"{label}, {peak:.4g} N")
         change = 100.0 * (peaks[1] / peaks[0] - 1.0)
         axes.set_ylim(top=1.35 * max(peaks))
         title = f"{scenario_label(scenario, scenarios)}: {change:+.1f} %"
@@ -162,13 +163,13 @@ def _convergence(peak: "Axes", objective: "Axes", tuned: "Tuned") -> None:
     numbers = [it.number for it in iterations]
     for k, scenario in enumerate(tuned.problem.scenarios):
         peak.plot(numbers, [it.peaks[k] for it in iterations], label=scenario_label(scenario), **_line(k))
-    _label(peak, "Peak contact force", "iteration", "peak force [N]")
+    _label(peak, "Peak contact force", ITERATION, "peak force [N]")
     objective.plot(numbers, [it.objective for it in iterations], color=BLUE)
     lost = [it for it in iterations if not it.captured]
     if lost:
         points = [it.number for it in lost], [it.objective for it in lost]
         objective.plot(*points, "x", color=RED, label="not captured")
-    _label(objective, "Objective", "iteration", "objective, relative to the start [-]", bool(lost))
+    _label(objective, "Objective", ITERATION, "objective, relative to the start [-]", bool(lost))
 
 
 def _line(number: int) -> dict[str, Any]:
@@ -178,45 +179,40 @@ def _line(number: int) -> dict[str, Any]:
 def _variables(axes: "Axes", tuned: "Tuned") -> None:
     numbers = [it.number for it in tuned.iterations]
     for k, variable in enumerate(tuned.problem.variables):
-        span = variable.high - variable.low
-        place = [(it.values[variable.path] - variable.low) / span for it in tuned.iterations]
+        values = np.array([it.values[variable.path] for it in tuned.iterations])
+        place = np.log(values / variable.low) / math.log(variable.high / variable.low)
         axes.plot(numbers, place, label=variable.path, **_line(k))
     axes.set_ylim(-0.03, 1.5)  # room for the legend
-    axes.set_yticks([0.0, 0.5, 1.0], ["low", "0.5", "high"])
-    _label(axes, "Variables within their bounds", "iteration", "place between the bounds [-]", columns=2)
+    axes.set_yticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
+    _label(axes, "Variables within their bounds", ITERATION, "place between the bounds, logarithmic [-]", columns=2)
 
 
-def _pulses(axes: "Axes", capture: Capture, colour: str | None = None, label: str | None = None) -> None:
-    """Contact force over time from the run's peak [ms], as wide as the impact that holds it, dots at the steps.
-
-    Both flanks in their colours, or the peak's flank in ``colour``.
-    """
+def _pulse(axes: "Axes", capture: Capture, flank: int, colour: str, label: str = "", marker: str = "") -> None:
+    """Contact force over time from the run's peak [ms], as wide as the impact that holds it, markers at the steps."""
     seen, at = _history(capture), float(capture.peak_time)
-    flank = int(capture.peak_flank)
     time, force = np.asarray(seen.time), np.asarray(seen.contact_force)
-    near = int(np.argmin(np.abs(time - at)))
-    pressed = force[:, flank] > 0.02 * float(capture.peak_force)
-    before, after = np.flatnonzero(~pressed[:near]), np.flatnonzero(~pressed[near:])
-    start = time[before[-1]] if before.size else time[0]
-    end = time[near + after[0]] if after.size else time[-1]
+    start, end = _around(time, force[:, int(capture.peak_flank)], at)
     room = 0.25 * (end - start)
-    inside = slice(*np.searchsorted(time, (start - room, end + room)) + np.array([-1, 1]).clip(-near))
-    shown = (flank,) if colour else range(len(FLANKS))
-    for k in shown:
-        axes.plot(
-            1e3 * (time[inside] - at),
-            force[inside, k],
-            ".-",
-            markersize=3,
-            color=colour or FLANK_COLOURS[k],
-            label=label or f"{FLANKS[k]} flank",
-        )
+    inside = (time > start - room) & (time < end + room)
+    if np.any(force[inside, flank] > 0.0):
+        pulse = 1e3 * (time[inside] - at), force[inside, flank]
+        axes.plot(*pulse, color=colour, label=label, marker=marker, markersize=3)
+
+
+def _around(time: np.ndarray, force: np.ndarray, at: float) -> tuple[float, float]:
+    """When the impact with the largest force, at a given time, begins and ends [s]: above two per cent of the peak."""
+    near = int(np.argmin(np.abs(time - at)))
+    low = force < 0.02 * force[near]
+    before, after = np.flatnonzero(low[:near]), np.flatnonzero(low[near:])
+    start = before[-1] + 1 if before.size else 0
+    end = near + after[0] - 1 if after.size else len(time) - 1
+    return float(time[start]), float(time[end])
 
 
 def _history(capture: Capture) -> Any:
     if capture.history is None:
         raise InputError("this capture has no history to plot; simulate it with history=True")
-    return capture.history
+    return jax.tree.map(np.asarray, capture.history)
 
 
 def _figure(width: float, height: float, rows: int, columns: int) -> "tuple[Figure, np.ndarray]":
@@ -228,7 +224,11 @@ def _figure(width: float, height: float, rows: int, columns: int) -> "tuple[Figu
 
 
 def _label(axes: "Axes", title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     axes.set_title(title)
+    if x == ITERATION:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if legend:

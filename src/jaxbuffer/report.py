@@ -80,11 +80,9 @@ def sensitivity_table(result: "Sensitivity") -> str:
     for k, path in enumerate(result.paths):
         elastic.add_row(path, f"{result.values[k]:.5g} {units[k]}", *(f"{e:+.4f}" for e in result.elasticities[:, k]))
         error = "not verified" if result.error is None else f"{result.error[k]:.1e}"
-        gradient.add_row(path, f"{result.gradients[peak, k]:+.5g} N/({units[k]})", error)
-    note = (
-        "error: against central differences of tight solves, relative (absolute in elasticity where that is below 1e-3)"
-    )
-    return _text(f"Sensitivity of a capture, {result.capture.outcome.reason}", elastic, gradient, note)
+        gradient.add_row(path, f"{result.gradients[peak, k]:+.5g} {per('N', units[k])}", error)
+    note = "error: relative to central differences of tight solves, elasticities below 0.001 counting as 0.001"
+    return _text(f"Sensitivity; {result.capture.outcome.reason}", elastic, gradient, note)
 
 
 def tuned_table(tuned: "Tuned") -> str:
@@ -121,6 +119,11 @@ def tuned_table(tuned: "Tuned") -> str:
         "Verification in the tuned design's worst scenario",
         sensitivity_table(tuned.verification),
     )
+
+
+def per(above: str, below: str) -> str:
+    """The unit of a quotient: N/kg, N/(N/m)."""
+    return f"{above}/({below})" if {" ", "/"} & set(below) else f"{above}/{below}"
 
 
 def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:

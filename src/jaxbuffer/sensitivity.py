@@ -70,10 +70,8 @@ def sensitivity(
         if value is None or isinstance(value, (str, bool)):
             raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
     values = np.array([float(_get(design, scenario, path)) for path in paths])
-    options = {"duration": duration, "rtol": rtol, "solver": solver}
-    capture = simulate(design, scenario, **options)
-    results, gradients = _jacobian(design, scenario, jnp.asarray(values), duration, rtol, paths, solver)
-    results, gradients = np.asarray(results), np.asarray(gradients)
+    linear = linearised(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
+    capture, results, gradients = linear.capture, np.asarray(linear.results), np.asarray(linear.gradients)
     with np.errstate(divide="ignore", invalid="ignore"):
         elasticities = gradients * values / results[:, None]
     error = None
@@ -102,23 +100,50 @@ def _with(design: Design, scenario: Scenario, paths: Sequence[str], values: Sequ
     )
 
 
+class Linearised(eqx.Module):
+    """A capture with first derivatives: ``results`` and ``gradients`` of `QUANTITIES`, and of every impact's peak force
+    (``capture.impacts.peak_force``) with respect to the paths' values."""
+
+    capture: Capture
+    results: Float[Array, " quantities"]
+    gradients: Float[Array, "quantities paths"]
+    impact_gradients: Float[Array, "slots paths"]
+
+
+def linearised(
+    design: Design,
+    scenario: Scenario,
+    paths: Sequence[str],
+    values: Sequence[float] | np.ndarray,
+    duration: Scalar = DEFAULT_DURATION,
+    *,
+    rtol: Scalar = DEFAULT_TOLERANCE,
+    solver: Solver | None = None,
+) -> Linearised:
+    """A capture of the design with ``paths`` set to ``values``, and its derivatives by those: one compiled program for
+    all designs and scenarios of a kind, shared by `sensitivity` and `tune`."""
+    arrays = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario))
+    return _linearised(*arrays, jnp.asarray(values, float), float(duration), jnp.asarray(rtol, float), tuple(paths), solver)
+
+
 @eqx.filter_jit
-def _jacobian(
+def _linearised(
     design: Design,
     scenario: Scenario,
     values: Float[Array, " paths"],
-    duration: Scalar,
-    rtol: Scalar,
+    duration: float,
+    rtol: Float[Array, ""],
     paths: tuple[str, ...],
     solver: Solver | None,
-) -> tuple[Float[Array, " quantities"], Float[Array, "quantities paths"]]:
-    def quantities(values: list[Array]) -> tuple[Array, Array]:
+) -> Linearised:
+    def outputs(values: list[Array]) -> tuple[tuple[Array, Array], Capture]:
         capture = simulate(*_with(design, scenario, paths, values), duration, rtol=rtol, solver=solver)
-        numbers = jnp.stack([getattr(capture, name) for name in QUANTITIES])
-        return numbers, numbers
+        return (jnp.stack([getattr(capture, name) for name in QUANTITIES]), capture.impacts.peak_force), capture
 
-    columns, numbers = jax.jacfwd(quantities, has_aux=True)([values[k] for k in range(len(paths))])
-    return numbers, jnp.stack(columns, axis=1)
+    separate = [values[k] for k in range(len(paths))]
+    (quantities, peaks), capture = jax.jacfwd(outputs, has_aux=True)(separate)
+    results = jnp.stack([getattr(capture, name) for name in QUANTITIES])
+    return Linearised(capture, results, jnp.stack(quantities, axis=1), jnp.stack(peaks, axis=1))
 
 
 def _peak(

@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Callable
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -14,7 +13,7 @@ from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, Capture, simulate
 from .errors import InputError, check_number
 from .mechanisms import Design, Scenario, get, replace, unit
 from .outcome import Outcome
-from .sensitivity import CHECK_TOLERANCE, Sensitivity, sensitivity
+from .sensitivity import CHECK_TOLERANCE, QUANTITIES, Sensitivity, linearised, sensitivity
 
 SHARPNESS = 40.0  # of the smooth maximum over local peaks, relative to the start's highest
 STROKE_WEIGHT = 50.0
@@ -109,18 +108,16 @@ def tune(
     **Arguments:** ``iterations``: evaluations at most; ``report``: called after each.
     **Raises:** `InputError` if the start itself is not captured in every scenario.
     """
-    paths = [v.path for v in problem.variables]
+    paths = tuple(v.path for v in problem.variables)
     low, high = (jnp.log(jnp.array([getattr(v, side) for v in problem.variables])) for side in ("low", "high"))
     x = jnp.log(jnp.array([float(get(problem.design, path)) for path in paths]))
-    scenarios = jax.tree.map(lambda *leaves: jnp.array(leaves, float), *problem.scenarios)
-    reference = jnp.ones(len(problem.scenarios))
-    evaluate = eqx.Partial(_evaluate, problem.design, scenarios, tuple(paths), problem.duration, problem.rtol)
-    start = evaluate(x, reference, problem.stroke_limit)[1]
-    lost = [k for k, code in enumerate(np.asarray(start.code)) if code != Outcome.captured]
-    if lost:
-        how = Outcome(int(start.code[lost[0]])).reason
-        raise InputError(f"scenarios[{lost[0]}]: the design to start from is not captured ({how}); start from one that is")
-    reference = start.peak_force
+    start = [simulate(problem.design, s, problem.duration, rtol=problem.rtol) for s in problem.scenarios]
+    for k, capture in enumerate(start):
+        if capture.outcome != Outcome.captured:
+            raise InputError(
+                f"scenarios[{k}]: the design to start from is not captured ({capture.outcome.reason}); start from one that is"
+            )
+    reference = np.array([float(capture.peak_force) for capture in start])
 
     optimiser = optax.adam(LEARNING_RATE)
     state = optimiser.init(x)
@@ -128,17 +125,18 @@ def tune(
     best, best_value = x, np.inf
     good, scale, step_norm, message, converged = None, 1.0, 0.0, "stopped at the iteration limit", False
     for number in range(iterations):
-        (objective, seen), gradient = evaluate(x, reference, problem.stroke_limit, True)
-        captured = bool(np.all(np.asarray(seen.code) == Outcome.captured))
-        peaks, strokes = np.asarray(seen.peak_force), np.asarray(seen.stroke)
+        objective, gradient, captures = _evaluate(problem, paths, x, reference)
+        captured = all(c.outcome == Outcome.captured for c in captures)
+        peaks = np.array([float(c.peak_force) for c in captures])
+        strokes = np.array([float(c.stroke) for c in captures])
         values = {path: float(value) for path, value in zip(paths, np.exp(np.asarray(x)), strict=True)}
         records.append(
-            Iteration(number, float(objective), float(peaks.max()), tuple(peaks), tuple(strokes), captured, values, step_norm)
+            Iteration(number, objective, float(peaks.max()), tuple(peaks), tuple(strokes), captured, values, step_norm)
         )
         if report is not None:
             report(records[-1])
         usable = captured and bool(np.all(np.isfinite(np.asarray(gradient))))
-        true_value = float(np.mean(peaks / np.asarray(reference)))
+        true_value = float(np.mean(peaks / reference))
         if usable:
             good = (x, state, gradient)
             if np.all(strokes <= problem.stroke_limit) and true_value < best_value:
@@ -172,40 +170,32 @@ def tune(
     return Tuned(problem, design, records, before, after, check, converged, message)
 
 
-class _Seen(eqx.Module):
-    """What one evaluation shows, an entry a scenario."""
-
-    code: Array
-    peak_force: Float[Array, " scenarios"]
-    stroke: Float[Array, " scenarios"]
-
-
-@eqx.filter_jit
 def _evaluate(
-    design: Design,
-    scenarios: Scenario,
-    paths: tuple[str, ...],
-    duration: float,
-    rtol: float,
-    x: Float[Array, " variables"],
-    reference: Float[Array, " scenarios"],
-    stroke_limit: float,
-    with_gradient: bool = False,
-):
-    def objective(x: list[Array]) -> tuple[Array, _Seen]:
-        moved = replace(design, {path: jnp.exp(value) for path, value in zip(paths, x, strict=True)})
+    problem: Problem, paths: tuple[str, ...], x: Float[Array, " variables"], reference: np.ndarray
+) -> tuple[float, Float[Array, " variables"], list[Capture]]:
+    """Objective, its gradient in ln variables, and the captures."""
+    values = np.exp(np.asarray(x))
+    objective, gradient, captures = 0.0, np.zeros(len(paths)), []
+    for scenario, scale in zip(problem.scenarios, reference, strict=True):
+        linear = linearised(problem.design, scenario, paths, values, problem.duration, rtol=problem.rtol)
+        value, (by_peak, by_stroke) = _CONTRIBUTION(
+            (linear.capture.impacts.peak_force, linear.capture.stroke), scale, problem.stroke_limit
+        )
+        stroke_gradient = linear.gradients[QUANTITIES.index("stroke")]
+        slope = np.asarray(by_peak @ linear.impact_gradients + by_stroke * stroke_gradient)
+        objective += float(value) / len(reference)
+        gradient += slope * values / len(reference)
+        captures.append(linear.capture)
+    return objective, jnp.asarray(gradient), captures
 
-        def one(scenario: Scenario) -> tuple[_Seen, Array]:
-            capture = simulate(moved, scenario, duration, rtol=rtol)
-            return _Seen(capture.code, capture.peak_force, capture.stroke), capture.impacts.peak_force
 
-        seen, local = jax.vmap(one)(scenarios)
-        smooth = jax.nn.logsumexp(SHARPNESS * local / reference[:, None], axis=1) / SHARPNESS
-        excess = jnp.maximum(seen.stroke / stroke_limit - 1.0, 0.0)
-        return jnp.mean(smooth) + STROKE_WEIGHT * jnp.sum(excess**2), seen
+def _contribution(
+    seen: tuple[Float[Array, " slots"], Float[Array, ""]], scale: float, stroke_limit: float
+) -> Float[Array, ""]:
+    """One scenario's share of the objective: smooth maximum of its local peaks, and the stroke's penalty."""
+    peaks, stroke = seen
+    smooth = jax.nn.logsumexp(SHARPNESS * peaks / scale) / SHARPNESS
+    return smooth + STROKE_WEIGHT * jnp.maximum(stroke / stroke_limit - 1.0, 0.0) ** 2
 
-    variables = [x[k] for k in range(len(paths))]
-    if not with_gradient:
-        return objective(variables)
-    value, gradient = jax.value_and_grad(objective, has_aux=True)(variables)
-    return value, jnp.stack(gradient)
+
+_CONTRIBUTION = jax.jit(jax.value_and_grad(_contribution))

@@ -96,7 +96,7 @@ def test_internal_loads_conserve_linear_and_angular_momentum(kind):
 
 
 def test_published_damping_turns_the_pair():
-    """The paper's Rayleigh function pulls along Ḋ, not along D: a couple c D × Ḋ is left, so angular momentum is lost."""
+    """The paper's Rayleigh function pulls along Ḋ, not D. A couple c D × Ḋ is left, so angular momentum is lost."""
     q, v = random_motion(4)
     element = axial(0, 1, damping=5.0, published=True)
     force, moment = total(element, q, v)
@@ -119,9 +119,7 @@ def test_axial_tension_of_a_stretched_and_stretching_spring():
     element = AxialSpringDamper(0, 1, (0.0, 0.0), (0.0, 0.0), 10.0, 4.0, 3.0)
     q, v = jnp.array([0.0, 0.0, 0.3, 3.0, 4.0, -0.2]), jnp.array([0.0, 0.0, 7.0, 1.2, 1.6, 9.0])
     np.testing.assert_allclose(element.tension(Kinematics(q, v)), 28.0, rtol=1e-15)
-    np.testing.assert_allclose(
-        force_of(element, q, v), [16.8, 22.4, 0.0, -16.8, -22.4, 0.0], rtol=1e-14, atol=1e-14
-    )
+    np.testing.assert_allclose(force_of(element, q, v), [16.8, 22.4, 0.0, -16.8, -22.4, 0.0], rtol=1e-14, atol=1e-14)
 
 
 def test_torsional_torque_restores_and_resists():

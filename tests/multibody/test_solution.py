@@ -4,8 +4,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from helpers import four_bar, pendulum, phi, slider_crank
 
+from helpers import four_bar, pendulum, phi, slider_crank
 from jaxbuffer.multibody import Body, Kinematics, Prismatic, Revolute, System, assemble, ldl_solve
 
 BUILDERS = {"pendulum": lambda: pendulum(1.1, 2.0), "four-bar": four_bar, "slider-crank": slider_crank}

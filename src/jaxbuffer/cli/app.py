@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-ConfigFile = Annotated[Path | None, typer.Argument(metavar="[CONFIG.toml]", help="The study; default: Table 2.")]
+ConfigFile = Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")]
 Duration = Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")]
 Rtol = Annotated[float | None, typer.Option(metavar="TOL", help="Relative error allowed in a step; default 1e-7.")]
-Solver = Annotated[str | None, typer.Option(metavar="NAME", help="implicit (stiff buffers) or explicit.")]
+Solver = Annotated[str | None, typer.Option(metavar="NAME", help="implicit (default) or explicit.")]
 OutputFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")]
 
@@ -69,7 +69,7 @@ def root(
         typer.echo(ctx.get_help())
 
 
-@app.command(cls=Command, epilog=FIELDS)
+@app.command(cls=Command, epilog=FIELDS, short_help="One capture: peak forces, stroke, hinge angle, energies.")
 def simulate(
     ctx: typer.Context,
     config: ConfigFile = None,
@@ -115,6 +115,8 @@ def simulate(
         from .output import csv_text, json_text
         from .records import capture_history, capture_record
 
+        if capture.history is not None and (kept := capture.history.time.size) < int(capture.accepted):
+            typer.echo(f"note: the history holds the first {kept} steps only", err=True)
         _wrote(
             files.write(
                 {
@@ -127,7 +129,7 @@ def simulate(
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS)
+@app.command(cls=Command, epilog=FIELDS, short_help="One capture's gradients and elasticities, verified.")
 def sensitivity(
     ctx: typer.Context,
     config: ConfigFile = None,
@@ -188,7 +190,7 @@ def sensitivity(
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS)
+@app.command(cls=Command, epilog=FIELDS, short_help="Smaller peak forces over all scenarios, within bounds.")
 def tune(
     ctx: typer.Context,
     config: ConfigFile = None,

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
+import jax
 import numpy as np
 
 from ..capture import Capture
 from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import paths, unit
-from ..report import FLANKS, UNITS, scenario_label
+from ..report import FLANKS, UNITS, per, scenario_label
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -50,7 +51,7 @@ def version() -> str:
 
 def capture_record(capture: Capture) -> dict[str, Any]:
     """Everything but the history. Impacts count from 1."""
-    hits, balance = capture.impacts, capture.balance
+    hits, balance = jax.tree.map(np.asarray, capture.impacts), capture.balance
     peak_impact = int(capture.peak_impact)
     return {
         "outcome": capture.outcome.name,
@@ -85,8 +86,7 @@ def capture_record(capture: Capture) -> dict[str, Any]:
 
 def capture_history(capture: Capture) -> Table:
     """The history, a row for each accepted step."""
-    seen = capture.history
-    assert seen is not None
+    seen: Any = jax.tree.map(np.asarray, capture.history)
     columns: dict[str, Any] = {"time [s]": seen.time}
     for name, symbol in HISTORY_UNITS.items():
         value = getattr(seen, name)
@@ -134,7 +134,7 @@ def sensitivity_rows(result: "Sensitivity") -> Table:
                     _number(result.values[k]),
                     symbol,
                     _number(result.gradients[i, k]),
-                    f"{UNITS[quantity]}/({symbol})",
+                    per(UNITS[quantity], symbol),
                     _number(result.elasticities[i, k]),
                     None if error is None else _number(error[k]),
                 ]

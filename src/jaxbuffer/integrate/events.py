@@ -7,7 +7,9 @@ Hermite polynomial through both ends of the step; the loop then lands a real ste
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
+
+NEARLY = 0.999  # of the best so far: what the cubic's error might hide
 
 
 class Guards(NamedTuple):
@@ -37,6 +39,13 @@ class Crossing(NamedTuple):
     which: Int[Array, ""]
     at: Float[Array, ""]
     far: Float[Array, ""]
+
+
+def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:
+    """The cubic through both ends with both rates (per step), at the fraction x of the step."""
+    jump = end - start
+    c2, c3 = 3.0 * jump - 2.0 * rate_start - rate_end, rate_start + rate_end - 2.0 * jump
+    return start + x * (rate_start + x * (c2 + x * c3))
 
 
 def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) -> Float[Array, " n"]:
@@ -73,12 +82,12 @@ def first_crossing(
     after: Guards,
     step: Float[Array, ""],
     active: Float[Array, " contacts"],
-    wanted: Bool[Array, " observables"],
+    best: Float[Array, " observables"],
 ) -> Crossing:
     """The earliest event in a step.
 
-    **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``wanted``:
-    which maxima may matter.
+    **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``best``: only
+    maxima that (nearly) exceed it matter.
     """
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     z0, rate0 = signed(before, active)
@@ -88,9 +97,7 @@ def first_crossing(
 
     # An open contact may touch and leave within one step: its guard -gap has a maximum above zero inside.
     hump = _stationary(z0[rises], z1[rises], m0[rises], m1[rises])
-    jump = z1[rises] - z0[rises]
-    c2, c3 = 3.0 * jump - 2.0 * m0[rises] - m1[rises], m0[rises] + m1[rises] - 2.0 * jump
-    top = z0[rises] + hump * (m0[rises] + hump * (c2 + hump * c3))
+    top = _hermite(z0[rises], z1[rises], m0[rises], m1[rises], hump)
     open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
     dips = open_contact & (z1[rises] <= 0.0) & (m0[rises] > 0.0) & (m1[rises] < 0.0) & (top > 0.0)
     far = jnp.where(dips, hump, 1.0)
@@ -99,8 +106,10 @@ def first_crossing(
     root = jnp.where(z0[rises] > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
     crossed = (z1[rises] > 0.0) | dips
 
-    peak = _stationary(before.value, after.value, before.slope * step, after.slope * step)
-    peaked = wanted & (before.slope > 0.0) & (after.slope <= 0.0)
+    rise, fall = before.slope * step, after.slope * step
+    peak = _stationary(before.value, after.value, rise, fall)
+    height = _hermite(before.value, after.value, rise, fall, peak)
+    peaked = (before.slope > 0.0) & (after.slope <= 0.0) & (jnp.maximum(height, after.value) > NEARLY * best)
 
     where = jnp.concatenate([jnp.where(crossed, root, jnp.inf), jnp.where(peaked, peak, jnp.inf)])
     which = jnp.argmin(where)

@@ -348,6 +348,9 @@ class CaptureMechanism(HybridSystem):
         others = [hinge_force, jnp.abs(axial.tension(kin)), stroke, jnp.abs(angle)]
         return jnp.concatenate([forces.normal, jnp.stack(others)])
 
+    def rate_observables(self) -> tuple[bool, ...]:
+        return (False, False, True, False, False, False)
+
     def scales(self) -> Float[Array, " state"]:
         """Positions by the penetration of a typical impact, velocities by the approach speed, energies by ½ m v²."""
         speed = self.scenario.approach_speed

@@ -57,6 +57,10 @@ class HybridSystem(eqx.Module):
         """Quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
         raise NotImplementedError
 
+    def rate_observables(self) -> tuple[bool, ...]:
+        """Which observables depend on the state's rate, not only on the state."""
+        raise NotImplementedError
+
     def scales(self) -> State:
         """Magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError

@@ -7,6 +7,7 @@ diagonal, so the multipliers come from the Schur complement ``Φ_q M⁻¹ Φ_q�
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -79,32 +80,17 @@ class System(eqx.Module):
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Solve the augmented system for accelerations and multipliers."""
-        inverse_mass = 1.0 / self.masses()
-        force = self.generalised_force(kin, extra)
         phi, jacobian, gamma = self.constraints(kin)
-        if phi.shape[0] == 0:
-            return Motion(inverse_mass * force, phi)
         alpha = self.stabilisation
-        # Sums of products rather than matrix products: XLA hands even tiny products to a library.
-        weighted = jacobian * inverse_mass[None]
-        schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
-        drive = inverse_mass * force + 2.0 * alpha * kin.v
-        rhs = jnp.sum(jacobian * drive[None], axis=-1) - gamma + alpha * alpha * phi
-        multipliers = ldl_solve(schur, rhs)
-        reaction = jnp.sum(multipliers[:, None] * jacobian, axis=0)
-        return Motion(inverse_mass * (force - reaction), multipliers)
+        rhs = gamma - 2.0 * alpha * jnp.sum(jacobian * kin.v[None], axis=-1) - alpha * alpha * phi
+        return Motion(*_solve_augmented(self.masses(), jacobian, self.generalised_force(kin, extra), rhs))
 
     def response(self, kin: Kinematics, directions: Float[Array, "coordinates rank"]) -> Float[Array, "coordinates rank"]:
         """Accelerations that generalised forces of unit size cause, the joints holding."""
-        inverse_mass = 1.0 / self.masses()
-        free = inverse_mass[:, None] * directions
         jacobian = self.constraints(kin).jacobian
-        if jacobian.shape[0] == 0:
-            return free
-        weighted = jacobian * inverse_mass[None]
-        schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
-        multipliers = ldl_solve(schur, jnp.sum(jacobian[:, :, None] * free[None], axis=1))
-        return free - jnp.sum(weighted[:, :, None] * multipliers[:, None, :], axis=0)
+        rest = jnp.zeros(jacobian.shape[0])
+        column = lambda direction: _solve_augmented(self.masses(), jacobian, direction, rest)[0]  # noqa: E731
+        return jax.vmap(column, in_axes=1, out_axes=1)(directions)
 
     def kinetic_energy(self, v: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """½ vᵀ M v [J]."""
@@ -127,3 +113,35 @@ class System(eqx.Module):
 
 def _stack(values: list[Scalar]) -> Float[Array, " n"]:
     return jnp.stack([jnp.asarray(value, float) for value in values])
+
+
+@jax.custom_jvp
+def _solve_augmented(
+    masses: Float[Array, " coordinates"],
+    jacobian: Float[Array, "rows coordinates"],
+    force: Float[Array, " coordinates"],
+    rhs: Float[Array, " rows"],
+) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
+    """Accelerations and multipliers of ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; rhs]``.
+
+    Sums of products rather than matrix products: XLA hands even tiny products to a library.
+    """
+    inverse_mass = 1.0 / masses
+    if rhs.shape[0] == 0:
+        return inverse_mass * force, rhs
+    weighted = jacobian * inverse_mass[None]
+    schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
+    multipliers = ldl_solve(schur, jnp.sum(weighted * force[None], axis=-1) - rhs)
+    return inverse_mass * (force - jnp.sum(multipliers[:, None] * jacobian, axis=0)), multipliers
+
+
+@_solve_augmented.defjvp
+def _solve_augmented_jvp(primals: tuple, tangents: tuple) -> tuple:
+    """The same system answers a small change, with what the change does to the equations as its right-hand side:
+    far cheaper than differentiating the factorisation."""
+    masses, jacobian, force, rhs = primals
+    d_masses, d_jacobian, d_force, d_rhs = tangents
+    acceleration, multipliers = _solve_augmented(*primals)
+    d_force = d_force - d_masses * acceleration - jnp.sum(multipliers[:, None] * d_jacobian, axis=0)
+    d_rhs = d_rhs - jnp.sum(d_jacobian * acceleration[None], axis=-1)
+    return (acceleration, multipliers), _solve_augmented(masses, jacobian, d_force, d_rhs)

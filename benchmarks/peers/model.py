@@ -1,0 +1,242 @@
+"""The capture mechanism between two contact events, as a competent user of a compiler would write it by hand.
+
+The state is y (25,): positions q (12) [m, rad] of the model's section 1, velocities (12) [m/s, rad/s], and the tip's own
+angular velocity [rad/s], at rest for ever when the tip is welded. Which flanks may press (``active``, (2,), 0 or 1) and
+the approach speeds they remember (``memory``, (2,) [m/s]) stay fixed between events: the right-hand side is smooth there.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .contact import (
+    SLOWEST_TOUCHDOWN,
+    both_forces,
+    both_gaps,
+    escape_distance,
+    gap_rates,
+    gaps,
+    normal_forces,
+    throat_distance,
+)
+from .forces import load
+from .parameters import (
+    GAIN,
+    HALF_CYLINDER,
+    HINGE,
+    INERTIA_B,
+    INERTIA_P,
+    INERTIA_S,
+    INERTIA_T,
+    INERTIA_TIP,
+    MASS_B,
+    MASS_P,
+    MASS_S,
+    MASS_T,
+    Matrix,
+    Parameters,
+    Vector,
+    vector,
+)
+from .start import STATES, start
+
+__all__ = [
+    "SLOWEST_TOUCHDOWN",
+    "STATES",
+    "Matrix",
+    "Parameters",
+    "Vector",
+    "both_forces",
+    "both_gaps",
+    "escape_distance",
+    "gap_rates",
+    "gaps",
+    "hinge_force",
+    "jacobian_into",
+    "joint_reactions",
+    "normal_forces",
+    "rhs",
+    "rhs_into",
+    "start",
+    "throat_distance",
+    "vector",
+]
+
+
+@njit(inline="always")
+def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
+    """The joints as numbers: arms w, a and L_C/2 [m] turned with their bodies, and the right-hand side gamma (4).
+
+    gamma is the model's section 2 with Baumgarte's terms, -2 alpha Phi' - beta^2 Phi, added.
+    """
+    asx = p[HINGE] * cos_S
+    asy = p[HINGE] * sin_S
+    hbx = p[HALF_CYLINDER] * cos_B
+    hby = p[HALF_CYLINDER] * sin_B
+    rx = y[6] - y[3]
+    ry = y[7] - y[4]
+    vx = y[18] - y[15]
+    vy = y[19] - y[16]
+    spin_S = y[14]
+    spin_B = y[17]
+    w = cos_B * rx + sin_B * ry
+    offset = cos_B * ry - sin_B * rx
+    gain = p[GAIN]
+    two = 2.0 * gain
+    square = gain * gain
+    gamma_1 = (
+        asx * spin_S * spin_S
+        - hbx * spin_B * spin_B
+        - two * (y[12] - asy * spin_S - y[15] + hby * spin_B)
+        - square * (y[0] + asx - y[3] - hbx)
+    )
+    gamma_2 = (
+        asy * spin_S * spin_S
+        - hby * spin_B * spin_B
+        - two * (y[13] + asx * spin_S - y[16] - hbx * spin_B)
+        - square * (y[1] + asy - y[4] - hby)
+    )
+    gamma_3 = -two * (spin_B - y[20]) - square * (y[5] - y[8])
+    gamma_4 = (
+        spin_B * (2.0 * (cos_B * vx + sin_B * vy) + spin_B * offset)
+        - two * (cos_B * vy - sin_B * vx - w * spin_B)
+        - square * offset
+    )
+    return w, asx, asy, hbx, hby, gamma_1, gamma_2, gamma_3, gamma_4
+
+
+@njit
+def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, reactions: Vector) -> None:
+    """Write dy/dt (25,) into ``out`` and the multipliers (4,) [N, N, N m, N] of the joints into ``reactions``.
+
+    The mass matrix is diagonal, so the augmented system of the model's section 2 shrinks to its 4x4 Schur complement
+    Phi_q M^-1 Phi_q^T lambda = Phi_q M^-1 F - gamma, factored here as L D L^T without a loop.
+    """
+    cos_S = math.cos(y[2])
+    sin_S = math.sin(y[2])
+    cos_B = math.cos(y[5])
+    sin_B = math.sin(y[5])
+    cos_P = math.cos(y[8])
+    sin_P = math.sin(y[8])
+    m_S, bx, by, m_B, px, py, m_P, tx, ty, m_T, m_tip = load(y, p, active, memory, cos_B, sin_B, cos_P, sin_P)
+    w, asx, asy, hbx, hby, g1, g2, g3, g4 = joints(y, p, cos_S, sin_S, cos_B, sin_B)
+
+    i_mS = 1.0 / p[MASS_S]
+    i_IS = 1.0 / p[INERTIA_S]
+    i_mB = 1.0 / p[MASS_B]
+    i_IB = 1.0 / p[INERTIA_B]
+    i_mP = 1.0 / p[MASS_P]
+    i_IP = 1.0 / p[INERTIA_P]
+
+    # Free accelerations of the bodies, then what the joints lack of them.
+    a_S = m_S * i_IS
+    a_Bx = bx * i_mB
+    a_By = by * i_mB
+    a_B = m_B * i_IB
+    a_Px = px * i_mP
+    a_Py = py * i_mP
+    a_P = m_P * i_IP
+    b1 = -asy * a_S - a_Bx + hby * a_B - g1
+    b2 = asx * a_S - a_By - hbx * a_B - g2
+    b3 = a_B - a_P - g3
+    b4 = cos_B * (a_Py - a_By) - sin_B * (a_Px - a_Bx) - w * a_B - g4
+
+    s11 = i_mS + i_mB + asy * asy * i_IS + hby * hby * i_IB
+    s21 = -asx * asy * i_IS - hbx * hby * i_IB
+    s31 = hby * i_IB
+    s41 = -sin_B * i_mB - hby * w * i_IB
+    s22 = i_mS + i_mB + asx * asx * i_IS + hbx * hbx * i_IB
+    s32 = -hbx * i_IB
+    s42 = cos_B * i_mB + hbx * w * i_IB
+    s33 = i_IB + i_IP
+    s43 = -w * i_IB
+    s44 = i_mB + i_mP + w * w * i_IB
+
+    d1 = 1.0 / s11
+    l21 = s21 * d1
+    l31 = s31 * d1
+    l41 = s41 * d1
+    d2 = 1.0 / (s22 - l21 * s21)
+    t32 = s32 - l31 * s21
+    t42 = s42 - l41 * s21
+    l32 = t32 * d2
+    l42 = t42 * d2
+    d3 = 1.0 / (s33 - l31 * s31 - l32 * t32)
+    t43 = s43 - l41 * s31 - l42 * t32
+    l43 = t43 * d3
+    d4 = 1.0 / (s44 - l41 * s41 - l42 * t42 - l43 * t43)
+    z2 = b2 - l21 * b1
+    z3 = b3 - l31 * b1 - l32 * z2
+    z4 = b4 - l41 * b1 - l42 * z2 - l43 * z3
+    r4 = z4 * d4
+    r3 = z3 * d3 - l43 * r4
+    r2 = z2 * d2 - l32 * r3 - l42 * r4
+    r1 = b1 * d1 - l21 * r2 - l31 * r3 - l41 * r4
+
+    for place in range(12):
+        out[place] = y[12 + place]
+    out[12] = -r1 * i_mS
+    out[13] = -r2 * i_mS
+    out[14] = a_S + (asy * r1 - asx * r2) * i_IS
+    out[15] = a_Bx + (r1 - sin_B * r4) * i_mB
+    out[16] = a_By + (r2 + cos_B * r4) * i_mB
+    out[17] = a_B - (hby * r1 - hbx * r2 + r3 - w * r4) * i_IB
+    out[18] = a_Px + sin_B * r4 * i_mP
+    out[19] = a_Py - cos_B * r4 * i_mP
+    out[20] = a_P + r3 * i_IP
+    out[21] = tx / p[MASS_T]
+    out[22] = ty / p[MASS_T]
+    out[23] = m_T / p[INERTIA_T]
+    out[24] = m_tip / p[INERTIA_TIP]
+    reactions[0] = r1
+    reactions[1] = r2
+    reactions[2] = r3
+    reactions[3] = r4
+
+
+@njit
+def rhs(t: float, y: Vector, p: Vector, active: Vector, memory: Vector) -> Vector:
+    """dy/dt (25,); ``t`` [s] is there for the solvers alone."""
+    out = np.empty(STATES)
+    rhs_into(y, out, p, active, memory, np.empty(4))
+    return out
+
+
+@njit
+def joint_reactions(y: Vector, p: Vector, active: Vector, memory: Vector) -> Vector:
+    """The multipliers (4,): hinge force (2) [N], moment [N m] and side force [N] of the slide."""
+    reactions = np.empty(4)
+    rhs_into(y, np.empty(STATES), p, active, memory, reactions)
+    return reactions
+
+
+@njit
+def hinge_force(y: Vector, p: Vector, active: Vector, memory: Vector) -> float:
+    """Size of the reaction in the hinge between S and B [N] (the model's section 7)."""
+    reactions = joint_reactions(y, p, active, memory)
+    return math.hypot(reactions[0], reactions[1])
+
+
+@njit
+def jacobian_into(y: Vector, matrix: Matrix, p: Vector, active: Vector, memory: Vector) -> None:
+    """Write d(dy/dt)/dy (25, 25) into ``matrix``.
+
+    By forward differences, compiled: those the implicit peers would take by themselves call back to Python.
+    """
+    base = np.empty(STATES)
+    moved = np.empty(STATES)
+    reactions = np.empty(4)
+    rhs_into(y, base, p, active, memory, reactions)
+    point = y.copy()
+    for column in range(STATES):
+        # A contact answers within 1e-5 m, so a step scaled by |y| alone would leap over it.
+        step = 1e-9 * max(1.0, abs(y[column])) if column < 12 else 1e-7
+        point[column] = y[column] + step
+        step = point[column] - y[column]
+        rhs_into(point, moved, p, active, memory, reactions)
+        point[column] = y[column]
+        for row in range(STATES):
+            matrix[row, column] = (moved[row] - base[row]) / step

@@ -1,0 +1,127 @@
+"""GNU Octave's ode15s on the paper's own form D(y) y' = F(y) (its eqs. 15 to 17), in a process of its own.
+
+The multipliers are the rates of four dummy unknowns, as in the paper, so there are 28 unknowns (29 with a free tip). The
+contact's memory is an argument of the right-hand side: a touchdown is a terminal event, after which ode15s starts anew.
+The seconds reported are those of the solve alone, by Octave's own clock: neither its start-up nor the reading of the
+force's top from the steps is in them.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from .course import PeerCapture
+from .model import Parameters, start, vector
+from .parameters import (
+    COSINE,
+    CONE_LENGTH,
+    CONE_OFFSET,
+    DAMPER_A,
+    DAMPER_T,
+    FREE_LENGTH,
+    FRICTION,
+    FRONT,
+    GAIN,
+    HALF_CYLINDER,
+    HINGE,
+    HYSTERESIS,
+    INERTIA_B,
+    INERTIA_P,
+    INERTIA_S,
+    INERTIA_T,
+    INERTIA_TIP,
+    MASS_B,
+    MASS_P,
+    MASS_S,
+    MASS_T,
+    RADIUS,
+    REAR,
+    SINE,
+    SLIP_SPEED,
+    SPRING_A,
+    SPRING_T,
+    STIFFNESS,
+    THROAT_RADIUS,
+)
+
+SCRIPTS = Path(__file__).parent / "octave"
+PROGRAMS = ("octave-cli", "octave")
+MISSING = "skipped: octave not found"
+PLACES = {
+    "m_S": MASS_S, "I_S": INERTIA_S, "m_B": MASS_B, "I_B": INERTIA_B, "m_P": MASS_P, "I_P": INERTIA_P, "m_T": MASS_T,
+    "I_T": INERTIA_T, "I_t": INERTIA_TIP, "a": HINGE, "h": HALF_CYLINDER, "l_r": REAR, "l_t": FRONT, "k_A": SPRING_A,
+    "c_A": DAMPER_A, "k_T": SPRING_T, "c_T": DAMPER_T, "l_0": FREE_LENGTH, "R": RADIUS, "cos_beta": COSINE,
+    "sin_beta": SINE, "L_T": CONE_OFFSET, "R_c": THROAT_RADIUS, "L_c": CONE_LENGTH, "K": STIFFNESS, "chi": HYSTERESIS,
+    "mu": FRICTION, "v_s": SLIP_SPEED, "gain": GAIN,
+}  # fmt: skip
+
+
+class OctaveError(RuntimeError):
+    """Octave is there but did not finish the capture."""
+
+
+@dataclass(frozen=True)
+class OctaveCapture:
+    """A capture by Octave and the seconds [s] of its solve, by Octave's own clock."""
+
+    capture: PeerCapture
+    seconds: float
+
+
+def program() -> str | None:
+    """The Octave program on the path, if there is one."""
+    return next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+
+
+def _job(parameters: Parameters, rtol: float, atol: float) -> dict:
+    values = vector(parameters)
+    y, active, memory = start(parameters)
+    design = {name: float(values[place]) for name, place in PLACES.items()}
+    return {
+        "design": design | {"rolling": int(parameters.rolling)},
+        "state": [*y[:24], 0.0, 0.0, 0.0, 0.0, *([0.0] if parameters.rolling else [])],
+        "memory": list(memory * active),
+        "duration": parameters.duration,
+        "rtol": rtol,
+        "atol": atol,
+    }
+
+
+def capture(
+    parameters: Parameters, rtol: float, atol: float, runs: int = 2, limit: float = 600.0
+) -> OctaveCapture | str:
+    """One capture by ode15s, the last of ``runs`` in one Octave so that it is warm; or the reason why there is none.
+
+    Raises ``OctaveError`` where Octave fails or takes longer than ``limit`` [s].
+    """
+    octave = program()
+    if octave is None:
+        return MISSING
+    with tempfile.TemporaryDirectory() as folder:
+        job = Path(folder) / "job.json"
+        job.write_text(json.dumps(_job(parameters, rtol, atol)))
+        command = [octave, "--quiet", "--norc", "--path", str(SCRIPTS), str(SCRIPTS / "run_capture.m"), str(job)]
+        try:
+            done = subprocess.run([*command, str(runs)], capture_output=True, text=True, timeout=limit, check=False)
+        except subprocess.TimeoutExpired as error:
+            raise OctaveError(f"no result within {limit} s") from error
+    line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
+    if line is None:
+        raise OctaveError(done.stderr.strip() or done.stdout.strip())
+    found = json.loads(line.removeprefix("RESULT "))
+    result = PeerCapture(
+        outcome=found["outcome"],
+        end_time=found["end_time"],
+        peak_force=found["peak_force"],
+        peak_time=found["peak_time"],
+        peak_flank=("lower", "upper")[int(found["peak_flank"]) - 1],
+        impacts=int(found["impacts"]),
+        steps=int(found["steps"]),
+        evaluations=None,
+    )
+    return OctaveCapture(result, found["seconds"])

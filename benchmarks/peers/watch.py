@@ -1,0 +1,116 @@
+"""What a solver has to watch for: touchdown, release, capture, escape and the top of each contact force, compiled.
+
+Six numbers, each of which falls through zero when its event happens:
+
+0, 1   lower, upper flank: the gap [m] of a flank that is free, minus the gap of one that presses
+2, 3   distance [m] in front of the capture plane, before the escape plane
+4, 5   rate [N/s] of the force of the lower, upper flank; 1 for a flank that is free
+
+``context`` (38,) is all that a compiled function needs besides the state, in one array because each array argument costs
+a call from Python some 50 ns: the parameter vector, active flanks, remembered approach speeds, joint reactions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from .model import Matrix, Parameters, Vector, both_forces, both_gaps, jacobian_into, rhs_into, start, vector
+from .parameters import CONE_LENGTH, CONE_OFFSET, RADIUS, SINE
+
+EVENTS = 6
+PARAMETERS = slice(0, 30)
+ACTIVE = slice(30, 32)
+MEMORY = slice(32, 34)
+CONTEXT = 38
+CAPTURE, ESCAPE, TOP = 2, 3, 4
+FLOW_STEP = 1e-9  # [s] half the interval over which the rate of a force is differenced; a contact lasts 1e-4 s
+
+
+def context_of(parameters: Parameters) -> tuple[Vector, Vector]:
+    """State at t = 0 (25,) and the context (38,) to start with."""
+    y, active, memory = start(parameters)
+    context = np.zeros(CONTEXT)
+    context[PARAMETERS] = vector(parameters)
+    context[ACTIVE] = active
+    context[MEMORY] = memory
+    return y, context
+
+
+@njit
+def slope_into(y: Vector, out: Vector, context: Vector) -> None:
+    """Write dy/dt (25,) into ``out``."""
+    rhs_into(y, out, context[0:30], context[30:32], context[32:34], context[34:38])
+
+
+@njit
+def slope(y: Vector, context: Vector) -> Vector:
+    """dy/dt (25,)."""
+    out = np.empty(25)
+    slope_into(y, out, context)
+    return out
+
+
+@njit
+def slope_jacobian_into(y: Vector, matrix: Matrix, context: Vector) -> None:
+    """Write d(dy/dt)/dy (25, 25) into ``matrix``."""
+    jacobian_into(y, matrix, context[0:30], context[30:32], context[32:34])
+
+
+@njit
+def slope_jacobian(y: Vector, context: Vector) -> Matrix:
+    """d(dy/dt)/dy (25, 25)."""
+    matrix = np.empty((25, 25))
+    slope_jacobian_into(y, matrix, context)
+    return matrix
+
+
+@njit
+def forces(y: Vector, context: Vector) -> tuple[float, float]:
+    """Normal forces [N] of the lower and upper flank."""
+    return both_forces(y, context[0:30], context[30:32], context[32:34])
+
+
+@njit
+def watch(y: Vector, values: Vector, context: Vector) -> None:
+    """Write the six watched numbers into ``values``."""
+    p = context[0:30]
+    gap_0, gap_1, rate_0, rate_1, x = both_gaps(y, p)
+    pressing_0 = context[30] != 0.0
+    pressing_1 = context[31] != 0.0
+    values[0] = -gap_0 if pressing_0 else gap_0
+    values[1] = -gap_1 if pressing_1 else gap_1
+    values[2] = -p[CONE_OFFSET] - p[RADIUS] * p[SINE] - x
+    values[3] = x + p[CONE_OFFSET] + 2.0 * p[CONE_LENGTH]
+    values[4] = 1.0
+    values[5] = 1.0
+    if not (pressing_0 or pressing_1):
+        return
+    flow = np.empty(25)
+    slope_into(y, flow, context)
+    later_0, later_1 = forces(y + FLOW_STEP * flow, context)
+    sooner_0, sooner_1 = forces(y - FLOW_STEP * flow, context)
+    # With no penetration there is no force to difference: it is about to rise where the gap closes.
+    if pressing_0:
+        values[4] = (later_0 - sooner_0) / (2.0 * FLOW_STEP) if gap_0 < 0.0 else -rate_0
+    if pressing_1:
+        values[5] = (later_1 - sooner_1) / (2.0 * FLOW_STEP) if gap_1 < 0.0 else -rate_1
+
+
+@njit
+def crossings(y: Vector, before: Vector, now: Vector, context: Vector) -> int:
+    """Watch at the end of a step: bit k of the result is set where number k fell through zero since ``before``."""
+    watch(y, now, context)
+    found = 0
+    for event in range(EVENTS):
+        if before[event] > 0.0 and now[event] <= 0.0:
+            found |= 1 << event
+    return found
+
+
+@njit
+def watched(y: Vector, event: int, context: Vector) -> float:
+    """One of the six numbers, for a root finder."""
+    values = np.empty(EVENTS)
+    watch(y, values, context)
+    return values[event]

@@ -1,0 +1,146 @@
+"""Foot, gap and normal of a ball in a cone: cases worked by hand, mirror symmetry, speeds against derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from jaxbuffer.contact import Ball, BallOnSegments, Carrier, LankaraniNikravesh, RegularisedCoulomb, Segment
+
+RADIUS, LENGTH = 0.02, 0.1
+EDGE = (-0.3, 0.04)  # the throat edge: x, and distance from the axis
+COS, SIN = 0.8, 0.6  # of the cone's half angle
+SIDE = np.array([1.0, -1.0])  # lower flank, upper flank
+
+CONE = BallOnSegments(
+    radius=RADIUS,
+    segments=Segment(EDGE[0], -SIDE * EDGE[1], -COS, -SIDE * SIN, LENGTH),
+    side=SIDE,
+    law=LankaraniNikravesh(1e9, 0.9),
+    friction=RegularisedCoulomb(0.3, 1e-3),
+)
+
+# In the cone's axes: where the centre is, and foot, normal, slant, distance of the lower flank, worked by hand.
+THROAT, MOUTH = np.array([-0.3, -0.04]), np.array([-0.38, -0.1])
+ALONG, INWARD = np.array([-COS, -SIN]), np.array([-SIN, COS])
+LOWER_CASES = {
+    "half way, touching": (THROAT + 0.05 * ALONG + 0.02 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.05, 0.02),
+    "a quarter, apart": (THROAT + 0.025 * ALONG + 0.05 * INWARD, (-0.32, -0.055), (-0.6, 0.8), 0.025, 0.05),
+    "half way, pressed in": (THROAT + 0.05 * ALONG + 0.019 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.05, 0.019),
+    "throat rim, across": (np.array([-0.3, -0.01]), (-0.3, -0.04), (0.0, 1.0), 0.0, 0.03),
+    "throat rim, aslant": (np.array([-0.27, 0.0]), (-0.3, -0.04), (0.6, 0.8), 0.0, 0.05),
+    "throat rim, along the flank": (np.array([-0.22, 0.02]), (-0.3, -0.04), (0.8, 0.6), 0.0, 0.1),
+    "mouth rim, from ahead": (np.array([-0.43, -0.1]), (-0.38, -0.1), (-1.0, 0.0), 0.1, 0.05),
+    "mouth rim, from outside": (np.array([-0.41, -0.14]), (-0.38, -0.1), (-0.6, -0.8), 0.1, 0.05),
+}
+
+
+def still(centre):
+    return Ball(jnp.asarray(centre[0]), jnp.asarray(centre[1]), *jnp.zeros(3))
+
+
+def at_rest(x=0.0, y=0.0, angle=0.0):
+    return Carrier(x, y, jnp.cos(angle), jnp.sin(angle), 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("case", LOWER_CASES)
+@pytest.mark.parametrize("flank", [0, 1])
+def test_worked_cases_on_both_flanks(case, flank):
+    """The upper flank sees the mirror image of the lower flank's case."""
+    centre, foot, normal, slant, distance = LOWER_CASES[case]
+    mirror = np.array([1.0, SIDE[flank]])
+    a = CONE.approach(still(centre * mirror), at_rest())
+    assert_allclose([a.foot_x[flank], a.foot_y[flank]], foot * mirror, atol=1e-15)
+    assert_allclose([a.normal_x[flank], a.normal_y[flank]], normal * mirror, atol=1e-14)
+    assert_allclose([a.slant[flank], a.distance[flank]], [slant, distance], atol=1e-15)
+    assert_allclose(a.gap[flank], distance - RADIUS, atol=1e-15)
+
+
+def test_tangents_point_along_the_flanks_towards_the_throat():
+    a = CONE.approach(still((-0.36, 0.0)), at_rest())
+    assert_allclose([a.tangent_x, a.tangent_y], [[COS, COS], [SIN, -SIN]], atol=1e-14)
+
+
+def test_gap_and_normal_are_continuous_across_the_rims():
+    """A hundredth of a micrometre to either side of the rims' normals."""
+    for rim, slant in ((THROAT, 0.0), (MOUTH, LENGTH)):
+        for step in (-1e-8, 1e-8):
+            a = CONE.approach(still(rim + 0.03 * INWARD + step * ALONG), at_rest())
+            assert_allclose(a.gap[0], 0.01, atol=1e-14)
+            assert_allclose([a.normal_x[0], a.normal_y[0]], INWARD, atol=4e-7)
+            assert_allclose(a.slant[0], slant, atol=1.1e-8)
+
+
+def test_geometry_turns_and_shifts_with_its_body():
+    """The carrier at (2, -1) turned by 0.7 rad: gaps and speeds are as before, directions turn."""
+    angle, origin, centre = 0.7, np.array([2.0, -1.0]), np.array([-0.35, -0.03])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    plain = CONE.approach(still(centre), at_rest())
+    turned = CONE.approach(still(origin + turn @ centre), at_rest(*origin, angle))
+    assert_allclose(turned.gap, plain.gap, atol=1e-15)
+    for x, y in (("normal_x", "normal_y"), ("tangent_x", "tangent_y"), ("foot_x", "foot_y")):
+        before = np.stack([getattr(plain, x), getattr(plain, y)])
+        assert_allclose(np.stack([getattr(turned, x), getattr(turned, y)]), turn @ before, atol=1e-14)
+
+
+def random_motion(seed):
+    """Ball and carrier in general motion, the tip somewhere about the cone (rims included)."""
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(-0.5, 0.5)
+    centre = np.array([rng.uniform(-0.45, -0.25), rng.uniform(-0.15, 0.15)])
+    ball = Ball(*centre, *rng.normal(size=3))
+    return ball, Carrier(*(0.01 * rng.normal(size=2)), np.cos(angle), np.sin(angle), *rng.normal(size=3)), angle
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_mirror_image_swaps_the_flanks(seed):
+    ball, cone, _ = random_motion(seed)
+    a = CONE.approach(ball, cone)
+    mirrored_ball = ball._replace(y=-ball.y, velocity_y=-ball.velocity_y, spin=-ball.spin)
+    mirrored_cone = cone._replace(y=-cone.y, sin=-cone.sin, velocity_y=-cone.velocity_y, spin=-cone.spin)
+    b = CONE.approach(mirrored_ball, mirrored_cone)
+    for name in ("gap", "approach_speed", "slip", "slant", "distance", "normal_x", "tangent_x", "foot_x"):
+        assert_allclose(getattr(b, name), getattr(a, name)[::-1], atol=1e-14, err_msg=name)
+    for name in ("normal_y", "tangent_y", "foot_y"):
+        assert_allclose(getattr(b, name), -getattr(a, name)[::-1], atol=1e-14, err_msg=name)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_gap_closes_at_the_approach_speed(seed):
+    """d gap/dt by automatic differentiation of the positions alone, spins included through the poses."""
+    ball, cone, angle = random_motion(seed)
+
+    def gap(x, y, cone_x, cone_y, cone_angle):
+        return CONE.approach(still((x, y)), at_rest(cone_x, cone_y, cone_angle)).gap
+
+    pose = (ball.x, ball.y, cone.x, cone.y, angle)
+    rates = (ball.velocity_x, ball.velocity_y, cone.velocity_x, cone.velocity_y, cone.spin)
+    _, rate = jax.jvp(gap, pose, rates)
+    assert_allclose(CONE.approach(ball, cone).approach_speed, -rate, rtol=1e-13, atol=1e-14)
+
+
+def test_random_motions_reach_flanks_and_rims():
+    """The two tests above see all three kinds of foot."""
+    slants = np.concatenate([CONE.approach(*random_motion(seed)[:2]).slant for seed in range(8)])
+    assert np.any(slants == 0.0)
+    assert np.any(slants == LENGTH)
+    assert np.any((slants > 0.0) & (slants < LENGTH))
+
+
+def test_a_rolling_ball_does_not_slip():
+    """On the lower flank towards the throat at v the ball turns clockwise by v/R; the other way it slips by 2 v."""
+    centre, speed = THROAT + 0.05 * ALONG + RADIUS * INWARD, 0.3
+    for spin, slip in ((-speed / RADIUS, 0.0), (0.0, speed), (speed / RADIUS, 2 * speed)):
+        a = CONE.approach(Ball(*centre, speed * COS, speed * SIN, spin), at_rest())
+        assert_allclose(a.slip[0], slip, atol=1e-15)
+        assert_allclose(a.approach_speed[0], 0.0, atol=1e-15)
+
+
+def test_speeds_are_those_of_the_material_points_at_the_foot():
+    """A carrier spinning under a still ball: its point at the foot (x, y) moves at ω (-y, x)."""
+    centre, spin = THROAT + 0.05 * ALONG + RADIUS * INWARD, 0.4
+    a = CONE.approach(still(centre), at_rest()._replace(spin=spin))
+    velocity = spin * np.array([0.07, -0.34])  # the foot is at (-0.34, -0.07)
+    assert_allclose(a.approach_speed[0], velocity @ INWARD, rtol=1e-13)
+    assert_allclose(a.slip[0], velocity @ ALONG, rtol=1e-13)

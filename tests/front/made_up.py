@@ -1,0 +1,99 @@
+"""Captures and tunings made up in a moment: what the front shows of them needs no simulation."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxbuffer import Outcome, Scenario, get, replace, table2
+from jaxbuffer.capture import Capture
+from jaxbuffer.history import History
+from jaxbuffer.integrate import Log
+from jaxbuffer.metrics import Balance, Energy, Impacts
+from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES, Sensitivity
+from jaxbuffer.tune import Iteration, Problem, Tuned
+
+STEPS = 400
+END = 0.04  # s
+PULSE = 3e-3  # s
+
+
+def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured, design=None) -> Capture:
+    """Half a sine on the upper flank, linear motion, constant energy."""
+    design, scenario = design or table2(), scenario or Scenario()
+    time = np.linspace(0.0, END, STEPS)
+    force = np.zeros((STEPS, 2))
+    inside = np.abs(time - at) < PULSE / 2
+    force[inside, 1] = peak * np.cos(np.pi * (time[inside] - at) / PULSE)
+    ramp = time / END
+    energy = Energy(
+        *(jnp.asarray(x) for x in (1.0 - ramp, 0.2 * ramp, 0 * ramp, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp)), 0.2 * ramp
+    )
+    two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
+    history = History(
+        **{name: jnp.asarray(value) for name, value in {
+            "time": time, "position": bodies, "velocity": bodies, "tip_spin": ramp, "multipliers": np.zeros((STEPS, 4)),
+            "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force, "friction_force": 0.3 * force,
+            "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp,
+            "throat_distance": 0.03 * (1 - ramp),
+        }.items()},
+        energy=energy,
+    )  # fmt: skip
+    slots = jnp.zeros(3)
+    hits = Impacts(
+        time=slots.at[0].set(at - PULSE / 2),
+        flank=jnp.array([1, -1, -1]),
+        approach_speed=slots.at[0].set(0.07),
+        peak_force=slots.at[0].set(peak),
+        release_time=slots.at[0].set(jnp.nan),
+        count=jnp.asarray(1),
+    )
+    return Capture(
+        **{name: jnp.asarray(value) for name, value in {
+            "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_flank": 1, "peak_impact": 0,
+            "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
+            "end_time": END, "contact_time": PULSE, "impact_count": 1, "attempts": STEPS + 20, "accepted": STEPS,
+        }.items()},
+        design=design,
+        scenario=scenario,
+        impacts=hits,
+        energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
+        balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
+        log=Log.empty(2, jnp.zeros((1, 26)), 2),
+        history=history,
+    )  # fmt: skip
+
+
+def made_up_sensitivity(capture=None, paths=PARAMETERS, verified=True) -> Sensitivity:
+    shape = (len(QUANTITIES), len(paths))
+    numbers = np.arange(1.0, 1.0 + shape[0] * shape[1]).reshape(shape)
+    error = np.full(len(paths), 1e-5) if verified else None
+    results = np.array([250.0, 375.0, 0.0075, 0.004, END])
+    return Sensitivity(
+        capture or made_up_capture(),
+        tuple(paths),
+        np.ones(len(paths)),
+        QUANTITIES,
+        results,
+        numbers,
+        numbers / 100,
+        error,
+    )
+
+
+def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
+    """Every peak falls by a fifth and every variable goes half of the way to its low bound."""
+    halfway = {v.path: 0.5 * (v.low + float(get(problem.design, v.path))) for v in problem.variables}
+    design = replace(problem.design, halfway)
+    peaks = [250.0 + 50.0 * k for k in range(len(problem.scenarios))]
+    iterations = []
+    for number in range(count):
+        share = number / (count - 1)
+        now = tuple((1 - 0.2 * share) * peak for peak in peaks)
+        values = {p: (1 - share) * float(get(problem.design, p)) + share * x for p, x in halfway.items()}
+        strokes = tuple(0.01 for _ in peaks)
+        iterations.append(Iteration(number, 1 - 0.2 * share, max(now), now, strokes, number != 2, values, 0.1))
+    pairs = list(zip(problem.scenarios, peaks, strict=True))
+    before = tuple(made_up_capture(s, peak, design=problem.design) for s, peak in pairs)
+    after = tuple(made_up_capture(s, 0.8 * peak, at=0.025, design=design) for s, peak in pairs)
+    paths = tuple(v.path for v in problem.variables)
+    check = made_up_sensitivity(after[-1], paths)
+    return Tuned(problem, design, iterations, before, after, check, True, "converged: in a test")

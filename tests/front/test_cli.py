@@ -1,0 +1,335 @@
+"""The command line: what it computes, prints and writes, and how it fails."""
+
+import csv
+import io
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from rich.console import Console
+
+from jaxbuffer import Design, InputError, Outcome, Scenario, table2
+from jaxbuffer.cli.entry import run
+from jaxbuffer.cli.overrides import FIELDS, split
+from jaxbuffer.config import load
+from jaxbuffer.mechanisms import paths, unit
+
+SIMULATED = ("capture.json", "history.csv", "capture.png")
+DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv")
+TUNED = ("design.toml", "history.csv", "tune.png")
+PNG = b"\x89PNG"
+
+
+def refused(capsys, tmp_path, *arguments) -> str:
+    """The one line on stderr of a command that must exit with 2 and write nothing."""
+    before = sorted(tmp_path.rglob("*"))
+    assert run(arguments) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.startswith("error: ") and shown.err.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before
+    return shown.err
+
+
+def test_simulate_prints_a_summary_and_writes_nothing(computed, capsys, tmp_path):
+    assert run(["simulate"]) == 0
+    shown = capsys.readouterr()
+    assert "peak contact force   250 N at 0.02 s, upper flank, impact 1 of 1" in shown.out
+    assert "compiling" in shown.err
+    (configured, _), (command, arguments) = computed.calls
+    assert (configured, command) == ("configure", "simulate"), "JAX is set up first"
+    assert (arguments["design"], arguments["scenario"], arguments["duration"]) == (table2(), Scenario(), 8.0)
+    assert (arguments["rtol"], arguments["history"]) == (1e-7, False)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_options_and_fields_override_the_study(computed, tmp_path):
+    (tmp_path / "study.toml").write_text("[buffer]\nk_A = 600\nc_A = 7\n[options]\nduration = 3\nrtol = 1e-6")
+    words = "--buffer.k_A 800 --scenario.misalignment=-0.1 --rtol 1e-9 --solver explicit"
+    assert run(["simulate", "study.toml", *words.split()]) == 0
+    arguments = computed.calls[-1][1]
+    assert (arguments["design"].buffer.k_A, arguments["design"].buffer.c_A) == (800.0, 7.0)
+    assert arguments["scenario"].misalignment == -0.1
+    assert (arguments["duration"], arguments["rtol"]) == (3.0, 1e-9)
+    assert type(arguments["solver"]).__name__ == "ExplicitRungeKutta"
+
+
+@pytest.mark.parametrize(("first", "second"), [("--buffer.k_A 800", ""), ("", "--buffer.k_A=800")])
+def test_fields_may_stand_anywhere(computed, tmp_path, first, second):
+    (tmp_path / "study.toml").write_text("[buffer]\nc_A = 7")
+    assert run(["simulate", *first.split(), "study.toml", *second.split()]) == 0
+    buffer = computed.calls[-1][1]["design"].buffer
+    assert (buffer.k_A, buffer.c_A) == (800.0, 7.0)
+
+
+def test_splitting_dotted_options():
+    assert split(["a.toml", "--buffer.k_A", "-1", "--rtol", "1e-3"]) == (
+        ["a.toml", "--rtol", "1e-3"],
+        {"buffer.k_A": "-1"},
+    )
+    assert split(["--output=a.b", "--", "--c.d"]) == (["--output=a.b", "--", "--c.d"], {})
+    for words in (["--buffer.k_A"], ["--buffer.k_A", "--rtol", "1e-3"]):
+        with pytest.raises(InputError, match=r"buffer\.k_A needs a value: --buffer\.k_A VALUE"):
+            split(words)
+
+
+def test_simulate_writes_numbers_history_and_figure(computed, capsys, tmp_path):
+    assert run(["simulate", "--output", "a/b", "--buffer.damping", "published"]) == 0
+    folder = tmp_path / "a" / "b"
+    assert {path.name for path in folder.iterdir()} == set(SIMULATED)
+    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith("wrote")] == [
+        f"wrote {os.path.join('a', 'b', name)}" for name in SIMULATED
+    ]
+    record = json.loads((folder / "capture.json").read_text())
+    assert (record["outcome"], record["peak_force [N]"], record["peak_flank"]) == ("captured", 250.0, "upper")
+    assert record["design"]["buffer.k_A [N/m]"] == 500.0 and record["design"]["buffer.damping"] == "published"
+    assert record["design"]["contact.stiffness [N/m^1.5]"] is None
+    (impact,) = record["impacts"]
+    assert (impact["number"], impact["peak_force [N]"], impact["release_time [s]"]) == (1, 250.0, None)
+    rows = list(csv.DictReader(io.StringIO((folder / "history.csv").read_text())))
+    assert len(rows) == 400 and all(re.search(r" \[[^]]+\]$", name) for name in rows[0])
+    assert max(float(row["contact_force upper [N]"]) for row in rows) == pytest.approx(250.0, rel=1e-3)
+    assert float(rows[-1]["time [s]"]) == 0.04
+    assert (folder / "capture.png").read_bytes().startswith(PNG)
+
+
+def test_sensitivity_prints_tables_and_writes_files(computed, capsys, tmp_path):
+    assert run(["sensitivity", "--output", "out", "--wrt", "buffer.k_A", "--wrt", "scenario.approach_speed"]) == 0
+    shown = capsys.readouterr().out
+    for part in ("peak_force", "buffer.k_A", "1 N/m", "+1 N/(N/m)", "1.0e-05", "+0.0100"):
+        assert part in shown
+    assert computed.calls[-1][1]["wrt"] == ("buffer.k_A", "scenario.approach_speed")
+    record = json.loads((tmp_path / "out" / "sensitivity.json").read_text())
+    assert record["peak_force [N]"] == 250.0
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "sensitivity.csv").read_text())))
+    assert len(rows) == len(record["derivatives"]) == 10
+    assert rows[1]["gradient_unit"] == "N/(m/s)" and rows[0]["error [-]"] == "1e-05" and rows[2]["error [-]"] == ""
+
+
+def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_path, request):
+    study = str(request.config.rootpath / "optimise" / "table2.toml")
+    assert run(["tune", study, "--iterations", "9", "--stroke-limit", "0.02", "--output", "out"]) == 0
+    shown = capsys.readouterr()
+    for part in (
+        "250 → 200",
+        "-20.0 %",
+        "0.15 m/s",
+        "350 → 280",
+        "stroke limit 20 mm",
+        "converged: in a test",
+        "1.0e-05",
+    ):
+        assert part in shown.out
+    assert (
+        "iteration 5 of 9: worst peak 280 N" in shown.err
+        and "iteration 3 of 9: worst peak 315 N, not captured" in shown.err
+    )
+    arguments = computed.calls[-1][1]
+    assert arguments["iterations"] == 9 and arguments["problem"].stroke_limit == 0.02
+    written = load(tmp_path / "out" / "design.toml")
+    assert written.design.buffer.k_A == 300.0 and [s.approach_speed for s in written.scenarios] == [0.1, 0.15, 0.2]
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "history.csv").read_text())))
+    assert (
+        len(rows) == 5 and rows[-1]["buffer.k_A [N/m]"] == "300.0" and rows[0]["peak_force at 0.2 m/s [N]"] == "350.0"
+    )
+    assert (tmp_path / "out" / "tune.png").read_bytes().startswith(PNG)
+
+
+def test_on_a_terminal_progress_is_drawn_and_removed(computed, capsys, monkeypatch):
+    drawn = io.StringIO()
+    terminal = Console(file=drawn, force_terminal=True, width=100)
+    monkeypatch.setattr("jaxbuffer.cli.progress.Console", lambda **_: terminal)
+    assert run(["tune"]) == 0 and run(["simulate"]) == 0
+    assert "compiling (first run only)…" in drawn.getvalue()
+    assert capsys.readouterr().err == ""
+
+
+BAD_FIELDS = [
+    ("--active.mass=-1", "active.mass = -1 kg is out of range; allowed: (0, inf) kg"),
+    ("--probe.tip_mass=0", "probe.tip_mass = 0 kg is out of range; allowed: (0, inf) kg"),
+    ("--buffer.k_A=0", "buffer.k_A = 0 N/m is out of range; allowed: (0, inf) N/m"),
+    ("--probe.tip_radius=-1", "probe.tip_radius = -1 m is out of range; allowed: (0, inf) m"),
+    ("--probe.tip_radius=0.07", "probe.tip_radius = 0.07 m is out of range; allowed: (0, 0.0669723) m"),
+    ("--contact.restitution=0", "contact.restitution = 0"),
+    ("--contact.restitution=1.2", "contact.restitution = 1.2"),
+    ("--contact.friction=-0.1", "contact.friction = -0.1"),
+    ("--scenario.contact_distance=0.08", "scenario.contact_distance = 0.08 m is out of range; allowed: (0, 0.0735] m"),
+    ("--buffer.c_T=nan", "buffer.c_T = nan N m s/rad is out of range; allowed: [0, inf) N m s/rad"),
+    ("--buffer.c_T=inf", "buffer.c_T = inf N m s/rad is out of range; allowed: [0, inf) N m s/rad"),
+    ("--buffer.k_A=stiff", "buffer.k_A: 'stiff' is not a number; expected (0, inf) N/m"),
+    ("--bufer.k_A=1", "bufer.k_A is unknown; did you mean buffer.k_A?"),
+    ("--buffer.k_A", "buffer.k_A needs a value"),
+    ("--outptu=x", "No such option: --outptu"),
+    ("--rtol=1", "options.rtol = 1"),
+    ("--rtol=tiny", "Invalid value for '--rtol'"),
+    ("--duration=-2", "options.duration = -2 s is out of range; allowed: (0, inf) s"),
+]
+
+
+@pytest.mark.parametrize("command", ["simulate", "sensitivity", "tune"])
+@pytest.mark.parametrize(("word", "message"), BAD_FIELDS)
+def test_bad_options_are_one_line_and_exit_code_2(computed, capsys, tmp_path, command, word, message):
+    assert message in refused(capsys, tmp_path, command, "--output", "out", word)
+    assert all(name == "configure" for name, _ in computed.calls), "nothing was computed"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[buffer]\nk_A = -1", "study.toml: buffer.k_A = -1 N/m is out of range; allowed: (0, inf) N/m"),
+        ("[bufer]\nk_A = 1", "study.toml: [bufer] is unknown; did you mean buffer?"),
+        ("[buffer]\nk_A = '1'", "study.toml: buffer.k_A: '1' is not a number; expected (0, inf) N/m"),
+        ("[buffer", "study.toml is not valid TOML"),
+        ('["a\\nb"]', "is unknown"),
+    ],
+)
+def test_a_bad_study_is_one_line_and_exit_code_2(computed, capsys, tmp_path, text, message):
+    (tmp_path / "study.toml").write_text(text)
+    assert message in refused(capsys, tmp_path, "simulate", "study.toml", "--output", "out")
+
+
+def test_a_missing_study_and_a_second_one(computed, capsys, tmp_path):
+    assert "missing.toml: no such file" in refused(capsys, tmp_path, "tune", "missing.toml")
+    assert "unexpected extra argument" in refused(capsys, tmp_path, "tune", "a.toml", "b.toml")
+    assert "tune.iterations = 0 must be a whole number" in refused(capsys, tmp_path, "tune", "--iterations", "0")
+    assert "buffer.k_A = 5000 N/m" in refused(capsys, tmp_path, "tune", "--buffer.k_A", "5000")
+
+
+@pytest.mark.parametrize(
+    ("command", "names"), [("simulate", SIMULATED), ("sensitivity", DIFFERENTIATED), ("tune", TUNED)]
+)
+def test_existing_files_stay_unless_forced(computed, capsys, tmp_path, command, names):
+    (tmp_path / "out").mkdir()
+    mine = tmp_path / "out" / names[1]
+    mine.write_text("mine")
+    message = refused(capsys, tmp_path, command, "--output", "out")
+    assert f"{os.path.join('out', names[1])} exists; --force overwrites" in message
+    assert computed.calls[-1][0] == "configure" and mine.read_text() == "mine"
+    assert run([command, "--output", "out", "--force"]) == 0
+    assert mine.read_text() != "mine" and {path.name for path in (tmp_path / "out").iterdir()} == set(names)
+
+
+def test_output_that_is_a_file_is_refused(computed, capsys, tmp_path):
+    (tmp_path / "out").write_text("")
+    assert "out is a file; --output needs a folder" in refused(capsys, tmp_path, "simulate", "--output", "out")
+
+
+def test_figures_without_matplotlib_are_refused_before_computing(computed, capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert "pip install 'jaxbuffer[plots]'" in refused(capsys, tmp_path, "simulate", "--output", "out")
+    assert run(["simulate"]) == 0 and run(["sensitivity", "--output", "out"]) == 0
+
+
+@pytest.mark.parametrize("command", ["simulate", "sensitivity"])
+def test_a_failed_capture_exits_with_1_and_writes_nothing(computed, capsys, tmp_path, command):
+    computed.outcome = Outcome.failed_step_size
+    assert run([command, "--output", "out"]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == "" and shown.err.splitlines()[-1] == f"error: {Outcome.failed_step_size.reason}"
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_escape_is_a_result(computed, capsys):
+    computed.outcome = Outcome.escaped
+    assert run(["simulate"]) == 0
+    assert "escaped" in capsys.readouterr().out
+
+
+def test_input_errors_of_the_computation_exit_with_2(computed, capsys):
+    computed.error = InputError("the design to start from is not captured")
+    assert run(["tune"]) == 2
+    assert capsys.readouterr().err.endswith("error: the design to start from is not captured\n")
+
+
+def test_an_interrupt_is_one_line_and_exit_code_130(computed, capsys):
+    computed.error = KeyboardInterrupt()
+    assert run(["simulate"]) == 130
+    assert capsys.readouterr().err.splitlines()[1:] == ["interrupted"]
+
+
+def test_bugs_keep_their_traceback(computed):
+    computed.error = ZeroDivisionError()
+    with pytest.raises(ZeroDivisionError):
+        run(["simulate"])
+
+
+@pytest.mark.parametrize(
+    ("environment", "folder"),
+    [
+        ({"JAXBUFFER_CACHE": "here", "XDG_CACHE_HOME": "there"}, "here"),
+        ({"XDG_CACHE_HOME": "there"}, os.path.join("there", "jaxbuffer")),
+        ({"HOME": "home"}, os.path.join("home", ".cache", "jaxbuffer")),
+    ],
+)
+def test_where_compiled_programs_are_kept(computed, monkeypatch, environment, folder):
+    for name in ("JAXBUFFER_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    run(["simulate"])
+    assert str(computed.calls[0][1]["cache"]) == folder
+
+
+def test_help_shows_examples_and_every_field_with_its_unit(computed, capsys):
+    assert run(["--help"]) == 0 and run([]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("jaxbuffer tune optimise/table2.toml --output results/table2") == 2
+    for command, names in (("simulate", SIMULATED), ("sensitivity", DIFFERENTIATED), ("tune", TUNED)):
+        assert run([command, "--help"]) == 0
+        shown = capsys.readouterr().out
+        assert all(name in shown for name in (*names, "--force", "k_A [N/m]"))
+
+
+def test_the_fields_in_the_help_are_those_of_design_and_scenario():
+    blocks = dict(re.findall(r"^  (\w+) +(.*(?:\n {12}.*)*)", FIELDS, flags=re.MULTILINE))
+    listed = {
+        f"{section}.{name}": symbol
+        for section, block in blocks.items()
+        for name, symbol in re.findall(r"(\w+)\s(?:\[(.+?)\]|\([^)]*\))", block)
+    }
+    design, scenario = Design(), Scenario()
+    expected = {path: unit(design, path) for path in paths(design)}
+    assert listed == expected | {f"scenario.{path}": unit(scenario, path) for path in paths(scenario)}
+
+
+def test_version(capsys):
+    assert run(["--version"]) == 0
+    assert re.fullmatch(r"jaxbuffer \S.*\n", capsys.readouterr().out)
+
+
+@pytest.mark.slow
+def test_a_real_capture_from_another_process(tmp_path):
+    done = _start(tmp_path, "simulate", "--output", "out", "--scenario.approach_speed", "0.2").communicate(timeout=300)
+    assert "captured" in done[0] and "Traceback" not in done[1]
+    record = json.loads((tmp_path / "out" / "capture.json").read_text())
+    assert record["outcome"] == "captured" and record["scenario"]["approach_speed [m/s]"] == 0.2
+    again = _start(tmp_path, "simulate", "--output", "out")
+    assert again.wait(60) == 2 and "--force overwrites" in again.stderr.read()
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
+    process = _start(tmp_path, "simulate")
+    assert "compiling" in process.stderr.readline()
+    time.sleep(3.0)  # into the compilation
+    process.send_signal(signal.SIGINT)
+    sent = time.monotonic()
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (130, "interrupted\n")
+    assert time.monotonic() - sent < 2.0
+
+
+def _start(folder, *arguments) -> subprocess.Popen:
+    return subprocess.Popen(
+        [sys.executable, "-c", "from jaxbuffer.cli import main; main()", *arguments],
+        cwd=folder,
+        env={**os.environ, "JAXBUFFER_CACHE": str(folder / "cache")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )

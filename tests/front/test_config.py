@@ -1,0 +1,232 @@
+"""Studies: what TOML may say, what it may not, and that a written design reads back as it was."""
+
+import jax.numpy as jnp
+import pytest
+
+from jaxbuffer import InputError, Scenario, get, replace, table2
+from jaxbuffer.config import VARIABLES, Config, apply_overrides, design_toml, load, write_design
+from jaxbuffer.mechanisms import paths
+
+TABLE2 = "optimise/table2.toml"
+
+
+def read(tmp_path, text) -> Config:
+    path = tmp_path / "study.toml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def test_without_a_file_everything_is_table_2s():
+    config = load(None)
+    assert config.design == table2()
+    assert config.scenarios == (config.scenario,) == (Scenario(),)
+    assert (config.options.duration, config.options.rtol, config.options.solver) == (8.0, 1e-7, "implicit")
+
+
+def test_the_shipped_study_is_table_2_at_three_speeds(request):
+    config = load(request.config.rootpath / TABLE2)
+    assert config.design == table2()
+    assert [s.approach_speed for s in config.scenarios] == [0.1, 0.15, 0.2]
+    assert config.scenario == config.scenarios[0]
+    assert dict(config.tuning.variables) == VARIABLES
+    assert config.tuning.stroke_limit == 0.025
+    assert len(config.problem().variables) == len(VARIABLES)
+
+
+def test_every_section_is_read(tmp_path):
+    config = read(
+        tmp_path,
+        """
+        [buffer]
+        k_A = 800            # an integer will do
+        damping = "published"
+        [probe]
+        free_tip = true
+        [contact]
+        stiffness = 5e9
+        [scenario]
+        misalignment = 0.01
+        [[scenarios]]
+        approach_speed = 0.3
+        [[scenarios]]
+        [options]
+        duration = 3
+        rtol = 1e-9
+        solver = "explicit"
+        [tune]
+        iterations = 7
+        stroke_limit = 0.02
+        [tune.variables]
+        buffer.k_A = [100, 2000]
+        "probe.tip_mass" = [0.02, 0.2]
+        """,
+    )
+    assert isinstance(config.design.buffer.k_A, float) and config.design.buffer.k_A == 800.0
+    assert config.design.buffer.damping == "published" and config.design.probe.free_tip
+    assert config.design.contact_stiffness == 5e9
+    assert [s.approach_speed for s in config.scenarios] == [0.3, 0.1]
+    assert {s.misalignment for s in config.scenarios} == {0.01}, "the list completes from [scenario]"
+    assert config.scenario.approach_speed == 0.1
+    assert (config.options.duration, config.options.rtol) == (3.0, 1e-9)
+    assert type(config.options.stepper()).__name__ == "ExplicitRungeKutta"
+    assert config.tuning.iterations == 7 and config.tuning.stroke_limit == 0.02
+    assert config.tuning.variables == {"buffer.k_A": (100.0, 2000.0), "probe.tip_mass": (0.02, 0.2)}
+
+
+BAD = [
+    # negative, zero and outside the range
+    ("[active]\nmass = -1", ("active.mass = -1 kg", "(0, inf) kg")),
+    ("[probe]\ntip_mass = 0", ("probe.tip_mass = 0 kg", "(0, inf) kg")),
+    ("[buffer]\nk_A = 0.0", ("buffer.k_A = 0 N/m", "(0, inf) N/m")),
+    ("[buffer]\nk_T = -3", ("buffer.k_T = -3 N m/rad", "(0, inf) N m/rad")),
+    ("[probe]\ntip_radius = 0", ("probe.tip_radius = 0 m", "(0, ")),
+    ("[cone]\nthroat_radius = -0.01", ("cone.throat_radius = -0.01 m", "(0, inf) m")),
+    ("[contact]\nrestitution = 0", ("contact.restitution = 0", "(0, 1]")),
+    ("[contact]\nrestitution = 1.2", ("contact.restitution = 1.2", "(0, 1]")),
+    ("[contact]\nfriction = -0.1", ("contact.friction = -0.1", "[0, inf)")),
+    ("[buffer]\nk_A = nan", ("buffer.k_A = nan N/m", "(0, inf) N/m")),
+    ("[buffer]\nc_A = inf", ("buffer.c_A = inf N s/m", "[0, inf) N s/m")),
+    ("[scenario]\npassive_rate = nan", ("scenario.passive_rate = nan rad/s", "(-inf, inf) rad/s")),
+    # what does not fit together
+    ("[probe]\ntip_radius = 0.07", ("probe.tip_radius = 0.07 m", "(0, 0.0669723) m")),
+    ("[scenario]\ncontact_distance = 0.08", ("scenario.contact_distance = 0.08 m", "(0, 0.0735] m")),
+    (
+        "[[scenarios]]\n[[scenarios]]\ncontact_distance = 0.08",
+        ("number 2", "contact_distance = 0.08 m", "(0, 0.0735] m"),
+    ),
+    ("[scenario]\nmisalignment = 0.8", ("scenario.misalignment = 0.8 rad", "(-0.785398, 0.785398) rad")),
+    # unknown names
+    ("[bufer]\nk_A = 1", ("[bufer] is unknown", "did you mean buffer?")),
+    ("[buffer]\nkA = 1", ("buffer.kA is unknown", "did you mean buffer.k_A?")),
+    ("[scenario]\naproach_speed = 1", ("scenario.aproach_speed is unknown", "did you mean scenario.approach_speed?")),
+    ("[[scenarios]]\nspeed = 1", ("scenarios[1].speed is unknown",)),
+    ("[options]\nrtoll = 1", ("options.rtoll is unknown", "did you mean options.rtol?")),
+    ("[tune]\niteration = 1", ("tune.iteration is unknown", "did you mean tune.iterations?")),
+    ("[tune.variables]\nbuffer.kA = [1, 2]", ("buffer.kA is unknown", "did you mean buffer.k_A?")),
+    ("[buffer]\ndamping = 'phisical'", ("buffer.damping = 'phisical' is unknown", "did you mean physical?")),
+    ("[options]\nsolver = 'implicid'", ("options.solver = 'implicid' is unknown", "did you mean implicit?")),
+    # TOML types
+    ("[buffer]\nk_A = '800'", ("buffer.k_A: '800' is not a number", "(0, inf) N/m")),
+    ("[buffer]\nk_A = true", ("buffer.k_A: 'true' is not a number", "(0, inf) N/m")),
+    ("[buffer]\nk_A = [1, 2]", ("buffer.k_A: '[1, 2]' is not a number", "(0, inf) N/m")),
+    ("[buffer]\nk_A = 2026-01-01", ("buffer.k_A: '2026-01-01' is not a number", "(0, inf) N/m")),
+    ("[options]\nrtol = 'small'", ("options.rtol: 'small' is not a number", "[1e-13, 0.01]")),
+    ("[probe]\nfree_tip = 1", ("probe.free_tip = 1 must be true or false",)),
+    ("[tune]\niterations = 2.5", ("tune.iterations = 2.5 must be a whole number of at least 1",)),
+    ("[tune]\niterations = true", ("tune.iterations = True must be a whole number",)),
+    ("buffer = 3", ("buffer = 3 is not a table", "[buffer]")),
+    ("[scenarios]\napproach_speed = 1", ("scenarios is not a list of tables", "[[scenarios]]")),
+    ("[tune]\nvariables = 1", ("tune.variables = 1 is not a table",)),
+    # settings
+    ("[options]\nduration = 0", ("options.duration = 0 s", "(0, inf) s")),
+    ("[options]\nrtol = 0.1", ("options.rtol = 0.1", "[1e-13, 0.01]")),
+    ("[tune]\nstroke_limit = -0.1", ("tune.stroke_limit = -0.1 m", "(0, inf) m")),
+    ("[tune.variables]", ("tune.variables is empty",)),
+    ("[tune.variables]\nbuffer.k_A = [100]", ("tune.variables.buffer.k_A = [100]", "[low, high] in N/m")),
+    ("[tune.variables]\nbuffer.k_A = [2e3, 1e2]", ("[2000, 100] N/m", "low bound must be below")),
+    ("[tune.variables]\nbuffer.k_A = [-1, 1e3]", ("tune.variables.buffer.k_A = -1 N/m", "(0, inf) N/m")),
+    ("[tune.variables]\nbuffer.damping = [1, 2]", ("buffer.damping is a choice",)),
+    # syntax
+    ("[buffer\nk_A = 1", ("study.toml is not valid TOML", "line 1")),
+    ("[buffer]\nk_A = \n", ("study.toml is not valid TOML", "line 2")),
+]
+
+
+@pytest.mark.parametrize(("text", "parts"), BAD, ids=[text.replace("\n", " ") for text, _ in BAD])
+def test_bad_input_is_one_line_with_field_value_unit_and_range(tmp_path, text, parts):
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, text)
+    message = str(caught.value)
+    assert "\n" not in message and message.startswith(str(tmp_path / "study.toml"))
+    for part in parts:
+        assert part in message
+
+
+def test_files_that_can_not_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"missing\.toml: no such file"):
+        load(tmp_path / "missing.toml")
+    with pytest.raises(InputError, match="Is a directory"):
+        load(tmp_path)
+    (tmp_path / "latin.toml").write_bytes(b"# \xe9")
+    with pytest.raises(InputError, match=r"latin\.toml is not valid TOML: .*utf-8"):
+        load(tmp_path / "latin.toml")
+
+
+def test_the_start_must_lie_within_the_bounds_of_tuning(tmp_path):
+    config = read(tmp_path, "[tune.variables]\nbuffer.k_A = [600, 2000]")
+    with pytest.raises(InputError, match=r"buffer\.k_A = 500 N/m is out of range; allowed: \[600, 2000\] N/m .*bounds"):
+        config.problem()
+    assert apply_overrides(config, {"buffer.k_A": "700"}).problem().design.buffer.k_A == 700.0
+
+
+def test_tuning_refuses_a_solver_it_would_not_use(tmp_path):
+    with pytest.raises(InputError, match=r"options\.solver = 'explicit'"):
+        read(tmp_path, "[options]\nsolver = 'explicit'").problem()
+
+
+def test_overrides_replace_fields_of_every_type():
+    config = apply_overrides(
+        Config(),
+        {"buffer.k_A": "8e2", "probe.free_tip": "true", "contact.memory": "smooth", "scenario.misalignment": "-0.1"},
+    )
+    assert (config.design.buffer.k_A, config.design.probe.free_tip, config.design.contact.memory) == (
+        800.0,
+        True,
+        "smooth",
+    )
+    assert config.scenario.misalignment == -0.1 and config.scenarios == (config.scenario,)
+
+
+def test_an_overridden_scenario_field_holds_for_all_and_leaves_no_twins():
+    config = Config(scenarios=(Scenario(approach_speed=0.1), Scenario(approach_speed=0.2)))
+    assert [s.passive_rate for s in apply_overrides(config, {"scenario.passive_rate": "0.01"}).scenarios] == [
+        0.01,
+        0.01,
+    ]
+    assert apply_overrides(config, {"scenario.approach_speed": "0.3"}).scenarios == (Scenario(approach_speed=0.3),)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("buffer.kA", "1", r"buffer\.kA is unknown; did you mean buffer\.k_A\?"),
+        ("scenario.speed", "1", r"scenario\.speed is unknown"),
+        ("options.rtol", "1", r"options\.rtol is unknown"),
+        ("buffer.k_A", "much", r"buffer\.k_A: 'much' is not a number; expected \(0, inf\) N/m"),
+        ("buffer.k_A", "nan", r"buffer\.k_A = nan N/m is out of range; allowed: \(0, inf\) N/m"),
+        (
+            "scenario.approach_speed",
+            "-1",
+            r"scenario\.approach_speed = -1 m/s is out of range; allowed: \(0, inf\) m/s",
+        ),
+        (
+            "scenario.contact_distance",
+            "1",
+            r"scenario\.contact_distance = 1 m is out of range; allowed: \(0, 0\.0735\] m",
+        ),
+        ("contact.arms", "fixed", r"contact\.arms = 'fixed' is unknown; choose one of moving, published"),
+        ("probe.free_tip", "perhaps", r"probe\.free_tip = 'perhaps' must be true or false"),
+    ],
+)
+def test_bad_overrides(path, value, message):
+    with pytest.raises(InputError, match=message):
+        apply_overrides(Config(), {path: value})
+
+
+def test_a_written_design_reads_back_to_the_same_numbers(tmp_path):
+    awkward = {"buffer.k_A": 0.1 + 0.2, "contact.stiffness": 1e10 / 3, "probe.tip_mass": jnp.asarray(2.0) / 41}
+    design = replace(table2(), {**awkward, "buffer.damping": "published", "probe.free_tip": True})
+    scenarios = (Scenario(approach_speed=1 / 7), Scenario(misalignment=-1e-17))
+    path = tmp_path / "design.toml"
+    write_design(design, path, "tuned\nin a test", scenarios)
+    config = load(path)
+    assert {p: get(config.design, p) for p in paths(design)} == {p: get(design, p) for p in paths(design)}
+    assert config.scenarios == scenarios
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("# tuned\n# in a test\n\n[active]\n")
+    assert "k_A = 0.30000000000000004  # N/m" in text
+
+
+def test_an_unset_stiffness_stays_unset(tmp_path):
+    assert "stiffness" not in design_toml(table2())
+    assert read(tmp_path, design_toml(table2())).design.contact.stiffness is None

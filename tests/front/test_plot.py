@@ -1,0 +1,86 @@
+"""Figures: every axis says what it shows and in which unit, and nothing outside the figure changes."""
+
+import re
+import sys
+
+import equinox as eqx
+import matplotlib
+import numpy as np
+import pytest
+from made_up import PULSE, made_up_capture, made_up_tuning
+
+from jaxbuffer import InputError, Scenario
+from jaxbuffer.config import Config
+from jaxbuffer.plot import capture_figure, png, tune_figure
+
+UNIT = re.compile(r"\[(s|ms|N|mm|mJ|deg|-)\]$")
+
+
+def labelled(figure):
+    """The figure's axes by title, after a check of every label."""
+    for axes in figure.axes:
+        assert UNIT.search(axes.get_xlabel()), axes.get_xlabel()
+        assert UNIT.search(axes.get_ylabel()) or "[-]" in axes.get_ylabel(), axes.get_ylabel()
+    return {axes.get_title(loc="left"): axes for axes in figure.axes}
+
+
+def test_capture_figure():
+    figure = capture_figure(made_up_capture())
+    axes = labelled(figure)
+    assert list(axes) == [
+        "Contact force",
+        "The peak, 250 N at 0.02 s",
+        "Gap and distance to capture",
+        "Energy, adding up to the total",
+        "Buffer stroke, largest 7.5 mm",
+        "Hinge angle, largest 0.229°",
+    ]
+    zoom = axes["The peak, 250 N at 0.02 s"]
+    assert zoom.get_xlim()[0] == pytest.approx(-0.75e3 * PULSE, rel=0.15), "the impact and a quarter of it either side"
+    assert zoom.get_ylim()[1] > 250.0
+    assert axes["Buffer stroke, largest 7.5 mm"].get_ylim()[1] > 7.5
+    assert axes["Hinge angle, largest 0.229°"].get_ylim()[0] < -0.2, "signed"
+    assert png(figure).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("at", [0.0, 0.04])
+def test_a_peak_at_an_end_of_the_run_is_drawn(at):
+    zoom = capture_figure(made_up_capture(at=at)).axes[1]
+    assert max(np.max(line.get_ydata()) for line in zoom.lines) == pytest.approx(250.0, rel=1e-2)
+
+
+def test_tune_figure():
+    config = Config(scenarios=tuple(Scenario(approach_speed=speed) for speed in (0.1, 0.15, 0.2, 0.25)))
+    tuned = made_up_tuning(config.problem())
+    figure = tune_figure(tuned)
+    axes = labelled(figure)
+    assert list(axes) == [
+        *(f"{speed} m/s: -20.0 %" for speed in (0.1, 0.15, 0.2, 0.25)),
+        "Peak contact force",
+        "Objective",
+        "Variables within their bounds",
+    ]
+    labels = [text.get_text() for text in axes["0.1 m/s: -20.0 %"].get_legend().get_texts()]
+    assert labels == ["before, 250 N", "after, 200 N"]
+    assert [text.get_text() for text in axes["Objective"].get_legend().get_texts()] == ["not captured"]
+    for line in axes["Variables within their bounds"].lines:
+        assert 0.0 <= line.get_ydata().min() < line.get_ydata().max() <= 1.0
+    assert png(figure).startswith(b"\x89PNG")
+
+
+def test_settings_of_matplotlib_stay_as_they_were():
+    before = dict(matplotlib.rcParams)
+    capture_figure(made_up_capture())
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_a_capture_without_history_is_refused():
+    capture = eqx.tree_at(lambda c: c.history, made_up_capture(), None)
+    with pytest.raises(InputError, match="history=True"):
+        capture_figure(capture)
+
+
+def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(InputError, match=r"pip install 'jaxbuffer\[plots\]'"):
+        capture_figure(made_up_capture())
