@@ -18,8 +18,8 @@ class PeerCapture:
     peak_time: float  # [s]
     peak_flank: str  # lower or upper
     impacts: int  # touchdowns, the contact the run starts in among them
-    steps: int  # accepted steps
-    evaluations: int  # right-hand sides, those inside a compiled Jacobian not counted
+    steps: int | None  # accepted steps, where the solver tells
+    evaluations: int | None  # right-hand sides, those inside a compiled Jacobian not counted
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Course:
     peak: tuple[float, float, int] = (0.0, 0.0, 0)  # force [N], time [s], flank
     impacts: int = 1
     outcome: str = "timeout"
-    steps: int = 0
+    steps: int = 0  # 0: not told
     evaluations: int = 0
 
     def __post_init__(self) -> None:
@@ -76,5 +76,12 @@ class Course:
         """The capture, ended at ``end_time`` [s]."""
         force, time, flank = self.peak
         return PeerCapture(
-            self.outcome, end_time, force, time, ("lower", "upper")[flank], self.impacts, self.steps, self.evaluations
+            outcome=self.outcome,
+            end_time=end_time,
+            peak_force=force,
+            peak_time=time,
+            peak_flank=("lower", "upper")[flank],
+            impacts=self.impacts,
+            steps=self.steps or None,
+            evaluations=self.evaluations,
         )

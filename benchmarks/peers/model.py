@@ -1,8 +1,9 @@
 """The capture mechanism between two contact events, as a competent user of a compiler would write it by hand.
 
-The state is y (25,): positions q (12) [m, rad] of the model's section 1, velocities (12) [m/s, rad/s], and the tip's own
-angular velocity [rad/s], at rest for ever when the tip is welded. Which flanks may press (``active``, (2,), 0 or 1) and
-the approach speeds they remember (``memory``, (2,) [m/s]) stay fixed between events: the right-hand side is smooth there.
+The state is y (25,): positions q (12) [m, rad] of the model's section 1, velocities (12) [m/s, rad/s], and the tip's
+own angular velocity [rad/s], at rest for ever when the tip is welded. Which flanks may press (``active``, (2,), 0 or 1)
+and the approach speeds they remember (``memory``, (2,) [m/s]) stay fixed between events, so that the right-hand side is
+smooth there.
 """
 
 from __future__ import annotations
@@ -108,53 +109,9 @@ def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
     return w, asx, asy, hbx, hby, gamma_1, gamma_2, gamma_3, gamma_4
 
 
-@njit
-def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, reactions: Vector) -> None:
-    """Write dy/dt (25,) into ``out`` and the multipliers (4,) [N, N, N m, N] of the joints into ``reactions``.
-
-    The mass matrix is diagonal, so the augmented system of the model's section 2 shrinks to its 4x4 Schur complement
-    Phi_q M^-1 Phi_q^T lambda = Phi_q M^-1 F - gamma, factored here as L D L^T without a loop.
-    """
-    cos_S = math.cos(y[2])
-    sin_S = math.sin(y[2])
-    cos_B = math.cos(y[5])
-    sin_B = math.sin(y[5])
-    cos_P = math.cos(y[8])
-    sin_P = math.sin(y[8])
-    m_S, bx, by, m_B, px, py, m_P, tx, ty, m_T, m_tip = load(y, p, active, memory, cos_B, sin_B, cos_P, sin_P)
-    w, asx, asy, hbx, hby, g1, g2, g3, g4 = joints(y, p, cos_S, sin_S, cos_B, sin_B)
-
-    i_mS = 1.0 / p[MASS_S]
-    i_IS = 1.0 / p[INERTIA_S]
-    i_mB = 1.0 / p[MASS_B]
-    i_IB = 1.0 / p[INERTIA_B]
-    i_mP = 1.0 / p[MASS_P]
-    i_IP = 1.0 / p[INERTIA_P]
-
-    # Free accelerations of the bodies, then what the joints lack of them.
-    a_S = m_S * i_IS
-    a_Bx = bx * i_mB
-    a_By = by * i_mB
-    a_B = m_B * i_IB
-    a_Px = px * i_mP
-    a_Py = py * i_mP
-    a_P = m_P * i_IP
-    b1 = -asy * a_S - a_Bx + hby * a_B - g1
-    b2 = asx * a_S - a_By - hbx * a_B - g2
-    b3 = a_B - a_P - g3
-    b4 = cos_B * (a_Py - a_By) - sin_B * (a_Px - a_Bx) - w * a_B - g4
-
-    s11 = i_mS + i_mB + asy * asy * i_IS + hby * hby * i_IB
-    s21 = -asx * asy * i_IS - hbx * hby * i_IB
-    s31 = hby * i_IB
-    s41 = -sin_B * i_mB - hby * w * i_IB
-    s22 = i_mS + i_mB + asx * asx * i_IS + hbx * hbx * i_IB
-    s32 = -hbx * i_IB
-    s42 = cos_B * i_mB + hbx * w * i_IB
-    s33 = i_IB + i_IP
-    s43 = -w * i_IB
-    s44 = i_mB + i_mP + w * w * i_IB
-
+@njit(inline="always")
+def solve_four(s11, s21, s31, s41, s22, s32, s42, s33, s43, s44, b1, b2, b3, b4):
+    """Solution (4) of a symmetric positive definite 4x4 system given by its lower half, by L D L^T without a loop."""
     d1 = 1.0 / s11
     l21 = s21 * d1
     l31 = s31 * d1
@@ -175,6 +132,56 @@ def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, 
     r3 = z3 * d3 - l43 * r4
     r2 = z2 * d2 - l32 * r3 - l42 * r4
     r1 = b1 * d1 - l21 * r2 - l31 * r3 - l41 * r4
+    return r1, r2, r3, r4
+
+
+@njit
+def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, reactions: Vector) -> None:
+    """Write dy/dt (25,) into ``out`` and the multipliers (4,) [N, N, N m, N] of the joints into ``reactions``.
+
+    The mass matrix is diagonal, so the augmented system of the model's section 2 shrinks to its 4x4 Schur complement
+    Phi_q M^-1 Phi_q^T lambda = Phi_q M^-1 F - gamma.
+    """
+    cos_S = math.cos(y[2])
+    sin_S = math.sin(y[2])
+    cos_B = math.cos(y[5])
+    sin_B = math.sin(y[5])
+    cos_P = math.cos(y[8])
+    sin_P = math.sin(y[8])
+    m_S, bx, by, m_B, px, py, m_P, tx, ty, m_T, m_tip = load(y, p, active, memory, cos_B, sin_B, cos_P, sin_P)
+    w, asx, asy, hbx, hby, g1, g2, g3, g4 = joints(y, p, cos_S, sin_S, cos_B, sin_B)
+
+    i_mS = 1.0 / p[MASS_S]
+    i_IS = 1.0 / p[INERTIA_S]
+    i_mB = 1.0 / p[MASS_B]
+    i_IB = 1.0 / p[INERTIA_B]
+    i_mP = 1.0 / p[MASS_P]
+    i_IP = 1.0 / p[INERTIA_P]
+
+    # Free accelerations of the bodies, then the reactions that make up for what the joints lack of them.
+    a_S = m_S * i_IS
+    a_Bx = bx * i_mB
+    a_By = by * i_mB
+    a_B = m_B * i_IB
+    a_Px = px * i_mP
+    a_Py = py * i_mP
+    a_P = m_P * i_IP
+    r1, r2, r3, r4 = solve_four(
+        i_mS + i_mB + asy * asy * i_IS + hby * hby * i_IB,
+        -asx * asy * i_IS - hbx * hby * i_IB,
+        hby * i_IB,
+        -sin_B * i_mB - hby * w * i_IB,
+        i_mS + i_mB + asx * asx * i_IS + hbx * hbx * i_IB,
+        -hbx * i_IB,
+        cos_B * i_mB + hbx * w * i_IB,
+        i_IB + i_IP,
+        -w * i_IB,
+        i_mB + i_mP + w * w * i_IB,
+        -asy * a_S - a_Bx + hby * a_B - g1,
+        asx * a_S - a_By - hbx * a_B - g2,
+        a_B - a_P - g3,
+        cos_B * (a_Py - a_By) - sin_B * (a_Px - a_Bx) - w * a_B - g4,
+    )
 
     for place in range(12):
         out[place] = y[12 + place]

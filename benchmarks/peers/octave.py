@@ -1,9 +1,13 @@
 """GNU Octave's ode15s on the paper's own form D(y) y' = F(y) (its eqs. 15 to 17), in a process of its own.
 
-The multipliers are the rates of four dummy unknowns, as in the paper, so there are 28 unknowns (29 with a free tip). The
-contact's memory is an argument of the right-hand side: a touchdown is a terminal event, after which ode15s starts anew.
-The seconds reported are those of the solve alone, by Octave's own clock: neither its start-up nor the reading of the
-force's top from the steps is in them.
+The multipliers are the rates of four dummy unknowns, as in the paper, so there are 28 unknowns (29 with a free tip).
+The contact's memory is an argument of the right-hand side: a touchdown is a terminal event, after which ode15s starts
+anew. ode15s places an event on the straight line between two steps, too coarsely for this model, so the scripts locate
+it once more by a Runge-Kutta flight from the step before. The seconds reported are those of the solve alone, by
+Octave's own clock: neither its start-up nor the reading of the force's top from the steps is in them.
+
+At relative tolerances of 1e-6 and above the error allowed in a position is larger than a penetration: ode15s then
+chatters for minutes through the sliding contacts.
 """
 
 from __future__ import annotations
@@ -18,9 +22,9 @@ from pathlib import Path
 from .course import PeerCapture
 from .model import Parameters, start, vector
 from .parameters import (
-    COSINE,
     CONE_LENGTH,
     CONE_OFFSET,
+    COSINE,
     DAMPER_A,
     DAMPER_T,
     FREE_LENGTH,

@@ -53,7 +53,7 @@ class Segment:
         right = forces(y_new, self.context)[flank] - self.now[TOP + flank] * step
         return max(left, right) < HOPELESS * self.course.peak[0]
 
-    def run(self, locate_release: bool) -> tuple[float, Vector]:
+    def run(self) -> tuple[float, Vector]:
         """Time [s] and state at which the solver must start afresh or stop."""
         course, stepper = self.course, self.stepper
         y_old = stepper.y
@@ -62,7 +62,7 @@ class Segment:
             course.steps += 1
             mask = crossings(stepper.y, self.before, self.now, self.context)
             if mask:
-                end = self.settle(mask, y_old, locate_release)
+                end = self.settle(mask, y_old)
                 if end is not None:
                     return end
                 watch(stepper.y, self.now, self.context)
@@ -72,11 +72,11 @@ class Segment:
             course.outcome = "failed"
         return stepper.t, stepper.y
 
-    def settle(self, mask: int, y_old: Vector, locate_release: bool) -> tuple[float, Vector] | None:
+    def settle(self, mask: int, y_old: Vector) -> tuple[float, Vector] | None:
         """Deal with what the latest step crossed; time and state of a restart or the end, if it holds one."""
         course, stepper = self.course, self.stepper
         fallen = [event for event in range(EVENTS) if mask >> event & 1]
-        halts = [e for e in fallen if e < TOP and (locate_release or e > 1 or not course.presses(e))]
+        halts = [e for e in fallen if e < TOP and (e > 1 or not course.presses(e))]
         tops = [e for e in fallen if e >= TOP]
         early, late, y_late = stepper.t_old, stepper.t, stepper.y
         tops = [e for e in tops if not self.hopeless(e - TOP, y_old, y_late, late - early)]
@@ -105,13 +105,13 @@ def capture(
     rtol: float,
     atol: float,
     implicit: bool = False,
-    locate_release: bool = False,
     **options: float,
 ) -> PeerCapture:
     """One capture by a SciPy stepper class.
 
-    An ``implicit`` one is given a compiled Jacobian. A touchdown starts the solver afresh, since the remembered approach
-    speed jumps; a release does so only with ``locate_release``, since the force has come down to zero by itself.
+    An ``implicit`` one is given a compiled Jacobian. A touchdown starts the solver afresh, since the remembered
+    approach speed jumps. A release does not, the force having come down to zero by itself: a fresh start there was
+    tried and no faster.
     """
     course = Course(parameters)
     context = course.context
@@ -121,6 +121,6 @@ def capture(
     t, y = 0.0, course.state
     while t < parameters.duration and not course.over:
         segment = Segment(method, course, t, y, settings)
-        t, y = segment.run(locate_release)
+        t, y = segment.run()
         course.evaluations += segment.stepper.nfev
     return course.report(t)

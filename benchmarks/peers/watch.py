@@ -6,8 +6,8 @@ Six numbers, each of which falls through zero when its event happens:
 2, 3   distance [m] in front of the capture plane, before the escape plane
 4, 5   rate [N/s] of the force of the lower, upper flank; 1 for a flank that is free
 
-``context`` (38,) is all that a compiled function needs besides the state, in one array because each array argument costs
-a call from Python some 50 ns: the parameter vector, active flanks, remembered approach speeds, joint reactions.
+``context`` (38,) is all that a compiled function needs besides the state: the parameter vector, active flanks,
+remembered approach speeds, joint reactions. It is one array because each array argument costs a call from Python 50 ns.
 """
 
 from __future__ import annotations

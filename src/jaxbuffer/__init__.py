@@ -1,17 +1,34 @@
 """jaxbuffer: which spring, damper and tip mass behind a docking probe give the smallest impact force."""
 
-from .capture import Capture as Capture, simulate as simulate
+from .capture import Capture as Capture
+from .capture import simulate as simulate
 from .errors import InputError as InputError
 from .mechanisms import (
     Design as Design,
+)
+from .mechanisms import (
     Scenario as Scenario,
+)
+from .mechanisms import (
     get as get,
+)
+from .mechanisms import (
     paths as paths,
+)
+from .mechanisms import (
     replace as replace,
+)
+from .mechanisms import (
     rigid_probe as rigid_probe,
+)
+from .mechanisms import (
     table2 as table2,
 )
 from .outcome import Outcome as Outcome
 from .runtime import configure as configure
-from .sensitivity import Sensitivity as Sensitivity, sensitivity as sensitivity
-from .tune import Problem as Problem, Tuned as Tuned, Variable as Variable, tune as tune
+from .sensitivity import Sensitivity as Sensitivity
+from .sensitivity import sensitivity as sensitivity
+from .tune import Problem as Problem
+from .tune import Tuned as Tuned
+from .tune import Variable as Variable
+from .tune import tune as tune

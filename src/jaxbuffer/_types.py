@@ -1,5 +1,6 @@
 """Types shared by every room."""
 
+import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 Scalar = Float[Array, ""] | float
@@ -7,3 +8,8 @@ Scalar = Float[Array, ""] | float
 
 BoolScalar = Bool[Array, ""] | bool
 IntScalar = Int[Array, ""] | int
+
+
+def stacked(values: list[Scalar]) -> Float[Array, " n"]:
+    """Scalars, Python's or traced, as one array."""
+    return jnp.stack([jnp.asarray(value, float) for value in values])

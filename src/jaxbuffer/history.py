@@ -6,7 +6,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .integrate import Steps
-from .mechanisms.capture import CaptureMechanism, N
+from .mechanisms.assembly import N
+from .mechanisms.capture import CaptureMechanism
 from .metrics import BUFFER_FORCE, HINGE_ANGLE, HINGE_FORCE, STROKE, Energy, energy
 
 BODIES = ("active", "cylinder", "probe", "passive")

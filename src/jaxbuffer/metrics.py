@@ -9,7 +9,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .integrate import Kind, Log
-from .mechanisms.capture import N, CaptureMechanism
+from .mechanisms.assembly import N
+from .mechanisms.capture import CaptureMechanism
 from .multibody import Kinematics
 
 FLANKS = 2

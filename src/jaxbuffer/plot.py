@@ -161,8 +161,9 @@ def tune_figure(tuned: "Tuned") -> "Figure":
 def _convergence(peak: "Axes", objective: "Axes", tuned: "Tuned") -> None:
     iterations = tuned.iterations
     numbers = [it.number for it in iterations]
-    for k, scenario in enumerate(tuned.problem.scenarios):
-        peak.plot(numbers, [it.peaks[k] for it in iterations], label=scenario_label(scenario), **_line(k))
+    scenarios = tuned.problem.scenarios
+    for k, scenario in enumerate(scenarios):
+        peak.plot(numbers, [it.peaks[k] for it in iterations], label=scenario_label(scenario, scenarios), **_line(k))
     _label(peak, "Peak contact force", ITERATION, "peak force [N]")
     objective.plot(numbers, [it.objective for it in iterations], color=BLUE)
     lost = [it for it in iterations if not it.captured]
@@ -184,7 +185,7 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
         axes.plot(numbers, place, label=variable.path, **_line(k))
     axes.set_ylim(-0.03, 1.5)  # room for the legend
     axes.set_yticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
-    _label(axes, "Variables within their bounds", ITERATION, "place between the bounds, logarithmic [-]", columns=2)
+    _label(axes, "Variables within their bounds", ITERATION, "place between bounds, log scale [-]", columns=2)
 
 
 def _pulse(axes: "Axes", capture: Capture, flank: int, colour: str, label: str = "", marker: str = "") -> None:

@@ -92,7 +92,9 @@ def _get(design: Design, scenario: Scenario, path: str) -> object:
     return get(scenario if of_scenario else design, name)
 
 
-def _with(design: Design, scenario: Scenario, paths: Sequence[str], values: Sequence[Scalar]) -> tuple[Design, Scenario]:
+def _with(
+    design: Design, scenario: Scenario, paths: Sequence[str], values: Sequence[Scalar]
+) -> tuple[Design, Scenario]:
     pairs = [(*_split(path), value) for path, value in zip(paths, values, strict=True)]
     return (
         replace(design, {name: value for of_scenario, name, value in pairs if not of_scenario}),
@@ -123,7 +125,9 @@ def linearised(
     """A capture of the design with ``paths`` set to ``values``, and its derivatives by those: one compiled program for
     all designs and scenarios of a kind, shared by `sensitivity` and `tune`."""
     arrays = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario))
-    return _linearised(*arrays, jnp.asarray(values, float), float(duration), jnp.asarray(rtol, float), tuple(paths), solver)
+    return _linearised(
+        *arrays, jnp.asarray(values, float), float(duration), jnp.asarray(rtol, float), tuple(paths), solver
+    )
 
 
 @eqx.filter_jit

@@ -95,13 +95,11 @@ class Tuned:
         return tuned_table(self)
 
 
-def tune(
-    problem: Problem, *, iterations: int = 40, report: Callable[[Iteration], None] | None = None
-) -> Tuned:
+def tune(problem: Problem, *, iterations: int = 40, report: Callable[[Iteration], None] | None = None) -> Tuned:
     """Lower the mean over scenarios of the peak contact force, each relative to its value at the start.
 
-    Adam in the logarithms of the variables, projected on the bounds. The peak is a smooth maximum over the *local* peaks
-    of all impacts, so that the gradient sees the runner-up before it takes over; the stroke limit is a quadratic
+    Adam in the logarithms of the variables, projected on the bounds. The peak is a smooth maximum over the *local*
+    peaks of all impacts, so that the gradient sees the runner-up before it takes over; the stroke limit is a quadratic
     penalty; a step after which a scenario is not captured is undone and halved. The best design that meets every
     condition is kept, and judged by its true peaks at tight tolerance.
 
@@ -115,7 +113,7 @@ def tune(
     for k, capture in enumerate(start):
         if capture.outcome != Outcome.captured:
             raise InputError(
-                f"scenarios[{k}]: the design to start from is not captured ({capture.outcome.reason}); start from one that is"
+                f"scenarios[{k}]: the start is not captured ({capture.outcome.reason}); start from a design that is"
             )
     reference = np.array([float(capture.peak_force) for capture in start])
 

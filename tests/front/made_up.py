@@ -24,16 +24,15 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     inside = np.abs(time - at) < PULSE / 2
     force[inside, 1] = peak * np.cos(np.pi * (time[inside] - at) / PULSE)
     ramp = time / END
-    energy = Energy(
-        *(jnp.asarray(x) for x in (1.0 - ramp, 0.2 * ramp, 0 * ramp, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp)), 0.2 * ramp
-    )
+    shares = (1.0 - ramp, 0.2 * ramp, 0 * ramp, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp, 0.2 * ramp)
+    energy = Energy(*(jnp.asarray(share) for share in shares))
     two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
     history = History(
         **{name: jnp.asarray(value) for name, value in {
             "time": time, "position": bodies, "velocity": bodies, "tip_spin": ramp, "multipliers": np.zeros((STEPS, 4)),
-            "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force, "friction_force": 0.3 * force,
-            "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp,
-            "throat_distance": 0.03 * (1 - ramp),
+            "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force,
+            "friction_force": 0.3 * force, "hinge_force": force[:, 1], "buffer_force": 4 * ramp,
+            "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp, "throat_distance": 0.03 * (1 - ramp),
         }.items()},
         energy=energy,
     )  # fmt: skip
@@ -67,16 +66,9 @@ def made_up_sensitivity(capture=None, paths=PARAMETERS, verified=True) -> Sensit
     numbers = np.arange(1.0, 1.0 + shape[0] * shape[1]).reshape(shape)
     error = np.full(len(paths), 1e-5) if verified else None
     results = np.array([250.0, 375.0, 0.0075, 0.004, END])
-    return Sensitivity(
-        capture or made_up_capture(),
-        tuple(paths),
-        np.ones(len(paths)),
-        QUANTITIES,
-        results,
-        numbers,
-        numbers / 100,
-        error,
-    )
+    values = np.ones(len(paths))
+    capture = capture or made_up_capture()
+    return Sensitivity(capture, tuple(paths), values, QUANTITIES, results, numbers, numbers / 100, error)
 
 
 def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:

@@ -1,7 +1,8 @@
 function c = contact_of(y, p, memory)
   % Contact of the tip with both flanks, lower first: the model's sections 4 and 5.
-  % c.gap, c.rate (1,2) [m, m/s]; c.force (1,2) [N]; c.x [m] the tip centre in the frame of T; and the generalised
-  % forces c.load (12,1) [N, N m] with the moment c.tip [N m] about the tip centre.
+  % c.gap (1,2) [m], c.rate (1,2) [m/s] within REACH of the flank; c.force (1,2) [N]; c.x [m] the tip centre in the
+  % frame of T; and the generalised forces c.load (12,1) [N, N m] with the moment c.tip [N m] about the tip centre.
+  REACH = 1e-9;
   sP = sin(y(9));
   cP = cos(y(9));
   turn = [cos(y(12)), -sin(y(12)); sin(y(12)), cos(y(12))];
@@ -26,10 +27,13 @@ function c = contact_of(y, p, memory)
     foot = E - s * t;
     N = A - foot;
     d = norm(N);
+    c.gap(k) = d - p.R;
+    if c.gap(k) > REACH
+      continue
+    end
     N = N / d;
     T = sigma * [N(2); -N(1)];
     v = V + spin * d * [N(2); -N(1)] - y(24) * [-foot(2); foot(1)];
-    c.gap(k) = d - p.R;
     c.rate(k) = v' * N;
     if c.gap(k) >= 0 || memory(k) == 0
       continue

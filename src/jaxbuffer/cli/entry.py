@@ -17,9 +17,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     sys.stdout.flush()
     sys.stderr.flush()
     if code == INTERRUPTED:
-        os._exit(
-            code
-        )  # a compiler may still be at work in a thread, which an ordinary exit would wait for or trip over
+        # an ordinary exit would trip over a compiler still at work in its thread
+        os._exit(code)
     sys.exit(code)
 
 

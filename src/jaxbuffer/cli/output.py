@@ -18,12 +18,12 @@ class Output:
         self.folder, self.force = folder, force
         if folder is None:
             return
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"{folder} is a file; --output needs a folder")
+        parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+        if not parent.is_dir():
+            raise InputError(f"{parent} is a file; --output needs a folder")
         taken = [str(folder / name) for name in names if (folder / name).exists()]
         if taken and not force:
             raise InputError(f"{', '.join(taken)} exist{'s' if len(taken) == 1 else ''}; --force overwrites")
-        parent = next(p for p in (folder.absolute(), *folder.absolute().parents) if p.exists())
         if not os.access(parent, os.W_OK | os.X_OK):
             raise InputError(f"{folder}: no permission to write there")
 

@@ -6,7 +6,6 @@ Everything here may be an array over the segments of the pair, so that a cone's 
 from typing import NamedTuple
 
 import equinox as eqx
-import jax.numpy as jnp
 
 from .._types import Scalar
 from .friction import RegularisedCoulomb

@@ -1,8 +1,16 @@
 """Time stepping of any hybrid mechanism: solvers, events, sensitivities."""
 
-from .controller import Controller as Controller, Tolerance as Tolerance
+from .controller import Controller as Controller
+from .controller import Tolerance as Tolerance
 from .lanes import Lanes as Lanes
-from .log import Kind as Kind, Log as Log, Steps as Steps
-from .run import Options as Options, Result as Result, Status as Status, run as run
+from .log import Kind as Kind
+from .log import Log as Log
+from .log import Steps as Steps
+from .run import Options as Options
+from .run import Result as Result
+from .run import Status as Status
+from .run import run as run
 from .solve import solve as solve
-from .solvers import ExplicitRungeKutta as ExplicitRungeKutta, LinearlyImplicit as LinearlyImplicit, Solver as Solver
+from .solvers import ExplicitRungeKutta as ExplicitRungeKutta
+from .solvers import LinearlyImplicit as LinearlyImplicit
+from .solvers import Solver as Solver

@@ -34,7 +34,7 @@ def signed(
 
 
 class Crossing(NamedTuple):
-    """The first crossing in a step: which guard (-1 for none), where [s from the step's start], the bracket's far end."""
+    """The first crossing in a step: which guard (-1: none), where [s from the step's start], the bracket's far end."""
 
     which: Int[Array, ""]
     at: Float[Array, ""]

@@ -13,8 +13,8 @@ MAX_TRIES = 12
 class Landing(NamedTuple):
     """A step on its way onto a guard's zero.
 
-    ``target``: the guard (-1: no landing under way); ``aim``: the length to try [s]; ``low``, ``high``: bracket [s] with
-    the guard's values there; ``tries`` so far.
+    ``target``: the guard (-1: no landing under way); ``aim``: the length to try [s]; ``low``, ``high``: bracket [s]
+    with the guard's values there; ``tries`` so far.
     """
 
     target: Int[Array, ""]
@@ -39,12 +39,13 @@ class Landing(NamedTuple):
 
     @property
     def under_way(self) -> Bool[Array, ""]:
+        """Whether a step is being shortened."""
         return self.target >= 0
 
 
 class Verdict(NamedTuple):
     """``settled``: the landing is over; ``happened``: on its event rather than beside one that is not there;
-    ``offset``: time from the step's end to the event itself [s]; ``rate``: the guard's; ``next``: what to try otherwise.
+    ``offset``: time from the step's end to the event itself [s]; ``rate``: the guard's; ``next``: what to try if not.
     """
 
     settled: Bool[Array, ""]

@@ -28,8 +28,8 @@ class Log(NamedTuple):
     """Located events in order of time.
 
     ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
-    ``value``: the observable at a `Kind.PEAK`; ``guard_rate``: rate of the signed guard at its zero, so that the event's
-    time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time.
+    ``value``: the observable at a `Kind.PEAK`; ``guard_rate``: rate of the signed guard at its zero, so that the
+    event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time.
     """
 
     kind: Int[Array, " slots"]

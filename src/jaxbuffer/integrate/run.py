@@ -220,9 +220,7 @@ def _begin(
     for contact in range(contacts):
         begins = (active[contact] > 0.5) & system.closed_by_events()
         log = log.append(begins, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, zero, one, active, start)
-    shapes = jax.eval_shape(
-        lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0])
-    )
+    shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
     none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
     guards = Guards(none, none, terminal, terminal, value, value)
     return _Progress(
@@ -247,9 +245,7 @@ def _field(build: Callable[[P], HybridSystem], lanes: Lanes[P], active: Array) -
     return lambda time, rows: lanes.lift(lambda p, y: build(p).derivative(time, y, active))(rows)
 
 
-def _observe(
-    system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array
-) -> Guards:
+def _observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
     """Guards and observables with their rates.
 
     Observables of the state's rate need its second derivative, which costs as much as two right-hand sides: only where

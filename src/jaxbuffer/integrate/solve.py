@@ -1,7 +1,7 @@
 """A run with the right derivative: `solve` differentiates with respect to every number in the system.
 
 The derivative rule integrates the sensitivities of the perturbed inputs as rows of the error-controlled state and
-returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jax.jvp`, `jacfwd`, `grad`, `vmap` and `jit` all work.
+returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jvp`, `jacfwd`, `grad`, `vmap` and `jit` all work.
 """
 
 from collections.abc import Callable

@@ -96,8 +96,8 @@ class ExplicitRungeKutta(Solver):
 class LinearlyImplicit(Solver):
     """An IMEX Runge-Kutta method of diffrax turned into a W-method: one matrix a step, no iteration.
 
-    With J frozen over the step, f = J (y - y_n) + (f - J (y - y_n)); the method's implicit half takes the first term and
-    its explicit half the second, so every stage is one linear solve and one right-hand side. The order is the IMEX
+    With J frozen over the step, f = J (y - y_n) + (f - J (y - y_n)); the method's implicit half takes the first term
+    and its explicit half the second, so every stage is one linear solve and one right-hand side. The order is the IMEX
     method's for *any* J (Kennedy & Carpenter 2003), hence J needs only the stiff forces, and the sensitivity rows share
     it. With those forces of low rank the solve is a small dense one (Woodbury), and never a library call.
 

@@ -1,114 +1,35 @@
-"""The probe-cone capture mechanism assembled from bodies, joints, spring-dampers and a ball-on-flanks contact.
+"""The probe-cone capture mechanism as a hybrid system, ready to be stepped through time.
 
-Four bodies in the paper's order: active vehicle S, cylinder B, probe P (with the tip on its end), passive vehicle T.
 The state is ``[q (12), v (12), tip spin (if free), energy lost (4), contact memory (2)]``.
 """
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float, Int
 
-from .._types import Scalar
-from ..contact import Approach, Ball, BallOnSegments, Carrier, LankaraniNikravesh, RegularisedCoulomb, Segment
-from ..multibody import (
-    AxialSpringDamper,
-    Body,
-    Kinematics,
-    Load,
-    Motion,
-    Prismatic,
-    Revolute,
-    System,
-    TorsionalSpringDamper,
-    Vector,
-    load_at,
+from .._types import Scalar, stacked
+from ..contact import Approach, Ball, BallOnSegments, Carrier
+from ..multibody import Kinematics, Load, Motion, System, Vector, load_at
+from .assembly import (
+    LOWER,
+    B,
+    Masses,
+    N,
+    P,
+    S,
+    T,
+    assemble_contact,
+    assemble_system,
+    probe_masses,
+    start_motion,
 )
 from .design import Design, Scenario
 from .hybrid import HybridSystem, Linearisation
+from .stiffness import linearisation
 
-S, B, P, T = range(4)  # bodies, in the order of the coordinates
-N = 12  # coordinates
-LOWER, UPPER = 0, 1  # flanks
-SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
-
-
-class Masses(NamedTuple):
-    """Probe with its tip: mass [kg], inertia about the centre of mass [kg m²], distances from it to rear end and tip
-    centre [m], and the tip's own inertia [kg m²] (0 when it is part of the probe's)."""
-
-    mass: Scalar
-    inertia: Scalar
-    rear: Scalar
-    front: Scalar
-    tip_inertia: Scalar
-
-
-def probe_masses(design: Design) -> Masses:
-    """Rod and tip as one body (the model's section 1); a free tip's spin inertia is left out of it."""
-    probe = design.probe
-    mass = probe.rod_mass + probe.tip_mass
-    shift = probe.tip_mass * (probe.length / 2) / mass
-    rear, front = probe.length / 2 + shift, probe.length / 2 - shift
-    tip = 0.4 * probe.tip_mass * probe.tip_radius**2
-    inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip)
-
-
-def assemble_system(design: Design, stabilisation: Scalar) -> System:
-    """Bodies, joints and buffer of the capture mechanism."""
-    probe = probe_masses(design)
-    half = design.buffer.cylinder_length / 2
-    cylinder = Body(design.buffer.cylinder_mass, design.buffer.cylinder_mass * design.buffer.cylinder_length**2 / 12)
-    return System(
-        bodies=(
-            Body(design.active.mass, design.active.inertia),
-            cylinder,
-            Body(probe.mass, probe.inertia),
-            Body(design.passive.mass, design.passive.inertia),
-        ),
-        joints=(
-            Revolute(S, B, first_point=(design.active.hinge_offset, 0.0), second_point=(half, 0.0)),
-            Prismatic(B, P),
-        ),
-        forces=(
-            AxialSpringDamper(
-                B,
-                P,
-                first_point=(-half, 0.0),
-                second_point=(-probe.rear, 0.0),
-                stiffness=design.buffer.k_A,
-                damping=design.buffer.c_A,
-                free_length=design.buffer.free_length,
-                published_damping=design.buffer.damping == "published",
-            ),
-            TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),
-        ),
-        stabilisation=stabilisation,
-    )
-
-
-def assemble_contact(design: Design) -> BallOnSegments:
-    """The tip against both flanks, in the passive vehicle's axes."""
-    angle = design.cone.half_angle
-    flanks = Segment(
-        start_x=-design.cone.offset,
-        start_y=-SIDE * design.cone.throat_radius,
-        direction_x=-jnp.cos(angle),
-        direction_y=-SIDE * jnp.sin(angle),
-        length=design.cone.length,
-    )
-    return BallOnSegments(
-        radius=design.probe.tip_radius,
-        segments=flanks,
-        side=SIDE,
-        law=LankaraniNikravesh(design.contact_stiffness, design.contact.restitution),
-        friction=RegularisedCoulomb(design.contact.friction, design.contact.slip_speed),
-    )
 
 
 class Forces(NamedTuple):
@@ -191,10 +112,10 @@ class CaptureMechanism(HybridSystem):
         """Contact forces of both flanks; an open one exerts none."""
         pair = self.pair
         approach = self.approach(kin, state)
-        normal = active * pair.normal_force(self._onset(approach), self.memory(state))
+        normal = active * pair.normal_force(self.rounded(approach), self.memory(state))
         return Forces(approach, normal, pair.friction_force(approach, normal))
 
-    def _onset(self, approach: Approach) -> Approach:
+    def rounded(self, approach: Approach) -> Approach:
         """With the smooth law, the penetration is rounded over the onset length: δ → (δ + √(δ² + ε²))/2."""
         if not self.smooth:
             return approach
@@ -227,42 +148,13 @@ class CaptureMechanism(HybridSystem):
     # --- time stepping (see integrate.HybridSystem) -------------------------------------------------------------------
 
     def start(self) -> tuple[Float[Array, " state"], Float[Array, " flanks"]]:
-        """The tip just touches the lower flank at the slant distance b (the model's section 6)."""
-        design, scenario = self.design, self.scenario
-        angle, zero = design.cone.half_angle, jnp.zeros(())
-        cos, sin = jnp.cos(angle), jnp.sin(angle)
-        local = Vector(
-            -design.cone.offset - scenario.contact_distance * cos - design.probe.tip_radius * sin,
-            -design.cone.throat_radius - scenario.contact_distance * sin + design.probe.tip_radius * cos,
-        )
-        turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
-        tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
-        probe = self.probe
-        rear = tip.x - probe.front - probe.rear
-        cylinder = rear - design.buffer.free_length + design.buffer.cylinder_length / 2
-        active = cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
-        q = [
-            active,
-            tip.y,
-            zero,
-            cylinder,
-            tip.y,
-            zero,
-            tip.x - probe.front,
-            tip.y,
-            zero,
-            zero,
-            zero,
-            scenario.misalignment,
-        ]
-        speed = scenario.approach_speed
-        v = [speed, zero, zero] * 3 + [zero, zero, scenario.passive_rate]
-        state = _vector(q + v + [zero] * (self.spins + 4) + [1.0, 1.0])
+        q, v = start_motion(self.design, self.scenario)
+        none = jnp.zeros(self.spins + 4)
+        state = jnp.concatenate([q, v, none, jnp.ones(2)])
         approach = self.approach(self.kinematics(state), state).approach_speed
-        memory = jnp.maximum(approach, SLOWEST_TOUCHDOWN)
-        closed = jnp.where(approach[LOWER] > 0.0, 1.0, 0.0)
-        state = jnp.concatenate([state[:-2], memory])
-        return state, (jnp.ones(2) if self.smooth else jnp.stack([closed, jnp.zeros(())]))
+        state = jnp.concatenate([state[:-2], jnp.maximum(approach, SLOWEST_TOUCHDOWN)])
+        touching = jnp.where((jnp.arange(2) == LOWER) & (approach > 0.0), 1.0, 0.0)
+        return state, (jnp.ones(2) if self.smooth else touching)
 
     def dynamics(self, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> tuple[Motion, Forces, Scalar]:
         """Accelerations and multipliers, contact forces, and the moment on the tip about its centre [N m]."""
@@ -278,10 +170,10 @@ class CaptureMechanism(HybridSystem):
         motion, forces, tip_moment = self.dynamics(state, active)
         system, pair = self.system, self.pair
         axial, torsional = (element.dissipation(kin) for element in system.forces)
-        hysteresis = jnp.sum(active * pair.hysteresis_power(self._onset(forces.approach), forces.normal))
+        hysteresis = jnp.sum(active * pair.hysteresis_power(self.rounded(forces.approach), forces.normal))
         friction = -jnp.sum(forces.friction * forces.approach.slip)
         spin = [tip_moment / self.probe.tip_inertia] if self.spins else []
-        rest = _vector([*spin, axial, torsional, hysteresis, friction])
+        rest = stacked([*spin, axial, torsional, hysteresis, friction])
         return jnp.concatenate([kin.v, motion.acceleration, rest, self._memory_rate(forces.approach, state)])
 
     def _memory_rate(self, approach: Approach, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
@@ -359,72 +251,14 @@ class CaptureMechanism(HybridSystem):
         position = [length, length, length / 0.1]
         velocity = [speed, speed, speed / 0.1]
         spin = [speed / self.design.probe.tip_radius] * self.spins
-        return _vector(position * 4 + velocity * 4 + spin + [energy] * 4 + [speed] * 2)
+        return stacked(position * 4 + velocity * 4 + spin + [energy] * 4 + [speed] * 2)
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A hundredth of the duration of a Hertz impact of the probe's mass at the memorised speed [s]."""
         mass, speed = self.probe.mass, jnp.max(self.memory(state))
         return 0.03 * (mass**2 / (self.design.contact_stiffness**2 * speed)) ** 0.2
 
-
     def linearisation(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
     ) -> Linearisation:
-        """Axial and torsional spring-damper, and each flank's normal force and friction, with frozen directions."""
-        kin = self.kinematics(state)
-        approach, memory = self._onset(self.approach(kin, state)), self.memory(state)
-        pair, buffer = self.pair, self.design.buffer
-        axial = self.system.forces[0].state(kin)
-
-        def contact_forces(depth: Array, speed: Array, slip: Array) -> tuple[Array, Array]:
-            normal = active * pair.law.force(depth, speed, memory)
-            return normal, -pair.friction.force(normal, slip)
-
-        def slopes(along: tuple[float, float, float]) -> tuple[Array, Array]:
-            point = (-approach.gap, approach.approach_speed, approach.slip)
-            return jax.jvp(contact_forces, point, tuple(jnp.full(2, a) for a in along))[1]
-
-        none = jnp.zeros(2)
-        per_depth, per_speed, per_slip = slopes((1.0, 0.0, 0.0)), slopes((0.0, 1.0, 0.0)), slopes((0.0, 0.0, 1.0))
-
-        def coupled(axial: Scalar, torsional: Scalar, normal: tuple[Array, Array], tangential: Array) -> Array:
-            """Rows: axial, torsional, normal (2), friction (2); columns: what each depends on, in the same order."""
-            buffer_rows = _vector([axial, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, torsional, 0.0, 0.0, 0.0, 0.0]).reshape(2, 6)
-            left, eye = jnp.zeros((2, 2)), jnp.eye(2)
-            normal_rows = jnp.concatenate([left, normal[0] * eye, left], axis=1)
-            friction_rows = jnp.concatenate([left, normal[1] * eye, tangential * eye], axis=1)
-            return jnp.concatenate([buffer_rows, normal_rows, friction_rows])
-
-        directions = self._contact_directions(kin, state, approach)
-        u, a, b = axial.along, axial.first_arm, axial.second_arm
-        along = _vector([0.0] * 3 + [-u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u)] + [0.0] * (3 + self.spins))
-        twist = _vector([0.0, 0.0, -1.0, 0.0, 0.0, 1.0] + [0.0] * (6 + self.spins))
-        directions = jnp.concatenate([along[:, None], twist[:, None], directions], axis=1)
-        response = self.system.response(kin, directions[:N])
-        if self.spins:
-            response = jnp.concatenate([response, directions[N:] / self.probe.tip_inertia])
-        return Linearisation(
-            directions=directions,
-            response=response,
-            stiffness=coupled(buffer.k_A, buffer.k_T, per_depth, none),
-            damping=coupled(buffer.c_A, buffer.c_T, per_speed, per_slip[1]),
-            coordinates=N,
-        )
-
-    def _contact_directions(self, kin: Kinematics, state: Array, approach: Approach) -> Float[Array, "velocities 4"]:
-        """Columns b with δ̇ = b·w (both flanks), then v_t = b·w (both flanks)."""
-        _, arm = self.tip(kin, state)
-        normal_x, normal_y = -approach.normal_x, -approach.normal_y
-        x = jnp.concatenate([normal_x, approach.tangent_x])
-        y = jnp.concatenate([normal_y, approach.tangent_y])
-        foot_x, foot_y = jnp.tile(approach.foot_x, 2), jnp.tile(approach.foot_y, 2)
-        # The foot seen from the tip's centre: only the tangential speed feels the tip's spin.
-        spin = jnp.concatenate([jnp.zeros(2), SIDE * approach.distance])
-        turn = arm.x * y - arm.y * x + (0.0 if self.spins else spin)
-        zero = jnp.zeros(4)
-        rows = [zero] * 6 + [x, y, turn, -x, -y, -(foot_x * y - foot_y * x)] + [spin] * self.spins
-        return jnp.stack(rows)
-
-
-def _vector(values: list[Scalar]) -> Float[Array, " n"]:
-    return jnp.stack([jnp.asarray(value, float) for value in values])
+        return linearisation(self, state, active)

@@ -11,8 +11,8 @@ class Linearisation(eqx.Module):
     """The stiff part of the velocities' equation: ẇ ≈ -X (K B_qᵀ δq + C Bᵀ δw), of low rank.
 
     ``directions`` B: how each of ``rank`` scalar forces acts on the velocities w (its first rows, B_q, on the
-    coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K and
-    ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
+    coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K
+    and ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
     """
 
     directions: Float[Array, "velocities rank"]

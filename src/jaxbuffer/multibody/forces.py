@@ -39,7 +39,7 @@ class ForceElement(eqx.Module):
 
 
 class AxialState(NamedTuple):
-    """An axial element's instant: length [m], its rate [m/s], unit vector first → second, both arms and the rate of D."""
+    """An axial element's instant: length [m], its rate [m/s], unit vector first → second, both arms, rate of D."""
 
     length: Scalar
     rate: Scalar
@@ -52,7 +52,7 @@ class AxialState(NamedTuple):
 class AxialSpringDamper(ForceElement):
     """Spring and damper between two points (eq. 8-9): f = k (L - l_0) + c L̇, pulling the ends together when positive.
 
-    **Arguments:** ``stiffness`` [N/m]; ``damping`` [N s/m]; ``free_length`` [m]; the two points in their bodies' axes [m].
+    **Arguments:** ``stiffness`` [N/m]; ``damping`` [N s/m]; ``free_length`` [m]; the points in their bodies' axes [m].
     ``published_damping``: damp with the whole rate of D as the paper's Rayleigh function does (eq. 10). That resists a
     rigid rotation and does not conserve angular momentum; it exists for comparison only.
     """

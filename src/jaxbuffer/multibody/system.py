@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .._types import Scalar
+from .._types import Scalar, stacked
 from .body import Body
 from .forces import ForceElement, Load
 from .joints import Joint
@@ -64,9 +64,9 @@ class System(eqx.Module):
             return Constraints(empty, jnp.zeros((0, self.coordinates)), empty)
         entries = [e for row in rows for b in range(len(self.bodies)) for e in row.blocks.get(b, (0.0, 0.0, 0.0))]
         return Constraints(
-            _stack([row.phi for row in rows]),
-            _stack(entries).reshape(len(rows), self.coordinates),
-            _stack([row.gamma for row in rows]),
+            stacked([row.phi for row in rows]),
+            stacked(entries).reshape(len(rows), self.coordinates),
+            stacked([row.gamma for row in rows]),
         )
 
     def generalised_force(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Float[Array, " coordinates"]:
@@ -76,7 +76,7 @@ class System(eqx.Module):
             if load.body != GROUND:
                 row = total[load.body]
                 row[0], row[1], row[2] = row[0] + load.force.x, row[1] + load.force.y, row[2] + load.moment
-        return _stack([component for row in total for component in row])
+        return stacked([component for row in total for component in row])
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Solve the augmented system for accelerations and multipliers."""
@@ -85,7 +85,9 @@ class System(eqx.Module):
         rhs = gamma - 2.0 * alpha * jnp.sum(jacobian * kin.v[None], axis=-1) - alpha * alpha * phi
         return Motion(*_solve_augmented(self.masses(), jacobian, self.generalised_force(kin, extra), rhs))
 
-    def response(self, kin: Kinematics, directions: Float[Array, "coordinates rank"]) -> Float[Array, "coordinates rank"]:
+    def response(
+        self, kin: Kinematics, directions: Float[Array, "coordinates rank"]
+    ) -> Float[Array, "coordinates rank"]:
         """Accelerations that generalised forces of unit size cause, the joints holding."""
         jacobian = self.constraints(kin).jacobian
         rest = jnp.zeros(jacobian.shape[0])
@@ -109,10 +111,6 @@ class System(eqx.Module):
         """Σ (r × m ṙ + I θ̇) about the inertial origin [kg m²/s]."""
         momentum = self.masses() * v
         return jnp.sum(q[0::3] * momentum[1::3] - q[1::3] * momentum[0::3] + momentum[2::3])
-
-
-def _stack(values: list[Scalar]) -> Float[Array, " n"]:
-    return jnp.stack([jnp.asarray(value, float) for value in values])
 
 
 @jax.custom_jvp
@@ -139,7 +137,7 @@ def _solve_augmented(
 def _solve_augmented_jvp(primals: tuple, tangents: tuple) -> tuple:
     """The same system answers a small change, with what the change does to the equations as its right-hand side:
     far cheaper than differentiating the factorisation."""
-    masses, jacobian, force, rhs = primals
+    masses, jacobian, _, _ = primals
     d_masses, d_jacobian, d_force, d_rhs = tangents
     acceleration, multipliers = _solve_augmented(*primals)
     d_force = d_force - d_masses * acceleration - jnp.sum(multipliers[:, None] * d_jacobian, axis=0)

@@ -1,0 +1,79 @@
+"""Order of convergence of the steppers on a smooth phase, and the linearisation they rely on."""
+
+import diffrax
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit
+from jaxbuffer.mechanisms import CaptureMechanism
+
+SOLVERS = {
+    "Tsit5": (ExplicitRungeKutta(), 5, (64, 128)),
+    "KenCarp4": (LinearlyImplicit(diffrax.KenCarp4()), 4, (16, 32)),
+    "KenCarp5": (LinearlyImplicit(), 5, (16, 32)),
+}
+
+
+def arrays(tree):
+    return jax.tree.map(lambda x: jnp.asarray(x, float), tree)
+
+
+def free_flight(solver, steps):
+    """The Table-2 mechanism swinging freely for 20 ms after a push, in equal steps; no contact, hence smooth."""
+    mechanism = arrays(CaptureMechanism(jb.table2(), jb.Scenario()))
+    state, _ = mechanism.start()
+    open_contacts = jnp.zeros(2)
+    state = state.at[14].set(-0.5).at[17].set(0.8).at[20].set(0.8).at[18].set(-0.1)
+    step = 0.02 / steps
+
+    def field(time, rows):
+        return mechanism.derivative(time, rows[0], open_contacts)[None]
+
+    def body(k, carry):
+        rows, rate = carry
+        out = solver.step(
+            field,
+            lambda: mechanism.linearisation(0.0, rows[0], open_contacts),
+            jnp.zeros(()),
+            rows,
+            rate,
+            jnp.asarray(step),
+        )
+        return out.rows, out.rate
+
+    rows = state[None]
+    return jax.jit(lambda rows: jax.lax.fori_loop(0, steps, body, (rows, field(0.0, rows)))[0][0])(rows)
+
+
+@pytest.mark.parametrize("name", SOLVERS)
+def test_order_of_convergence(name):
+    solver, order, counts = SOLVERS[name]
+    reference = free_flight(ExplicitRungeKutta(diffrax.Dopri8()), 1000)
+    errors = [float(jnp.max(jnp.abs(free_flight(solver, n) - reference)[:24])) for n in counts]
+    observed = np.log2(errors[0] / errors[1])
+    assert observed == pytest.approx(order, abs=0.35), (errors, observed)
+
+
+@pytest.mark.parametrize("free_tip", [False, True])
+def test_linearisation_holds_every_stiff_force(free_tip):
+    """What the closed-form linearisation leaves out of the exact Jacobian is small against what it holds."""
+    design = jb.replace(
+        jb.table2(),
+        {"probe.free_tip": free_tip, "buffer.k_A": 1e8, "buffer.c_A": 1e4, "buffer.k_T": 1e6, "buffer.c_T": 1e2},
+    )
+    mechanism = arrays(CaptureMechanism(design, jb.Scenario(), 0.0))
+    state, active = mechanism.start()
+    # Press the tip 5 µm into the flank and let it nearly stick, so that friction is steep.
+    state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
+    part = mechanism.linearisation(0.0, state, active)
+    exact = jax.jacfwd(lambda y: mechanism.derivative(0.0, y, active))(state)
+    w = slice(12, 12 + mechanism.velocities)
+    rows = slice(12, 24 + mechanism.spins)
+    by_position = -part.response @ part.stiffness @ part.directions[:12].T
+    by_velocity = -part.response @ part.damping @ part.directions.T
+    for approximate, true in ((by_position, exact[rows, :12]), (by_velocity, exact[rows, w])):
+        assert float(jnp.max(jnp.abs(true))) > 1e4
+        assert float(jnp.max(jnp.abs(approximate - true))) < 2e-3 * float(jnp.max(jnp.abs(true)))

@@ -1,0 +1,120 @@
+"""Where a capture starts: the model's section 6, worked out again in plain trigonometry."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from jaxbuffer import Scenario, replace, table2
+from jaxbuffer.mechanisms import CaptureMechanism
+from jaxbuffer.mechanisms.capture import LOWER, SLOWEST_TOUCHDOWN, UPPER
+
+SCENARIOS = {
+    "table 2": {},
+    "misaligned up": {"misalignment": 0.07},
+    "misaligned down": {"misalignment": -0.3, "contact_distance": 0.02},
+    "turning towards": {"passive_rate": 0.02, "approach_speed": 0.2},
+    "turning away": {"passive_rate": -0.006, "misalignment": 0.1},
+}
+
+each_scenario = pytest.mark.parametrize("name", SCENARIOS)
+each_tip = pytest.mark.parametrize("free", [False, True], ids=["welded tip", "free tip"])
+
+
+def start(name, free):
+    mechanism = CaptureMechanism(replace(table2(), {"probe.free_tip": free}), Scenario(**SCENARIOS[name]))
+    state, active = mechanism.start()
+    return mechanism, state, active, mechanism.kinematics(state)
+
+
+@each_scenario
+@each_tip
+def test_start_satisfies_the_constraints(name, free):
+    mechanism, _, _, kin = start(name, free)
+    constraints = mechanism.system.constraints(kin)
+    assert_allclose(constraints.phi, 0.0, atol=2e-16)
+    assert_allclose(jnp.sum(constraints.jacobian * kin.v[None], axis=1), 0.0, atol=1e-16)
+
+
+@each_scenario
+@each_tip
+def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
+    mechanism, state, active, kin = start(name, free)
+    approach = mechanism.approach(kin, state)
+    assert abs(float(approach.gap[LOWER])) < 1e-16
+    assert_allclose(approach.slant[LOWER], mechanism.scenario.contact_distance, rtol=1e-14)
+    assert float(approach.gap[UPPER]) > 0.01
+    assert_allclose(active, [1.0, 0.0])
+
+
+@each_scenario
+def test_tip_lies_where_the_model_says(name):
+    """A = E₊ - b t₊ + R (-sin β, cos β), turned by θ_T0 about r_T = (0, 0); β = π/4."""
+    mechanism, state, _, kin = start(name, False)
+    half, s = np.sqrt(0.5), mechanism.scenario
+    local = np.array([-0.096 - (s.contact_distance + 0.015) * half, -0.015 + (0.015 - s.contact_distance) * half])
+    cos, sin = np.cos(s.misalignment), np.sin(s.misalignment)
+    ball, _ = mechanism.tip(kin, state)
+    assert_allclose([ball.x, ball.y], np.array([[cos, -sin], [sin, cos]]) @ local, atol=1e-16)
+    assert_allclose(kin.q[9:12], [0.0, 0.0, s.misalignment], atol=0.0)
+
+
+@each_scenario
+@each_tip
+def test_spring_is_at_rest_and_everything_behind_the_tip_is_in_line(name, free):
+    mechanism, state, _, kin = start(name, free)
+    axial, _ = mechanism.system.forces
+    ball, _ = mechanism.tip(kin, state)
+    assert_allclose(axial.state(kin).length, 0.1365, rtol=1e-15)
+    assert_allclose([kin.q[1], kin.q[4], kin.q[7]], float(ball.y), atol=0.0)
+    assert_allclose([kin.q[2], kin.q[5], kin.q[8]], 0.0, atol=0.0)
+    # Tip centre - probe - spring; the cylinder's front, where the hinge is, lies its own length ahead of its rear.
+    hinge = float(ball.x) - 0.2 - 0.1365 + 0.1365
+    assert_allclose(kin.q[0], hinge - 0.1365, atol=1e-16)
+
+
+@each_scenario
+@each_tip
+def test_the_chaser_moves_and_the_target_only_turns(name, free):
+    mechanism, _, _, kin = start(name, free)
+    speed, rate = mechanism.scenario.approach_speed, mechanism.scenario.passive_rate
+    assert_allclose(kin.v, [speed, 0, 0] * 3 + [0, 0, rate], atol=0.0)
+
+
+@each_scenario
+@each_tip
+def test_memory_holds_the_approach_speed_at_first_contact(name, free):
+    """v0 along the flank's normal, less the speed with which the target's turning moves the foot."""
+    mechanism, state, _, _ = start(name, free)
+    s, angle = mechanism.scenario, np.pi / 4 + mechanism.scenario.misalignment
+    normal = np.array([-np.sin(angle), np.cos(angle)])
+    half = np.sqrt(0.5)
+    local = np.array([-0.096 - s.contact_distance * half, -0.015 - s.contact_distance * half])
+    cos, sin = np.cos(s.misalignment), np.sin(s.misalignment)
+    foot = np.array([[cos, -sin], [sin, cos]]) @ local
+    relative = np.array([s.approach_speed, 0.0]) - s.passive_rate * np.array([-foot[1], foot[0]])
+    assert_allclose(mechanism.memory(state)[LOWER], -relative @ normal, rtol=1e-14)
+
+
+def test_memory_has_a_floor():
+    """A cone turning away faster than the tip follows: the contact starts open, with δ̇⁻ at its least value."""
+    mechanism = CaptureMechanism(table2(), Scenario(approach_speed=0.01, passive_rate=1.0))
+    state, active = mechanism.start()
+    assert float(mechanism.approach(mechanism.kinematics(state), state).approach_speed[LOWER]) < -0.1
+    assert float(mechanism.memory(state)[LOWER]) == SLOWEST_TOUCHDOWN
+    assert_allclose(active, [0.0, 0.0])
+
+
+@each_tip
+def test_probe_is_the_composite_of_rod_and_ball(free):
+    """Mass, centre of mass and inertia by summing rod and ball about the composite's centre."""
+    design = replace(table2(), {"probe.free_tip": free, "probe.tip_mass": 0.11})
+    probe = CaptureMechanism(design, Scenario()).probe
+    rod, ball, length, radius = design.probe.rod_mass, 0.11, 0.2, 0.015
+    centre = (rod * 0.1 + ball * 0.2) / (rod + ball)
+    inertia = rod * length**2 / 12 + rod * (centre - 0.1) ** 2 + ball * (0.2 - centre) ** 2
+    own = 0.4 * ball * radius**2
+    expected = [rod + ball, inertia + (0.0 if free else own), centre, 0.2 - centre, own]
+    assert_allclose(probe, expected, rtol=1e-14)
+    assert_allclose(rod, 0.139449, rtol=4e-6)  # six digits are given
+    assert_allclose(table2().probe.tip_mass, 0.038736, rtol=1.3e-5)  # five digits are given
