@@ -112,7 +112,7 @@ def simulate(
     atol = rtol if atol is None else atol
     check_number("atol", atol, "-", low=1e-13, high=1e-2)
     check_number("stabilisation", stabilisation, "1/s", low=0.0)
-    if not jax.config.jax_enable_x64:
+    if jnp.zeros(()).dtype != jnp.float64:
         raise InputError(
             "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
         )

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T", bound=eqx.Module)
 
-SECTIONS = tuple(Design.__dataclass_fields__)
+SECTIONS = tuple(field.name for field in dataclasses.fields(Design))
 SOLVERS: Mapping[str, type[Solver]] = {"implicit": LinearlyImplicit, "explicit": ExplicitRungeKutta}
 VARIABLES = {
     "buffer.k_A": (100.0, 2000.0),  # N/m
@@ -157,7 +157,7 @@ def write_design(design: Design, path: str | Path, comment: str = "", scenarios:
 
 def _lines(part: eqx.Module) -> list[str]:
     lines = []
-    for name in part.__dataclass_fields__:
+    for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
         if value is None:  # a stiffness to be computed: TOML has no word for it, leaving it out says it
             continue
@@ -255,4 +255,4 @@ def _metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:
     *owners, name = path.split(".")
     for owner in owners:
         module = getattr(module, owner)
-    return module.__dataclass_fields__[name].metadata
+    return {field.name: field.metadata for field in dataclasses.fields(module)}[name]

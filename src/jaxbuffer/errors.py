@@ -18,7 +18,7 @@ def concrete(value: Any) -> np.ndarray | None:
         return None
     try:
         return np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
 
 
@@ -39,15 +39,16 @@ def check_number(
     """
     if isinstance(value, jax.core.Tracer):
         return
+    unit = "" if unit == "-" else f" {unit}"
     if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None:
-        raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)} {unit}")
+        raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)}{unit}")
     too_low = (array <= low) if low_open else (array < low)
     too_high = (array >= high) if high_open else (array > high)
     bad = ~np.isfinite(array) | too_low | too_high
     if np.any(bad):
         shown = float(array[bad].flat[0]) if array.ndim else float(array)
         raise InputError(
-            f"{path} = {shown:g} {unit} is out of range; allowed: {_range(low, high, low_open, high_open)} {unit}"
+            f"{path} = {shown:g}{unit} is out of range; allowed: {_range(low, high, low_open, high_open)}{unit}"
         )
 
 
@@ -66,5 +67,6 @@ def check_choice(path: str, value: Any, choices: Iterable[str]) -> None:
 
 def suggest(name: Any, known: Iterable[str]) -> str:
     """'; did you mean …?' for a mistyped name, or nothing."""
-    near = difflib.get_close_matches(str(name), list(known), n=1, cutoff=0.5)
-    return f"; did you mean {near[0]}?" if near else ""
+    by_lower = {option.lower(): option for option in known}
+    near = difflib.get_close_matches(str(name).lower(), list(by_lower), n=1, cutoff=0.5)
+    return f"; did you mean {by_lower[near[0]]}?" if near else ""

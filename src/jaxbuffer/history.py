@@ -49,7 +49,6 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
         kin = mechanism.kinematics(state)
         motion, forces, _ = mechanism.dynamics(state, active)
         seen = mechanism.observables(state, mechanism.derivative(time, state, active), active)
-        axial, _ = mechanism.system.forces
         angle = kin.q[5] - kin.q[2]
         return History(
             time=time,
@@ -63,7 +62,7 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
             contact_force=forces.normal,
             friction_force=forces.friction,
             hinge_force=seen[HINGE_FORCE],
-            buffer_force=jnp.copysign(seen[BUFFER_FORCE], axial.tension(kin)),
+            buffer_force=jnp.copysign(seen[BUFFER_FORCE], mechanism.axial.tension(kin)),
             stroke=seen[STROKE],
             hinge_angle=jnp.copysign(seen[HINGE_ANGLE], angle),
             throat_distance=mechanism.throat_distance(state),

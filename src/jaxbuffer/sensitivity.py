@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -28,7 +29,7 @@ class Sensitivity(eqx.Module):
     ``paths`` and their ``values``; ``quantities`` and their ``results``; ``gradients`` (quantities, paths) in units of
     quantity over parameter; ``elasticities`` d ln quantity / d ln parameter [-]; ``error``: for each path, the
     difference between the gradient of the peak force and central differences of tight solves, relative to the latter
-    (absolute in elasticity where that is below 1e-3), or None if not verified.
+    (or to an elasticity of 1e-3 where it is smaller), or None if not verified.
     """
 
     capture: Capture
@@ -87,7 +88,7 @@ def _split(path: str) -> tuple[bool, str]:
     return (True, path.removeprefix("scenario.")) if path.startswith("scenario.") else (False, path)
 
 
-def _get(design: Design, scenario: Scenario, path: str) -> object:
+def _get(design: Design, scenario: Scenario, path: str) -> Any:
     of_scenario, name = _split(path)
     return get(scenario if of_scenario else design, name)
 
@@ -124,22 +125,19 @@ def linearised(
 ) -> Linearised:
     """A capture of the design with ``paths`` set to ``values``, and its derivatives by those: one compiled program for
     all designs and scenarios of a kind, shared by `sensitivity` and `tune`."""
-    arrays = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario))
-    return _linearised(
-        *arrays, jnp.asarray(values, float), float(duration), jnp.asarray(rtol, float), tuple(paths), solver
-    )
+    inputs = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario, duration, rtol))
+    return _linearised(inputs, jnp.asarray(values, float), tuple(paths), solver)
 
 
 @eqx.filter_jit
 def _linearised(
-    design: Design,
-    scenario: Scenario,
+    inputs: tuple[Design, Scenario, Array, Array],
     values: Float[Array, " paths"],
-    duration: float,
-    rtol: Float[Array, ""],
     paths: tuple[str, ...],
     solver: Solver | None,
 ) -> Linearised:
+    design, scenario, duration, rtol = inputs
+
     def outputs(values: list[Array]) -> tuple[tuple[Array, Array], Capture]:
         capture = simulate(*_with(design, scenario, paths, values), duration, rtol=rtol, solver=solver)
         return (jnp.stack([getattr(capture, name) for name in QUANTITIES]), capture.impacts.peak_force), capture

@@ -113,7 +113,7 @@ def tune(problem: Problem, *, iterations: int = 40, report: Callable[[Iteration]
     for k, capture in enumerate(start):
         if capture.outcome != Outcome.captured:
             raise InputError(
-                f"scenarios[{k}]: the start is not captured ({capture.outcome.reason}); start from a design that is"
+                f"scenario {k + 1}: the start is not captured ({capture.outcome.reason}); start from a design that is"
             )
     reference = np.array([float(capture.peak_force) for capture in start])
 

@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._types import Scalar
+from .._types import Scalar, Values
 
 
 class RegularisedCoulomb(eqx.Module):
@@ -15,6 +15,6 @@ class RegularisedCoulomb(eqx.Module):
     coefficient: Scalar
     slip_speed: Scalar
 
-    def force(self, normal_force: Scalar, slip: Scalar) -> Scalar:
+    def force(self, normal_force: Values, slip: Values) -> Values:
         """F_t [N], against the slip v_t [m/s]."""
         return -self.coefficient * normal_force * jnp.tanh(slip / self.slip_speed)

@@ -3,7 +3,7 @@
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._types import Scalar
+from .._types import Scalar, Values
 
 
 class ContactLaw(eqx.Module):
@@ -19,18 +19,18 @@ class ContactLaw(eqx.Module):
         """χ̂ [-], the damping factor relative to the elastic force at touchdown speed."""
         raise NotImplementedError
 
-    def elastic(self, penetration: Scalar) -> Scalar:
+    def elastic(self, penetration: Values) -> Values:
         """K δ^{3/2} [N], zero for δ ≤ 0, with finite derivatives there."""
         inside = penetration > 0.0
         # A guarded argument: the untaken branch of a `where` still sends NaN into tangents.
         depth = jnp.where(inside, penetration, 1.0)
         return jnp.where(inside, self.stiffness * depth * jnp.sqrt(depth), 0.0)
 
-    def energy(self, penetration: Scalar) -> Scalar:
+    def energy(self, penetration: Values) -> Values:
         """Elastic energy 2/5 K δ^{5/2} [J]."""
         return 0.4 * self.elastic(penetration) * penetration
 
-    def force(self, penetration: Scalar, approach_speed: Scalar, touchdown_speed: Scalar) -> Scalar:
+    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         """F_n [N] from δ [m], δ̇ [m/s] and δ̇⁻ [m/s]."""
         return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.hysteresis * approach_speed / touchdown_speed)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import equinox as eqx
 
-from .._types import Scalar
+from .._types import Scalar, Values
 from .friction import RegularisedCoulomb
 from .laws import ContactLaw
 from .shapes import Segment
@@ -43,17 +43,17 @@ class Approach(NamedTuple):
     inertial axes; ``distance`` foot - centre [m].
     """
 
-    gap: Scalar
-    approach_speed: Scalar
-    slip: Scalar
-    slant: Scalar
-    normal_x: Scalar
-    normal_y: Scalar
-    tangent_x: Scalar
-    tangent_y: Scalar
-    foot_x: Scalar
-    foot_y: Scalar
-    distance: Scalar
+    gap: Values
+    approach_speed: Values
+    slip: Values
+    slant: Values
+    normal_x: Values
+    normal_y: Values
+    tangent_x: Values
+    tangent_y: Values
+    foot_x: Values
+    foot_y: Values
+    distance: Values
 
 
 class BallOnSegments(eqx.Module):
@@ -65,7 +65,7 @@ class BallOnSegments(eqx.Module):
 
     radius: Scalar
     segments: Segment
-    side: Scalar
+    side: Values
     law: ContactLaw
     friction: RegularisedCoulomb
 
@@ -97,18 +97,18 @@ class BallOnSegments(eqx.Module):
             distance=foot.distance,
         )
 
-    def normal_force(self, approach: Approach, touchdown_speed: Scalar) -> Scalar:
+    def normal_force(self, approach: Approach, touchdown_speed: Values) -> Values:
         """F_n [N] of each segment, as if all were in contact."""
         return self.law.force(-approach.gap, approach.approach_speed, touchdown_speed)
 
-    def friction_force(self, approach: Approach, normal_force: Scalar) -> Scalar:
+    def friction_force(self, approach: Approach, normal_force: Values) -> Values:
         """F_t [N] along each tangent."""
         return self.friction.force(normal_force, approach.slip)
 
-    def stored_energy(self, approach: Approach) -> Scalar:
+    def stored_energy(self, approach: Approach) -> Values:
         """Elastic energy of each contact [J], as if all were in contact."""
         return self.law.energy(-approach.gap)
 
-    def hysteresis_power(self, approach: Approach, normal_force: Scalar) -> Scalar:
+    def hysteresis_power(self, approach: Approach, normal_force: Values) -> Values:
         """Power lost inside each contact, (F_n - K δ^{3/2}) δ̇ [W]: what the force takes less than the spring in it."""
         return (normal_force - self.law.elastic(-approach.gap)) * approach.approach_speed

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
-from .._types import Scalar
+from .._types import Scalar, Values
 
 
 class Foot(NamedTuple):
@@ -15,12 +15,12 @@ class Foot(NamedTuple):
     ``slant``: where along the segment the foot lies, from its start [m].
     """
 
-    x: Scalar
-    y: Scalar
-    normal_x: Scalar
-    normal_y: Scalar
-    distance: Scalar
-    slant: Scalar
+    x: Values
+    y: Values
+    normal_x: Values
+    normal_y: Values
+    distance: Values
+    slant: Values
 
 
 class Segment(eqx.Module):
@@ -30,13 +30,13 @@ class Segment(eqx.Module):
     may be arrays of several segments, treated together.
     """
 
-    start_x: Scalar
-    start_y: Scalar
-    direction_x: Scalar
-    direction_y: Scalar
+    start_x: Values | Scalar
+    start_y: Values | Scalar
+    direction_x: Values | Scalar
+    direction_y: Values | Scalar
     length: Scalar
 
-    def foot(self, x: Scalar, y: Scalar) -> Foot:
+    def foot(self, x: Values | Scalar, y: Values | Scalar) -> Foot:
         """The foot of the point (x, y) in the segment's axes [m]."""
         along = (x - self.start_x) * self.direction_x + (y - self.start_y) * self.direction_y
         slant = jnp.clip(along, 0.0, self.length)

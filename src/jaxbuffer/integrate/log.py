@@ -4,14 +4,18 @@ Both are fixed-size buffers with a spare slot at the end that takes the writes o
 that every write is a plain slice update and stays in place inside a compiled loop.
 """
 
+import dataclasses
 import enum
-from typing import NamedTuple
+from typing import TypeVar
 
+import equinox as eqx
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from .lanes import Rows
+
+B = TypeVar("B", "Log", "Steps")
 
 
 class Kind(enum.IntEnum):
@@ -24,7 +28,7 @@ class Kind(enum.IntEnum):
     END = 3
 
 
-class Log(NamedTuple):
+class Log(eqx.Module):
     """Located events in order of time.
 
     ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
@@ -67,12 +71,10 @@ class Log(NamedTuple):
         """The log with one more entry if ``when``."""
         entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, value, guard_rate, active, rows)
         slot = jnp.where(when, self.count, self.kind.shape[0] - 1)
-        return Log(
-            *(_put(buffer, item, slot) for buffer, item in zip(self[:-1], entry, strict=True)), self.count + when
-        )
+        return _put(self, entry, slot, self.count + when)
 
 
-class Steps(NamedTuple):
+class Steps(eqx.Module):
     """Accepted steps: time, closed contacts, state."""
 
     time: Float[Array, " slots"]
@@ -96,13 +98,18 @@ class Steps(NamedTuple):
         """One more step if ``when`` and there is room; ``count`` goes on counting."""
         spare = self.time.shape[0] - 1
         if spare < 0:
-            return self._replace(count=self.count + when)
+            return dataclasses.replace(self, count=self.count + when)
         slot = jnp.where(when, jnp.minimum(self.count, spare), spare)
         entry = (time, active, state)
-        return Steps(
-            *(_put(buffer, item, slot) for buffer, item in zip(self[:-1], entry, strict=True)), self.count + when
-        )
+        return _put(self, entry, slot, self.count + when)
 
 
-def _put(buffer: Array, item: Array, slot: Array) -> Array:
-    return lax.dynamic_update_index_in_dim(buffer, jnp.asarray(item, buffer.dtype), slot, 0)
+def _put(buffers: B, entry: tuple, slot: Int[Array, ""], count: Int[Array, ""]) -> B:
+    """Every buffer (all fields but the last, the count) with its item of the entry written into one slot."""
+    names = [field.name for field in dataclasses.fields(buffers)[:-1]]
+    put = lax.dynamic_update_index_in_dim
+    new = {
+        name: put(getattr(buffers, name), jnp.asarray(item, getattr(buffers, name).dtype), slot, 0)
+        for name, item in zip(names, entry, strict=True)
+    }
+    return dataclasses.replace(buffers, **new, count=count)

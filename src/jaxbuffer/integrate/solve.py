@@ -4,6 +4,7 @@ The derivative rule integrates the sensitivities of the perturbed inputs as rows
 returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jvp`, `jacfwd`, `grad`, `vmap` and `jit` all work.
 """
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -52,12 +53,16 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
         return run(build, Lanes([leaves[i] for i in chosen], directions), duration, options)
 
     result = _per_lane(with_rows, leaves, sizes, duration, options)
-    value = result._replace(log=result.log._replace(rows=result.log.rows[:, :1]))
+    value = _with_rows(result, result.log.rows[:, :1])
     tangent = jax.tree.map(lambda _: None, value)
     moved = sum(
         result.log.rows[:, 1 + k] * (moves[i] / size) for k, (i, size) in enumerate(zip(chosen, sizes, strict=True))
     )
-    return value, tangent._replace(log=tangent.log._replace(rows=moved[:, None]))
+    return value, _with_rows(tangent, moved[:, None])
+
+
+def _with_rows(result: Result, rows: Array) -> Result:
+    return result._replace(log=dataclasses.replace(result.log, rows=rows))
 
 
 def _is_none(x: Any) -> bool:

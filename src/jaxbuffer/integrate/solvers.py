@@ -74,6 +74,7 @@ class ExplicitRungeKutta(Solver):
 
     def step(self, field, linearise, time, rows, rate, step):
         tableau = self.method.tableau
+        assert isinstance(tableau, diffrax.ButcherTableau)
         a, b, error = _square(tableau), np.asarray(tableau.b_sol), np.asarray(tableau.b_error)
         if not np.allclose(a[-1], b):  # not first-same-as-last: the end is one more stage
             a = np.block([[a, np.zeros((len(b), 1))], [b[None], np.zeros((1, 1))]])
@@ -111,7 +112,7 @@ class LinearlyImplicit(Solver):
         return int(self.method.order(None))  # type: ignore[arg-type]
 
     def step(self, field, linearise, time, rows, rate, step):
-        explicit, implicit = self.method.tableau.tableaus
+        explicit, implicit = self.method.tableau.tableaus  # type: ignore[attr-defined]
         a_explicit, a_implicit = _square(explicit), _square(implicit)
         b, error = np.asarray(implicit.b_sol), np.asarray(implicit.b_error)
         gamma, stages = a_implicit[1, 1], len(b)

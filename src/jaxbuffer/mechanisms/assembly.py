@@ -77,18 +77,18 @@ def assemble_system(design: Design, stabilisation: Scalar) -> System:
 
 def assemble_contact(design: Design) -> BallOnSegments:
     """The tip against both flanks, in the passive vehicle's axes."""
-    angle = design.cone.half_angle
+    angle, side = design.cone.half_angle, jnp.asarray(SIDE)
     flanks = Segment(
         start_x=-design.cone.offset,
-        start_y=-SIDE * design.cone.throat_radius,
+        start_y=-side * design.cone.throat_radius,
         direction_x=-jnp.cos(angle),
-        direction_y=-SIDE * jnp.sin(angle),
+        direction_y=-side * jnp.sin(angle),
         length=design.cone.length,
     )
     return BallOnSegments(
         radius=design.probe.tip_radius,
         segments=flanks,
-        side=SIDE,
+        side=side,
         law=LankaraniNikravesh(design.contact_stiffness, design.contact.restitution),
         friction=RegularisedCoulomb(design.contact.friction, design.contact.slip_speed),
     )

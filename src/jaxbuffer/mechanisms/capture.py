@@ -8,9 +8,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from .._types import Scalar, stacked
+from .._types import Scalar, Values, stacked
 from ..contact import Approach, Ball, BallOnSegments, Carrier
-from ..multibody import Kinematics, Load, Motion, System, Vector, load_at
+from ..multibody import AxialSpringDamper, Kinematics, Load, Motion, System, Vector, load_at
 from .assembly import (
     LOWER,
     B,
@@ -58,6 +58,13 @@ class CaptureMechanism(HybridSystem):
     def system(self) -> System:
         """Bodies, joints and buffer."""
         return assemble_system(self.design, self.stabilisation)
+
+    @property
+    def axial(self) -> AxialSpringDamper:
+        """The buffer's axial spring-damper."""
+        element = self.system.forces[0]
+        assert isinstance(element, AxialSpringDamper)
+        return element
 
     @property
     def pair(self) -> BallOnSegments:
@@ -131,14 +138,15 @@ class CaptureMechanism(HybridSystem):
         force_y = forces.normal * a.normal_y + forces.friction * a.tangent_y
         total = Vector(jnp.sum(force_x), jnp.sum(force_y))
         # About the tip's centre the foot's arm is -distance · normal, so only friction turns the tip.
-        tip_moment = -jnp.sum(a.distance * (a.normal_x * force_y - a.normal_y * force_x))
-        foot_x, foot_y = a.foot_x, a.foot_y
+        tip_moment: Scalar = -jnp.sum(a.distance * (a.normal_x * force_y - a.normal_y * force_x))
+        foot_x: Values | Scalar = a.foot_x
+        foot_y: Values | Scalar = a.foot_y
         if self.design.contact.arms == "published":
             flanks, cone = self.pair.segments, kin.frame(T)
             frozen_x = flanks.start_x + self.scenario.contact_distance * flanks.direction_x
             frozen_y = flanks.start_y + self.scenario.contact_distance * flanks.direction_y
             foot_x, foot_y = cone.cos * frozen_x - cone.sin * frozen_y, cone.sin * frozen_x + cone.cos * frozen_y
-            tip_moment = 0.0 * tip_moment
+            tip_moment = jnp.zeros(())
         cone_moment = -jnp.sum(foot_x * force_y - foot_y * force_x)
         on_probe = load_at(P, total, self.tip(kin, state)[1])
         if not self.spins:
@@ -231,7 +239,7 @@ class CaptureMechanism(HybridSystem):
     ) -> Float[Array, " 6"]:
         """F_n of the lower and upper flank [N], hinge force [N], buffer force [N], stroke [m], hinge angle [rad]."""
         kin = self.kinematics(state)
-        axial, _ = self.system.forces
+        axial = self.axial
         forces = self.contact(kin, state, active)
         reaction = rate[N : N + 2] * self.design.active.mass
         hinge_force = jnp.sqrt(reaction[0] ** 2 + reaction[1] ** 2 + 1e-24)

@@ -1,7 +1,8 @@
 """The capture mechanism's design and scenario: every number an engineer may choose, validated at construction."""
 
+import dataclasses
 import math
-from typing import Any
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
@@ -16,7 +17,7 @@ TIP_RADIUS = 0.015  # m, R_tip of Table 2
 PROBE_LENGTH = 0.2  # m, L_P of Table 2
 
 
-def number(default: float, unit: str, **limits: Any) -> Any:
+def number(default: float | None, unit: str, **limits: Any) -> Any:
     """A differentiable field with its unit and allowed range."""
     return eqx.field(default=default, metadata={"unit": unit, "limits": limits})
 
@@ -26,17 +27,19 @@ def choice(default: str, *options: str) -> Any:
     return eqx.field(default=default, static=True, metadata={"choices": options})
 
 
-POSITIVE = {"low": 0.0, "low_open": True}
-NON_NEGATIVE = {"low": 0.0}
+POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
+NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
 
 
 class Part(eqx.Module):
-    """A group of fields that checks each against its declared range."""
+    """A group of fields that checks each against its declared range; ``section`` is its name in dotted paths."""
+
+    section: ClassVar[str] = ""
 
     def __check_init__(self) -> None:
-        prefix = f"{type(self).section}." if hasattr(type(self), "section") else ""
-        for name, field in self.__dataclass_fields__.items():
-            value, path = getattr(self, name), prefix + name
+        prefix = f"{self.section}." if self.section else ""
+        for field in dataclasses.fields(self):
+            value, path = getattr(self, field.name), prefix + field.name
             if "choices" in field.metadata:
                 check_choice(path, value, field.metadata["choices"])
             elif "flag" in field.metadata:
@@ -49,7 +52,7 @@ class Part(eqx.Module):
 class Active(Part):
     """The active vehicle S, which carries the probe."""
 
-    section = "active"
+    section: ClassVar[str] = "active"
     mass: Scalar = number(21.9706, "kg", **POSITIVE)
     inertia: Scalar = number(0.445, "kg m²", **POSITIVE)
     hinge_offset: Scalar = number(0.1365, "m", **NON_NEGATIVE)
@@ -58,7 +61,7 @@ class Active(Part):
 class Passive(Part):
     """The passive vehicle T, which carries the cone."""
 
-    section = "passive"
+    section: ClassVar[str] = "passive"
     mass: Scalar = number(23.5731, "kg", **POSITIVE)
     inertia: Scalar = number(0.5206, "kg m²", **POSITIVE)
 
@@ -70,7 +73,7 @@ class Buffer(Part):
     angular momentum.
     """
 
-    section = "buffer"
+    section: ClassVar[str] = "buffer"
     k_A: Scalar = number(500.0, "N/m", **POSITIVE)
     c_A: Scalar = number(5.0, "N s/m", **NON_NEGATIVE)
     k_T: Scalar = number(300.0, "N m/rad", **POSITIVE)
@@ -84,7 +87,7 @@ class Buffer(Part):
 class Probe(Part):
     """The rod and its ball tip, welded to the rod or (``free_tip``) spinning freely about its centre."""
 
-    section = "probe"
+    section: ClassVar[str] = "probe"
     length: Scalar = number(PROBE_LENGTH, "m", **POSITIVE)
     rod_mass: Scalar = number(ALUMINIUM_DENSITY * math.pi * ROD_RADIUS**2 * PROBE_LENGTH, "kg", **POSITIVE)
     tip_radius: Scalar = number(TIP_RADIUS, "m", **POSITIVE)
@@ -95,7 +98,7 @@ class Probe(Part):
 class Cone(Part):
     """The cone on the passive vehicle. ``length`` is measured along the flank, ``offset`` from throat plane to T."""
 
-    section = "cone"
+    section: ClassVar[str] = "cone"
     half_angle: Scalar = number(math.pi / 4, "rad", low=0.0, high=math.pi / 2, low_open=True, high_open=True)
     offset: Scalar = number(0.096, "m", **NON_NEGATIVE)
     throat_radius: Scalar = number(0.015, "m", **POSITIVE)
@@ -111,8 +114,8 @@ class Contact(Part):
     ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
     """
 
-    section = "contact"
-    stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)  # type: ignore[arg-type]
+    section: ClassVar[str] = "contact"
+    stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)
     restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
     friction: Scalar = number(0.33, "-", **NON_NEGATIVE)
     slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
@@ -158,7 +161,7 @@ class Scenario(Part):
     throat edge; ``misalignment`` θ_T0 [rad]; ``passive_rate`` θ̇_T0 [rad/s].
     """
 
-    section = "scenario"
+    section: ClassVar[str] = "scenario"
     approach_speed: Scalar = number(0.1, "m/s", **POSITIVE)
     contact_distance: Scalar = number(0.0435, "m", **POSITIVE)
     misalignment: Scalar = number(0.0, "rad", low=-math.pi / 2, high=math.pi / 2, low_open=True, high_open=True)

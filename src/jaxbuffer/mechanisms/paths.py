@@ -1,5 +1,6 @@
 """Dotted paths into designs and scenarios: "buffer.k_A", as in TOML and on the command line."""
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeVar
 
@@ -12,7 +13,7 @@ T = TypeVar("T", bound=eqx.Module)
 
 def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
     """All dotted paths of a design or scenario, static choices included."""
-    for name in module.__dataclass_fields__:
+    for name in (field.name for field in dataclasses.fields(module)):
         value = getattr(module, name)
         if isinstance(value, eqx.Module):
             yield from paths(value, f"{prefix}{name}.")
@@ -42,7 +43,8 @@ def unit(module: eqx.Module, path: str) -> str:
     *owners, name = path.split(".")
     for owner in owners:
         module = getattr(module, owner)
-    return module.__dataclass_fields__[name].metadata.get("unit", "")
+    metadata = {field.name: field.metadata for field in dataclasses.fields(module)}
+    return metadata[name].get("unit", "")
 
 
 def replace(module: T, values: Mapping[str, Any]) -> T:
@@ -57,7 +59,7 @@ def replace(module: T, values: Mapping[str, Any]) -> T:
 
 def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
     fields = {}
-    for name in module.__dataclass_fields__:
+    for name in (field.name for field in dataclasses.fields(module)):
         inner = {key[1:]: value for key, value in values.items() if key[0] == name}
         current = getattr(module, name)
         if () in inner:

@@ -1,7 +1,7 @@
 """The stiff forces of the capture mechanism, linearised in closed form for implicit steps.
 
 Six scalar forces act along six directions b with rates b·w: the axial and the torsional spring-damper, and on each
-flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms, which are not stiff.
+flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms: not stiff.
 """
 
 from typing import TYPE_CHECKING
@@ -68,12 +68,12 @@ def _coupling(axial: Scalar, torsional: Scalar, contact: tuple[Array, Array], fr
 
 def _buffer_directions(mechanism: "CaptureMechanism", kin: Kinematics) -> Float[Array, "velocities 2"]:
     """Columns b with L̇ = b·w and θ̇_B - θ̇_S = b·w."""
-    axial = mechanism.system.forces[0].state(kin)  # type: ignore[attr-defined]
+    axial = mechanism.axial.state(kin)
     u, a, b = axial.along, axial.first_arm, axial.second_arm
     along = [0.0, 0.0, 0.0, -u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u), 0.0, 0.0, 0.0]
     twist = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     spin = [0.0] * mechanism.spins
-    return jnp.stack([stacked(along + spin), stacked(twist + spin)], axis=1)
+    return jnp.stack([stacked([*along, *spin]), stacked([*twist, *spin])], axis=1)
 
 
 def _contact_directions(

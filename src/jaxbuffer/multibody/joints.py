@@ -1,7 +1,7 @@
 """Joints: constraint Φ(q) = 0, its Jacobian Φ_q and γ = -(Φ_q q̇)_q q̇, each in closed form.
 
 Every joint yields rows; a row holds the blocks of Φ_q that are not zero, by body. The multiplier of a row is the
-joint's reaction in the sense of the augmented system ``M q̈ + Φ_qᵀ λ = F`` (Efficient buffering mechanism, eq. 7 and 13).
+joint's reaction in the augmented system ``M q̈ + Φ_qᵀ λ = F`` (Efficient buffering mechanism, eq. 7 and 13).
 """
 
 from typing import NamedTuple

@@ -1,0 +1,5 @@
+"""`python -m jaxbuffer`: the command line."""
+
+from .cli import main
+
+main()
