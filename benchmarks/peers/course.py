@@ -43,11 +43,6 @@ class Course:
         return bool(self.context[ACTIVE.start + flank])
 
     @property
-    def in_contact(self) -> bool:
-        """Whether either flank may."""
-        return self.presses(0) or self.presses(1)
-
-    @property
     def over(self) -> bool:
         """Whether the capture has ended before its time."""
         return self.outcome != "timeout"

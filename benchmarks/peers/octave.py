@@ -53,7 +53,7 @@ from .parameters import (
     THROAT_RADIUS,
 )
 
-SCRIPTS = Path(__file__).parent / "octave"
+SCRIPTS = Path(__file__).resolve().parent / "octave"
 PROGRAMS = ("octave-cli", "octave")
 MISSING = "skipped: octave not found"
 PLACES = {
@@ -110,8 +110,10 @@ def capture(
         job = Path(folder) / "job.json"
         job.write_text(json.dumps(_job(parameters, rtol, atol)))
         command = [octave, "--quiet", "--norc", "--path", str(SCRIPTS), str(SCRIPTS / "run_capture.m"), str(job)]
+        command.append(str(runs))
         try:
-            done = subprocess.run([*command, str(runs)], capture_output=True, text=True, timeout=limit, check=False)
+            # In the temporary folder, since an Octave that is stopped saves its workspace where it stands.
+            done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False, cwd=folder)
         except subprocess.TimeoutExpired as error:
             raise OctaveError(f"no result within {limit} s") from error
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)

@@ -13,7 +13,6 @@ from .model import Parameters, Vector
 from .watch import EVENTS, TOP, crossings, forces, slope, slope_jacobian, watch, watched
 
 CONTACT_STEP = 1e-5  # [s] first step into a contact: a guess made from the zero force at touchdown would leap over it
-FLIGHT_STEP = 1e-4  # [s] first step of a flight
 ROOT = 1e-14  # [s] how closely an event is located
 HOPELESS = 0.8  # a top whose estimate is below this part of the highest one so far need not be located
 
@@ -28,11 +27,9 @@ class Segment:
         watch(y, self.before, context)
         # The event just met stands at zero give or take a rounding; it counts as lying behind.
         np.maximum(self.before[:2], 1e-300, out=self.before[:2])
-        first = CONTACT_STEP if course.in_contact else FLIGHT_STEP
         duration = course.parameters.duration
-        self.stepper = method(
-            lambda _, state: slope(state, context), t, y, duration, first_step=min(first, duration - t), **options
-        )
+        first = min(CONTACT_STEP, duration - t)
+        self.stepper = method(lambda _, state: slope(state, context), t, y, duration, first_step=first, **options)
 
     def root(self, event: int, dense: Callable[[float], Vector], early: float, late: float) -> float:
         """Time [s] between ``early`` and ``late`` at which watched number ``event`` falls through zero."""

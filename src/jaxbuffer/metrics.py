@@ -46,8 +46,8 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
         return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
 
     groups = [log.which < FLANKS, *(log.which == k for k in (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))]
-    located = (log.kind == Kind.PEAK) & jnp.stack(groups)
-    slots = jnp.argmax(jnp.where(located, log.value, -jnp.inf), axis=1)
+    located = (log.kind == Kind.PEAK)[None] & jnp.stack(groups)
+    slots = jnp.argmax(jnp.where(located, log.value[None], -jnp.inf), axis=1)
     found = jnp.any(located, axis=1)
     last = jnp.maximum(log.count - 1, 0)
     seen = jax.vmap(observe)(jnp.append(slots, last))
@@ -181,7 +181,8 @@ def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: F
     kinetic = system.kinetic_energy(kin.v)
     if mechanism.spins:
         kinetic = kinetic + 0.5 * mechanism.probe.tip_inertia * state[2 * N] ** 2
-    elastic = jnp.sum(active * pair.stored_energy(mechanism.contact(kin, state, active).approach))
+    approach = mechanism.rounded(mechanism.approach(kin, state))
+    elastic = jnp.sum(mechanism.exerting(active) * pair.stored_energy(approach))
     return Energy(kinetic, jnp.asarray(system.stored_energy(kin)), elastic, *mechanism.losses(state))
 
 

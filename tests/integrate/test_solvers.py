@@ -11,7 +11,7 @@ from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit
 from jaxbuffer.mechanisms import CaptureMechanism
 
 SOLVERS = {
-    "Tsit5": (ExplicitRungeKutta(), 5, (64, 128)),
+    "Tsit5": (ExplicitRungeKutta(), 5, (48, 96)),
     "KenCarp4": (LinearlyImplicit(diffrax.KenCarp4()), 4, (16, 32)),
     "KenCarp5": (LinearlyImplicit(), 5, (16, 32)),
 }
@@ -22,8 +22,11 @@ def arrays(tree):
 
 
 def free_flight(solver, steps):
-    """The Table-2 mechanism swinging freely for 20 ms after a push, in equal steps; no contact, hence smooth."""
-    mechanism = arrays(CaptureMechanism(jb.table2(), jb.Scenario()))
+    """The mechanism swinging freely for 20 ms after a push, in equal steps; no contact, hence smooth.
+
+    A weaker torsional damper than Table 2's, whose 0.8 ms would hide the order of explicit steps in rounding.
+    """
+    mechanism = arrays(CaptureMechanism(jb.replace(jb.table2(), {"buffer.c_T": 0.2}), jb.Scenario()))
     state, _ = mechanism.start()
     open_contacts = jnp.zeros(2)
     state = state.at[14].set(-0.5).at[17].set(0.8).at[20].set(0.8).at[18].set(-0.1)

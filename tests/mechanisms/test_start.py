@@ -7,8 +7,9 @@ from numpy.testing import assert_allclose
 
 from jaxbuffer import Scenario, replace, table2
 from jaxbuffer.mechanisms import CaptureMechanism
-from jaxbuffer.mechanisms.capture import LOWER, SLOWEST_TOUCHDOWN, UPPER
+from jaxbuffer.mechanisms.capture import SLOWEST_TOUCHDOWN
 
+LOWER, UPPER = 0, 1
 SCENARIOS = {
     "table 2": {},
     "misaligned up": {"misalignment": 0.07},

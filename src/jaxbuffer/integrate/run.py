@@ -132,7 +132,7 @@ def run(
         is_peak = target >= rated
         chosen = is_contact & (each_contact == target)
         closing = is_contact & jnp.any(chosen & (c.active < 0.5))
-        active = jnp.where(chosen & system.closed_by_events(), 1.0 - c.active, c.active)
+        active = jnp.where(chosen, 1.0 - c.active, c.active)
         offset = jnp.where(landing, verdict.offset, 0.0)
         at_event = trial.rows + offset * trial.rate
         jump = lax.cond(
@@ -218,8 +218,9 @@ def _begin(
     contacts = active.shape[0]
     log = Log.empty(options.max_events, start, contacts)
     for contact in range(contacts):
-        begins = (active[contact] > 0.5) & system.closed_by_events()
-        log = log.append(begins, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, zero, one, active, start)
+        log = log.append(
+            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, zero, one, active, start
+        )
     shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
     none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
     guards = Guards(none, none, terminal, terminal, value, value)

@@ -19,6 +19,11 @@ from .lanes import Lanes
 from .run import Options, Result, run
 
 
+# Sensitivities of a late impact lose digits over every impact before it: over 50 random designs at rtol 1e-7 their worst
+# error was 8e-2 (99 % below 1e-2); with a tenth of the tolerance it is a few 1e-4 (tests/verification/test_gradients.py).
+SENSITIVITY_TOLERANCE = 0.1
+
+
 def solve(system: HybridSystem, duration: Float[Array, ""] | float, options: Options) -> Result:
     """Run a system; differentiable in its arrays.
 
@@ -39,6 +44,7 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
     leaves, structure = jax.tree.flatten(system, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
+    options = dataclasses.replace(options, tolerance=options.tolerance.tightened(SENSITIVITY_TOLERANCE))
     # Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a tolerance.
     sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
 

@@ -116,11 +116,15 @@ class CaptureMechanism(HybridSystem):
         return self.pair.approach(self.tip(kin, state)[0], carrier)
 
     def contact(self, kin: Kinematics, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Forces:
-        """Contact forces of both flanks; an open one exerts none."""
+        """Contact forces of both flanks; an open one exerts none (the smooth law knows no open and closed)."""
         pair = self.pair
         approach = self.approach(kin, state)
-        normal = active * pair.normal_force(self.rounded(approach), self.memory(state))
+        normal = self.exerting(active) * pair.normal_force(self.rounded(approach), self.memory(state))
         return Forces(approach, normal, pair.friction_force(approach, normal))
+
+    def exerting(self, active: Float[Array, " flanks"]) -> Float[Array, " flanks"]:
+        """1 for flanks whose force follows the gap, 0 for open ones."""
+        return jnp.ones(2) if self.smooth else active
 
     def rounded(self, approach: Approach) -> Approach:
         """With the smooth law, the penetration is rounded over the onset length: δ → (δ + √(δ² + ε²))/2."""
@@ -162,7 +166,7 @@ class CaptureMechanism(HybridSystem):
         approach = self.approach(self.kinematics(state), state).approach_speed
         state = jnp.concatenate([state[:-2], jnp.maximum(approach, SLOWEST_TOUCHDOWN)])
         touching = jnp.where((jnp.arange(2) == LOWER) & (approach > 0.0), 1.0, 0.0)
-        return state, (jnp.ones(2) if self.smooth else touching)
+        return state, touching
 
     def dynamics(self, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> tuple[Motion, Forces, Scalar]:
         """Accelerations and multipliers, contact forces, and the moment on the tip about its centre [N m]."""
@@ -178,7 +182,9 @@ class CaptureMechanism(HybridSystem):
         motion, forces, tip_moment = self.dynamics(state, active)
         system, pair = self.system, self.pair
         axial, torsional = (element.dissipation(kin) for element in system.forces)
-        hysteresis = jnp.sum(active * pair.hysteresis_power(self.rounded(forces.approach), forces.normal))
+        hysteresis = jnp.sum(
+            self.exerting(active) * pair.hysteresis_power(self.rounded(forces.approach), forces.normal)
+        )
         friction = -jnp.sum(forces.friction * forces.approach.slip)
         spin = [tip_moment / self.probe.tip_inertia] if self.spins else []
         rest = stacked([*spin, axial, torsional, hysteresis, friction])
@@ -195,9 +201,6 @@ class CaptureMechanism(HybridSystem):
 
     def gaps(self, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
         return self.approach(self.kinematics(state), state).gap
-
-    def closed_by_events(self) -> bool:
-        return not self.smooth
 
     def touchdown(
         self, state: Float[Array, " state"], rate: Float[Array, " state"], contact: Int[Array, ""]

@@ -41,10 +41,6 @@ class HybridSystem(eqx.Module):
         """Distance of each contact [m]; crossing zero downwards closes it (touchdown), upwards opens it (release)."""
         raise NotImplementedError
 
-    def closed_by_events(self) -> bool:
-        """Whether touchdown and release switch the mode (True) or are only recorded (False: a smooth law)."""
-        return True
-
     def touchdown(self, state: State, rate: State, contact: Int[Array, ""]) -> State:
         """The state just after a contact closes, from the state and its rate at the crossing."""
         raise NotImplementedError

@@ -50,7 +50,7 @@ def _contact_slopes(
     pair = mechanism.pair
 
     def forces(depth: Array, speed: Array, slip: Array) -> tuple[Array, Array]:
-        normal = active * pair.law.force(depth, speed, memory)
+        normal = mechanism.exerting(active) * pair.law.force(depth, speed, memory)
         return normal, -pair.friction.force(normal, slip)
 
     point = (-approach.gap, approach.approach_speed, approach.slip)

@@ -1,0 +1,59 @@
+"""Elasticities of the peak force over random designs against differences of tight solves by another solver.
+
+The captures that are differenced use the explicit solver at rtol 1e-11 and know nothing of sensitivities; Richardson's
+extrapolation leaves them an error near 1e-8 (the two steps' difference, asserted below).
+"""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.integrate import ExplicitRungeKutta
+from jaxbuffer.sensitivity import linearised
+from verification.designs import PARAMETERS, random_case
+
+STEP = 1e-3
+
+
+def elasticities_by_differences(design, scenario):
+    values = np.array([jb.get(design, path) for path in PARAMETERS])
+
+    def log_peak(k, move):
+        moved = values.copy()
+        moved[k] *= np.exp(move)
+        capture = jb.simulate(
+            jb.replace(design, dict(zip(PARAMETERS, moved, strict=True))),
+            scenario,
+            rtol=1e-11,
+            solver=ExplicitRungeKutta(),
+        )
+        return np.log(float(capture.peak_force))
+
+    coarse = np.array([(log_peak(k, STEP) - log_peak(k, -STEP)) / (2 * STEP) for k in range(5)])
+    fine = np.array([(log_peak(k, STEP / 2) - log_peak(k, -STEP / 2)) / STEP for k in range(5)])
+    return (4 * fine - coarse) / 3, np.abs(fine - coarse)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("free_tip", "count"), [(False, 50), (True, 10)])
+def test_elasticities_over_random_designs(free_tip, count, capsys):
+    errors, wrong_signs, doubt = [], 0, 0.0
+    for seed in range(count):
+        design, scenario = random_case(seed, free_tip)
+        values = [jb.get(design, path) for path in PARAMETERS]
+        linear = linearised(design, scenario, PARAMETERS, values)
+        found = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
+        expected, uncertainty = elasticities_by_differences(design, scenario)
+        errors.append(np.abs(found - expected) / np.maximum(np.abs(expected), 1e-3))
+        wrong_signs += int(np.sum((np.sign(found) != np.sign(expected)) & (np.abs(expected) > 1e-4)))
+        doubt = max(doubt, float(uncertainty.max()))
+    quantiles = np.quantile(np.concatenate(errors), [0.5, 0.9, 0.99, 1.0])
+    with capsys.disabled():
+        print(
+            f"\nelasticities of {count} random designs ({'free' if free_tip else 'welded'} tip), relative error: "
+            f"median {quantiles[0]:.1e}, 90 % {quantiles[1]:.1e}, 99 % {quantiles[2]:.1e}, worst {quantiles[3]:.1e}; "
+            f"wrong signs {wrong_signs}; differences' own doubt {doubt:.1e}"
+        )
+    assert wrong_signs == 0
+    assert quantiles[3] < 1e-3
+    assert doubt < 2e-5
