@@ -20,7 +20,7 @@ class Differences:
     elasticities: Mapping[str, float]
     seconds: float  # [s] all captures together
     captures: int
-    same_peak: bool  # whether all captures had their peak at the same impact's flank and end: else they mean nothing
+    same_peak: bool  # outcome, impacts and the peak's flank are those of every capture: else they mean nothing
 
 
 def elasticities(

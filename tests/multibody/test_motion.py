@@ -37,6 +37,7 @@ def test_pendulum_swings_with_the_elliptic_period(amplitude):
     )  # measured 8e-12
 
 
+@pytest.mark.slow
 def test_four_bar_keeps_its_energy_and_its_loop():
     """Two seconds, six turns of the crank."""
     mechanism = four_bar()
@@ -48,6 +49,7 @@ def test_four_bar_keeps_its_energy_and_its_loop():
     assert float(jnp.max(jnp.abs(closure))) < 2e-11  # m; measured 2.3e-12
 
 
+@pytest.mark.slow
 def test_stabilisation_is_what_holds_the_loop():
     """Without Baumgarte's terms the loop of the same run at a loose tolerance opens a thousand times as far."""
     opened = []

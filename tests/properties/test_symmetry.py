@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from mechanisms.states import PLACES, mechanism, pressed
 
-few = settings(max_examples=25, deadline=None, derandomize=True)
+few = settings(max_examples=15, deadline=None, derandomize=True)
 angles = st.floats(-np.pi, np.pi)
 lengths = st.floats(-3.0, 3.0)
 speeds = st.floats(-2.0, 2.0)

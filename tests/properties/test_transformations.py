@@ -30,7 +30,7 @@ def test_compiled_derivative_is_the_eager_one(free, place, seed):
     assert_allclose(compiled(assembled, state, active), eager, rtol=1e-9, atol=1e-9 * np.max(np.abs(eager)))
 
 
-@few
+@settings(few, max_examples=4)
 @given(st.booleans(), st.integers(0, 10_000))
 def test_batched_derivative_is_the_loop(free, seed):
     assembled = MECHANISMS[free]
