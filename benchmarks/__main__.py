@@ -91,7 +91,12 @@ def show(rows: list[dict]) -> None:
     for row in rows:
         errors = [f"{row[key]:.1e}" if key in row else "" for key in ("peak_force_error", "end_time_error")]
         table.add_row(
-            row["what"], f"{row['rtol']:g}", f"{row['warm_ms']:.2f}", f"{row['compile_s']:.1f}", str(row["steps"]), *errors
+            row["what"],
+            f"{row['rtol']:g}",
+            f"{row['warm_ms']:.2f}",
+            f"{row['compile_s']:.1f}",
+            str(row["steps"]),
+            *errors,
         )
     Console(width=130).print(table)
 

@@ -1,6 +1,4 @@
-"""Every test runs in double precision, with strict promotion and with array shapes checked at run time."""
-
-from jaxtyping import install_import_hook
+"""Every test runs in double precision and with strict rank promotion."""
 
 import jaxbuffer.runtime
 

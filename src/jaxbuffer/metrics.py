@@ -36,7 +36,7 @@ def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
 
 
 def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
-    """The largest located maxima, or the values at the end where those are larger.
+    """The largest values over all located events and the end.
 
     By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
     """
@@ -45,35 +45,25 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
         state, active = state_at(log, slot), log.active[slot]
         return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
 
-    groups = [log.which < FLANKS, *(log.which == k for k in (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))]
-    located = (log.kind == Kind.PEAK)[None] & jnp.stack(groups)
-    slots = jnp.argmax(jnp.where(located, log.value[None], -jnp.inf), axis=1)
-    found = jnp.any(located, axis=1)
-    last = jnp.maximum(log.count - 1, 0)
-    seen = jax.vmap(observe)(jnp.append(slots, last))
-    columns = jnp.stack(
-        [log.which[slots[0]] % FLANKS, *map(jnp.asarray, (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))]
-    )
-    inside = jnp.where(found, seen[jnp.arange(5), columns], 0.0)
-    final_flank = jnp.argmax(seen[5, :FLANKS])
-    final = jnp.concatenate([jnp.max(seen[5, :FLANKS])[None], seen[5, FLANKS:]])
-    at_end = final > inside
-    value = jnp.where(at_end, final, inside)
-    time = jnp.where(found[0], _peak_time(mechanism, log, slots[0]), 0.0)
-    return Maxima(
-        value[0],
-        jnp.where(at_end[0], log.time[last], time),
-        jnp.where(at_end[0], final_flank, columns[0]),
-        *value[1:],
-    )
+    # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
+    # largest at the end.
+    used = jnp.arange(log.kind.shape[0]) < log.count
+    contact = jnp.max(log.values[:, :FLANKS], axis=1, keepdims=True)
+    candidates = jnp.concatenate([contact, log.values[:, FLANKS:]], axis=1)
+    slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
+    flank = jnp.argmax(log.values[slots[0], :FLANKS])
+    columns = jnp.stack([flank, *map(jnp.asarray, (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))])
+    value = jax.vmap(observe)(slots)[jnp.arange(5), columns]
+    return Maxima(value[0], _peak_time(mechanism, log, slots[0], flank), flank, *value[1:])
 
 
-def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""]) -> Float[Array, ""]:
+def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flank: Int[Array, ""]) -> Float[Array, ""]:
     """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
     rate = mechanism.derivative(log.time[slot], state, active)
     slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
-    return _shifted(log.time[slot], -slope[log.which[slot] % FLANKS], log.guard_rate[slot])
+    its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
+    return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
 def end_time(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Float[Array, ""]:
@@ -118,17 +108,17 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
         return a.gap[flank], mechanism.memory(row)[flank]
 
     flank = log.which % FLANKS
-    force = jnp.take_along_axis(jax.vmap(forces)(log.rows[:, 0], log.active), flank[:, None], axis=1)[:, 0]
+    force = jax.vmap(forces)(log.rows[:, 0], log.active)
     gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
     time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
 
     later = order[None, :] > order[:, None]
     same = log.which[None, :] == log.which[:, None]
     next_touch = jnp.min(jnp.where(later & same & touch[None, :], order[None, :], slots), axis=1)
-    within = later & same & (order[None, :] < next_touch[:, None])
-    peaks = within & (log.kind == Kind.PEAK)[None, :]
-    ends = within & (log.kind == Kind.RELEASE)[None, :]
-    peak = jnp.max(jnp.where(peaks, force[None, :], 0.0), axis=1)
+    within = later & (order[None, :] < next_touch[:, None]) & (order < log.count)[None, :]
+    ends = within & same & (log.kind == Kind.RELEASE)[None, :]
+    highest = jnp.max(jnp.where(within[:, :, None], force[None], 0.0), axis=1)
+    peak = jnp.take_along_axis(highest, flank[:, None], axis=1)[:, 0]
     release = jnp.min(jnp.where(ends, log.time[None, :], jnp.inf), axis=1)
 
     picked = jnp.argsort(~touch, stable=True)

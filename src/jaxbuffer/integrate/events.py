@@ -83,11 +83,12 @@ def first_crossing(
     step: Float[Array, ""],
     active: Float[Array, " contacts"],
     best: Float[Array, " observables"],
+    ignored: Int[Array, ""],
 ) -> Crossing:
     """The earliest event in a step.
 
     **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``best``: only
-    maxima that (nearly) exceed it matter.
+    maxima that (nearly) exceed it matter; ``ignored``: a guard left out (-1 for none).
     """
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     z0, rate0 = signed(before, active)
@@ -112,6 +113,7 @@ def first_crossing(
     peaked = (before.slope > 0.0) & (after.slope <= 0.0) & (jnp.maximum(height, after.value) > NEARLY * best)
 
     where = jnp.concatenate([jnp.where(crossed, root, jnp.inf), jnp.where(peaked, peak, jnp.inf)])
+    where = jnp.where(jnp.arange(where.shape[0]) == ignored, jnp.inf, where)
     which = jnp.argmin(where)
     fraction = where[which]
     reach = jnp.concatenate([far, jnp.ones_like(peak)])[which]

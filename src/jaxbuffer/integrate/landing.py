@@ -32,10 +32,15 @@ class Landing(NamedTuple):
         return Landing(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0))
 
     @staticmethod
-    def begin(crossing: Crossing, before: Float[Array, " guards"], after: Float[Array, " guards"]) -> "Landing":
-        """Aim at a crossing found in a whole step, given the signed guards at its ends."""
+    def begin(
+        crossing: Crossing,
+        before: Float[Array, " guards"],
+        after: Float[Array, " guards"],
+        tries: Int[Array, ""],
+    ) -> "Landing":
+        """Aim at a crossing found in a step, given the signed guards at its ends and the tries spent on others."""
         which, zero = crossing.which, jnp.zeros(())
-        return Landing(which, crossing.at, zero, crossing.far, before[which], after[which], jnp.asarray(0))
+        return Landing(which, crossing.at, zero, crossing.far, before[which], after[which], tries)
 
     @property
     def under_way(self) -> Bool[Array, ""]:

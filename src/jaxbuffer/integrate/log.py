@@ -32,21 +32,21 @@ class Log(eqx.Module):
     """Located events in order of time.
 
     ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
-    ``value``: the observable at a `Kind.PEAK`; ``guard_rate``: rate of the signed guard at its zero, so that the
+    ``values``: all observables; ``guard_rate``: rate of the signed guard at its zero, so that the
     event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time.
     """
 
     kind: Int[Array, " slots"]
     which: Int[Array, " slots"]
     time: Float[Array, " slots"]
-    value: Float[Array, " slots"]
+    values: Float[Array, "slots observables"]
     guard_rate: Float[Array, " slots"]
     active: Float[Array, "slots contacts"]
     rows: Float[Array, "slots rows state"]
     count: Int[Array, ""]
 
     @staticmethod
-    def empty(slots: int, rows: Rows, contacts: int) -> "Log":
+    def empty(slots: int, rows: Rows, contacts: int, observables: int) -> "Log":
         """A log with room for ``slots`` events.
 
         Unused slots hold the start: whatever is computed from them is thrown away, but it must stay finite, or
@@ -55,7 +55,8 @@ class Log(eqx.Module):
         n = slots + 1
         none, zero = jnp.full(n, int(Kind.NONE)), jnp.zeros(n)
         start = jnp.broadcast_to(rows, (n, *rows.shape))
-        return Log(none, none, zero, zero, jnp.ones(n), jnp.zeros((n, contacts)), start, jnp.asarray(0))
+        values = jnp.zeros((n, observables))
+        return Log(none, none, zero, values, jnp.ones(n), jnp.zeros((n, contacts)), start, jnp.asarray(0))
 
     def append(
         self,
@@ -63,13 +64,13 @@ class Log(eqx.Module):
         kind: Int[Array, ""],
         which: Int[Array, ""],
         time: Float[Array, ""],
-        value: Float[Array, ""],
+        values: Float[Array, " observables"],
         guard_rate: Float[Array, ""],
         active: Float[Array, " contacts"],
         rows: Rows,
     ) -> "Log":
         """The log with one more entry if ``when``."""
-        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, value, guard_rate, active, rows)
+        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, values, guard_rate, active, rows)
         slot = jnp.where(when, self.count, self.kind.shape[0] - 1)
         return _put(self, entry, slot, self.count + when)
 

@@ -18,7 +18,7 @@ from .._types import Scalar
 from ..mechanisms.hybrid import HybridSystem
 from .controller import Controller, Tolerance
 from .events import Guards, first_crossing, signed
-from .landing import Landing, judge
+from .landing import MAX_TRIES, Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
 from .solvers import LinearlyImplicit, Solver
@@ -117,16 +117,19 @@ def run(
         after = _observe(system, c.time + step, trial.rows[0], trial.rate[0], c.active, c.best)
 
         # A step that holds an event is taken again, shortened until it ends on the event.
-        crossing = first_crossing(c.guards, after, step, c.active, c.best)
+        crossing = first_crossing(c.guards, after, step, c.active, c.best, c.landing.target)
         guard, guard_rate = signed(after, c.active)
         verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
-        starts = ~landing & ~first & fits & finite & (crossing.which >= 0)
-        accept = jnp.where(landing, verdict.settled, fits & ~starts) & finite
+        # On arrival another event may turn out to lie a little before: then land on that one first.
+        arrives = landing & verdict.settled & (c.landing.tries < MAX_TRIES)
+        starts = (~landing & ~first | arrives) & fits & finite & (crossing.which >= 0)
+        accept = jnp.where(landing, verdict.settled, fits) & ~starts & finite
+        tries = jnp.where(landing, c.landing.tries + 1, 0)
         going = _where(landing & ~verdict.settled, verdict.next, Landing.none())
-        next_landing = _where(starts, Landing.begin(crossing, signed(c.guards, c.active)[0], guard), going)
+        next_landing = _where(starts, Landing.begin(crossing, signed(c.guards, c.active)[0], guard, tries), going)
 
         # What the event is, and what it does.
-        target = jnp.where(landing & verdict.happened, c.landing.target, -1)
+        target = jnp.where(landing & verdict.happened & ~starts, c.landing.target, -1)
         is_contact = (target >= 0) & (target < contacts)
         is_terminal = (target >= contacts) & (target < rated)
         is_peak = target >= rated
@@ -151,7 +154,7 @@ def run(
             kind=kind,
             which=jnp.where(is_contact, target, jnp.where(is_terminal, target - contacts, target - rated)),
             time=time + offset,
-            value=jnp.sum(jnp.where(each_observable == target - rated, after.value, 0.0)),
+            values=after.value,
             guard_rate=verdict.rate,
             active=active,
             rows=at_event + jump,
@@ -216,14 +219,14 @@ def _begin(
     """
     zero, one = jnp.zeros(()), jnp.ones(())
     contacts = active.shape[0]
-    log = Log.empty(options.max_events, start, contacts)
-    for contact in range(contacts):
-        log = log.append(
-            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, zero, one, active, start
-        )
     shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
     none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
     guards = Guards(none, none, terminal, terminal, value, value)
+    log = Log.empty(options.max_events, start, contacts, value.shape[0])
+    for contact in range(contacts):
+        log = log.append(
+            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, value, one, active, start
+        )
     return _Progress(
         time=zero,
         rows=start,
