@@ -202,4 +202,4 @@ def test_rigid_probe_differs_in_the_buffer_only():
     rigid, plain = rigid_probe(), table2()
     changed = {path for path in paths(plain) if get(rigid, path) != get(plain, path)}
     assert changed == {"buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T"}
-    assert rigid.buffer.k_A == 1e8
+    assert rigid.buffer.k_A == 1e10
