@@ -36,12 +36,14 @@ def test_every_impact_has_its_peak(free):
 
 @each_tip
 def test_no_step_exceeds_a_reported_maximum(free):
-    """1e-4: what the noise of a step at the default tolerance may add to an acceleration (measured: 3e-5)."""
+    """Measured: 3e-10. A free tip that sticks makes its friction, and so the hinge force, uncertain by 5e-4 at the
+    default tolerance (at 1e-9 by 1e-6): there a step may exceed the maximum by as much."""
     exceeded = []
     for seed in range(30):
         capture = simulate(*random_case(seed, free), history=True)
         for reported, sampled in REPORTED.items():
             largest = float(np.max(np.abs(getattr(capture.history, sampled))))
-            if float(getattr(capture, reported)) < largest * (1 - 1e-4):
+            allowed = 1e-3 if free and reported == "peak_hinge_force" else 1e-8
+            if float(getattr(capture, reported)) < largest * (1 - allowed):
                 exceeded.append((seed, reported, float(getattr(capture, reported)), largest))
     assert not exceeded
