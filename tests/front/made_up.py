@@ -56,7 +56,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         impacts=hits,
         energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
-        log=Log.empty(2, jnp.zeros((1, 26)), 2),
+        log=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
         history=history,
     )  # fmt: skip
 

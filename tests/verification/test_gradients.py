@@ -57,4 +57,4 @@ def test_elasticities_over_random_designs(free_tip, count, capsys):
     assert wrong_signs == 0
     assert quantiles[2] < 1e-3
     assert quantiles[3] < 2e-2  # measured 8.6e-3, an elasticity of 9e-4 after 11 impacts
-    assert doubt < 2e-5
+    assert doubt < 2e-4  # of each step alone; extrapolation leaves its square
