@@ -40,7 +40,7 @@ def check_number(
     if isinstance(value, jax.core.Tracer):
         return
     unit = "" if unit == "-" else f" {unit}"
-    if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None:
+    if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)}{unit}")
     too_low = (array <= low) if low_open else (array < low)
     too_high = (array >= high) if high_open else (array > high)
