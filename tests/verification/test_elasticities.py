@@ -55,7 +55,7 @@ def test_table_2_as_the_model_states_them():
 
 @each_tolerance
 def test_worst_elasticity(rtol, capsys):
-    """Prints the table that the verification page quotes."""
+    """Prints the table that README quotes."""
     relative, absolute = AGREED[rtol]
     worst = {}
     for name in CASES:

@@ -102,7 +102,7 @@ def test_table_2_as_the_model_states_it():
 
 @pytest.mark.slow
 def test_worst_of_each_quantity(capsys):
-    """Prints the table that the verification page quotes; every entry must be within the agreed tolerance."""
+    """Prints the table that README quotes; every entry must be within the agreed tolerance."""
     agreed = {"peak_force": 1e-4, "stroke": 1e-4, "hinge_angle": 1e-4, "end_time": 1e-3}
     lines = ["", "worst relative deviation from the reference, at default and at tightened tolerance"]
     for quantity, tolerance in agreed.items():

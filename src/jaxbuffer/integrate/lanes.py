@@ -1,7 +1,7 @@
 """Sensitivities as extra rows of the state: row 0 is y, row i is ∂y/∂p_i times a scale, all under one error control.
 
 AD through an adaptive loop bounds the error of the state only; carrying S = ∂y/∂p as state bounds its error too
-(docs/gradients). Every function of (parameters, state) is lifted to rows by one push-forward a row.
+(docs/numerics.md). Every function of (parameters, state) is lifted to rows by one push-forward a row.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import Array, Float
 
 Rows = Float[Array, "rows state"]
 P = TypeVar("P")
@@ -49,9 +49,3 @@ class Lanes(eqx.Module, Generic[P]):
             return jnp.concatenate([value[None], jax.vmap(push)(self.directions, rows[1:])])
 
         return lifted
-
-
-def perturbed(tree: PyTree, count: int) -> PyTree:
-    """Unit directions, one for each scalar leaf of ``tree`` in order (used by tests and the sensitivity run)."""
-    leaves, structure = jax.tree.flatten(tree)
-    return jax.tree.unflatten(structure, [jnp.zeros(count).at[i].set(1.0) for i in range(len(leaves))])
