@@ -129,8 +129,8 @@ def simulate(
         if np.ndim(leaf):
             name = "".join(str(key) for key in path[1:]).lstrip(".")
             raise InputError(f"{name} has shape {np.shape(leaf)}; simulate takes one capture: use jax.vmap or jb.sweep")
-    mechanism = jax.tree.map(_array, CaptureMechanism(design, scenario, stabilisation))
-    capture = _simulate(mechanism, _array(duration), jax.tree.map(_array, options))
+    parameters = jax.tree.map(_array, (design, scenario, stabilisation))
+    capture = _simulate(parameters, _array(duration), jax.tree.map(_array, options))
     if history and not isinstance(capture.code, jax.core.Tracer):
         capture = eqx.tree_at(lambda c: c.history, capture, _trim(capture))
     return capture
@@ -146,8 +146,9 @@ def _array(value: Any) -> Array:
 
 
 @eqx.filter_jit
-def _simulate(mechanism: CaptureMechanism, duration: Float[Array, ""], options: Options) -> Capture:
-    result = solve(mechanism, duration, options)
+def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array, ""], options: Options) -> Capture:
+    result = solve(CaptureMechanism, parameters, duration, options)
+    mechanism = CaptureMechanism(*parameters)
     log = result.log
     code = outcome_code(result.status)
     ok = code < Outcome.failed_steps
@@ -167,8 +168,8 @@ def _simulate(mechanism: CaptureMechanism, duration: Float[Array, ""], options: 
         "contact_time": contact_time(log),
     }
     return Capture(
-        design=mechanism.design,
-        scenario=mechanism.scenario,
+        design=parameters[0],
+        scenario=parameters[1],
         code=code,
         peak_flank=top.peak_flank,
         peak_impact=jnp.max(jnp.where(earlier, jnp.arange(slots), -1)),

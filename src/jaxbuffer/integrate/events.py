@@ -7,6 +7,7 @@ Hermite polynomial through both ends of the step; the loop then lands a real ste
 from typing import NamedTuple
 
 import jax.numpy as jnp
+from jax import lax
 from jaxtyping import Array, Float, Int
 
 NEARLY = 0.999  # of the best so far: what the cubic's error might hide
@@ -85,11 +86,24 @@ def first_crossing(
     best: Float[Array, " observables"],
     ignored: Int[Array, ""],
 ) -> Crossing:
-    """The earliest event in a step.
+    """The earliest event in a step; most steps hold none, and are not searched.
 
     **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``best``: only
     maxima that (nearly) exceed it matter; ``ignored``: a guard left out (-1 for none).
     """
+    z1, rate1 = signed(after, active)
+    rises = slice(0, before.gap.shape[0] + before.terminal.shape[0])
+    turned = (before.slope > 0.0) & (after.slope <= 0.0)
+    dipping = (signed(before, active)[1] > 0.0) & (rate1 < 0.0)
+    worth = jnp.concatenate([(z1 > 0.0)[rises] | dipping[rises], turned])
+    none = Crossing(jnp.asarray(-1), step, step)
+    search = lambda: _first_crossing(before, after, step, active, best, ignored)  # noqa: E731
+    return lax.cond(jnp.any(worth), search, lambda: none)
+
+
+def _first_crossing(
+    before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array
+) -> Crossing:
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     z0, rate0 = signed(before, active)
     z1, rate1 = signed(after, active)

@@ -10,10 +10,12 @@ from typing import Generic, TypeVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.extend.core import Literal
 from jaxtyping import Array, Float
 
 Rows = Float[Array, "rows state"]
 P = TypeVar("P")
+S = TypeVar("S")
 
 
 class Lanes(eqx.Module, Generic[P]):
@@ -49,3 +51,42 @@ class Lanes(eqx.Module, Generic[P]):
             return jnp.concatenate([value[None], jax.vmap(push)(self.directions, rows[1:])])
 
         return lifted
+
+
+def through(
+    assemble: Callable[[list[Array]], S], values: list[Array], directions: list[Array]
+) -> tuple[Callable[[list[Array]], S], Lanes[list[Array]]]:
+    """Push directions through the assembly of a system once, before the loop.
+
+    **Arguments:** ``assemble``: from parameters to a system; ``values`` and, with a leading axis each, ``directions``.
+    **Returns:** a function that fills in those numbers of the assembled system that move with the parameters, and the
+    lanes of those numbers. The others stay as they are: nothing that stands still costs anything in the loop.
+    """
+    system = assemble(values)
+    arrays, rest = eqx.partition(system, eqx.is_inexact_array)
+    leaves, structure = jax.tree.flatten(arrays)
+
+    def numbers(values: list[Array]) -> list[Array]:
+        return jax.tree.leaves(eqx.filter(assemble(values), eqx.is_inexact_array))
+
+    moving = [i for i, moves in enumerate(_depending(numbers, values)) if moves]
+    pick = lambda values: [numbers(values)[i] for i in moving]  # noqa: E731
+    pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions)
+
+    def fill(moved: list[Array]) -> S:
+        filled = list(leaves)
+        for i, value in zip(moving, moved, strict=True):
+            filled[i] = value
+        return eqx.combine(jax.tree.unflatten(structure, filled), rest)
+
+    return fill, Lanes([leaves[i] for i in moving], pushed)
+
+
+def _depending(function: Callable[[list[Array]], list[Array]], values: list[Array]) -> list[bool]:
+    """Which outputs depend on the inputs at all, followed through the traced operations."""
+    traced = jax.make_jaxpr(function)(values).jaxpr
+    reached = set(traced.invars)
+    for equation in traced.eqns:
+        if any(not isinstance(x, Literal) and x in reached for x in equation.invars):
+            reached.update(equation.outvars)
+    return [not isinstance(x, Literal) and x in reached for x in traced.outvars]

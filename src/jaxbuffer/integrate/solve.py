@@ -15,7 +15,7 @@ from jax.custom_batching import sequential_vmap
 from jaxtyping import Array, Float
 
 from ..mechanisms.hybrid import HybridSystem
-from .lanes import Lanes
+from .lanes import Lanes, through
 from .run import Options, Result, run
 
 # Sensitivities of a late impact lose digits over every impact before it: over 50 random designs at rtol 1e-7 the worst
@@ -24,24 +24,26 @@ from .run import Options, Result, run
 SENSITIVITY_TOLERANCE = 0.1
 
 
-def solve(system: HybridSystem, duration: Float[Array, ""] | float, options: Options) -> Result:
-    """Run a system; differentiable in its arrays.
+def solve(
+    build: Callable[..., HybridSystem], parameters: Any, duration: Float[Array, ""] | float, options: Options
+) -> Result:
+    """Run the system that ``build(*parameters)`` assembles; differentiable in the arrays of ``parameters``.
 
     **Returns:** a `Result` whose ``log.rows`` has one row, the state at each event. Its tangent is the state's
     derivative at the event's *fixed* time; an event's own time shifts by -guard/guard_rate (see `Log`).
     """
-    return _solve(system, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options))
+    return _solve(parameters, build, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options))
 
 
 @eqx.filter_custom_jvp
-def _solve(system: HybridSystem, duration: Array, options: Options) -> Result:
-    return _per_lane(lambda s, d, o: run(lambda p: p, Lanes(s), d, o), system, duration, options)
+def _solve(parameters: Any, build: Callable[..., HybridSystem], duration: Array, options: Options) -> Result:
+    return _per_lane(lambda p, d, o: run(lambda system: system, Lanes(build(*p)), d, o), parameters, duration, options)
 
 
 @_solve.def_jvp
 def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
-    system, duration, options = primals
-    leaves, structure = jax.tree.flatten(system, is_leaf=_is_none)
+    parameters, build, duration, options = primals
+    leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
     options = dataclasses.replace(options, tolerance=options.tolerance.tightened(SENSITIVITY_TOLERANCE))
@@ -49,14 +51,14 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
     sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
 
     def with_rows(leaves: list[Array], sizes: list[Array], duration: Array, options: Options) -> Result:
-        def build(values: list[Array]) -> HybridSystem:
+        def assembled(values: list[Array]) -> HybridSystem:
             filled = list(leaves)
             for i, value in zip(chosen, values, strict=True):
                 filled[i] = value
-            return jax.tree.unflatten(structure, filled)
+            return build(*jax.tree.unflatten(structure, filled))
 
         directions = [jnp.zeros(len(chosen)).at[k].set(size) for k, size in enumerate(sizes)]
-        return run(build, Lanes([leaves[i] for i in chosen], directions), duration, options)
+        return run(*through(assembled, [leaves[i] for i in chosen], directions), duration, options)
 
     result = _per_lane(with_rows, leaves, sizes, duration, options)
     value = _with_rows(result, result.log.rows[:, :1])

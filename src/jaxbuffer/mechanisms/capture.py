@@ -41,23 +41,23 @@ class Forces(NamedTuple):
 
 
 class CaptureMechanism(HybridSystem):
-    """A design in a scenario, ready to be stepped through time."""
+    """A design in a scenario, ready to be stepped through time.
+
+    **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s]. Assembled once: ``probe``,
+    masses and lengths of the probe with its tip; ``system``, bodies, joints and buffer; ``pair``, tip against flanks.
+    """
 
     design: Design
     scenario: Scenario
-    stabilisation: Scalar = 20.0
+    probe: Masses
+    system: System
+    pair: BallOnSegments
 
-    # --- the parts ----------------------------------------------------------------------------------------------------
-
-    @property
-    def probe(self) -> Masses:
-        """Masses and lengths of the probe with its tip."""
-        return probe_masses(self.design)
-
-    @property
-    def system(self) -> System:
-        """Bodies, joints and buffer."""
-        return assemble_system(self.design, self.stabilisation)
+    def __init__(self, design: Design, scenario: Scenario, stabilisation: Scalar = 20.0):
+        self.design, self.scenario = design, scenario
+        self.probe = probe_masses(design)
+        self.system = assemble_system(design, stabilisation)
+        self.pair = assemble_contact(design)
 
     @property
     def axial(self) -> AxialSpringDamper:
@@ -65,11 +65,6 @@ class CaptureMechanism(HybridSystem):
         element = self.system.forces[0]
         assert isinstance(element, AxialSpringDamper)
         return element
-
-    @property
-    def pair(self) -> BallOnSegments:
-        """Tip against flanks."""
-        return assemble_contact(self.design)
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
-from jax import lax
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from .trigonometry import cos_sin
 
 GROUND: int = -1
 
@@ -82,9 +82,7 @@ class Kinematics(eqx.Module):
 
     def __init__(self, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"]):
         self.q, self.v = q, v
-        angles = q[2::3]
-        # Without the barrier XLA recomputes the trigonometry in every operation that uses it.
-        self.cos, self.sin = lax.optimization_barrier((jnp.cos(angles), jnp.sin(angles)))
+        self.cos, self.sin = cos_sin(q[2::3])
 
     def frame(self, body: int) -> Frame:
         """The frame of one body (or of ``GROUND``)."""

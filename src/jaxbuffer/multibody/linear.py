@@ -1,22 +1,31 @@
 """Small symmetric systems solved without LAPACK: a library call inside a loop would split XLA's single kernel."""
 
+from collections.abc import Sequence
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._types import Scalar
 
-def ldl_solve(matrix: Float[Array, "m m"], rhs: Float[Array, "m *columns"]) -> Float[Array, "m *columns"]:
-    """Solve a symmetric positive definite system by a written-out LDLᵀ, for the few rows a mechanism has."""
-    n = rhs.shape[0]
+
+def ldl_solve(
+    matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]], rhs: Float[Array, "m *columns"] | Sequence[Scalar]
+) -> Float[Array, "m *columns"]:
+    """Solve a symmetric positive definite system by a written-out LDLᵀ, for the few rows a mechanism has.
+
+    Only the lower half of ``matrix`` is read.
+    """
+    n = len(rhs)
     lower: list[list[Array]] = [[] for _ in range(n)]
     pivot: list[Array] = []
     for i in range(n):
         for j in range(i):
-            entry = matrix[i, j]
+            entry = matrix[i][j]
             for k in range(j):
                 entry = entry - lower[i][k] * lower[j][k] * pivot[k]
             lower[i].append(entry / pivot[j])
-        diagonal = matrix[i, i]
+        diagonal = matrix[i][i]
         for k in range(i):
             diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
         pivot.append(diagonal)

@@ -1,7 +1,7 @@
 """A planar multibody system: bodies, joints, force elements, and its augmented index-1 equations of motion.
 
 ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; γ - 2α Φ̇ - α² Φ]`` (Efficient buffering mechanism, eq. 13, with Baumgarte's terms). M is
-diagonal, so the multipliers come from the Schur complement ``Φ_q M⁻¹ Φ_qᵀ``, a few rows written out.
+diagonal (see `augmented`).
 """
 
 from typing import NamedTuple
@@ -12,11 +12,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
+from .augmented import SparseRows, solve_augmented
 from .body import Body
 from .forces import ForceElement, Load
-from .joints import Joint
+from .joints import Joint, Row
 from .kinematics import GROUND, Kinematics
-from .linear import ldl_solve
 
 
 class Constraints(NamedTuple):
@@ -43,9 +43,20 @@ class System(eqx.Module):
     """
 
     bodies: tuple[Body, ...]
-    joints: tuple[Joint, ...] = ()
-    forces: tuple[ForceElement, ...] = ()
-    stabilisation: Scalar = 20.0
+    joints: tuple[Joint, ...]
+    forces: tuple[ForceElement, ...]
+    stabilisation: Scalar
+    inverse_masses: Float[Array, " coordinates"]
+
+    def __init__(
+        self,
+        bodies: tuple[Body, ...],
+        joints: tuple[Joint, ...] = (),
+        forces: tuple[ForceElement, ...] = (),
+        stabilisation: Scalar = 20.0,
+    ):
+        self.bodies, self.joints, self.forces, self.stabilisation = bodies, joints, forces, stabilisation
+        self.inverse_masses = 1.0 / self.masses()
 
     @property
     def coordinates(self) -> int:
@@ -58,16 +69,17 @@ class System(eqx.Module):
 
     def constraints(self, kin: Kinematics) -> Constraints:
         """Φ, Φ_q and γ of all joints, in their order."""
-        rows = [row for joint in self.joints for row in joint.rows(kin)]
+        rows = self._rows(kin)
+        jacobian = jnp.zeros((len(rows), self.coordinates))
+        for i, entries in enumerate(_entries(rows)):
+            for column, entry in entries.items():
+                jacobian = jacobian.at[i, column].set(entry)
         if not rows:
-            empty = jnp.zeros((0,))
-            return Constraints(empty, jnp.zeros((0, self.coordinates)), empty)
-        entries = [e for row in rows for b in range(len(self.bodies)) for e in row.blocks.get(b, (0.0, 0.0, 0.0))]
-        return Constraints(
-            stacked([row.phi for row in rows]),
-            stacked(entries).reshape(len(rows), self.coordinates),
-            stacked([row.gamma for row in rows]),
-        )
+            return Constraints(jnp.zeros(0), jacobian, jnp.zeros(0))
+        return Constraints(stacked([row.phi for row in rows]), jacobian, stacked([row.gamma for row in rows]))
+
+    def _rows(self, kin: Kinematics) -> list[Row]:
+        return [row for joint in self.joints for row in joint.rows(kin)]
 
     def generalised_force(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Float[Array, " coordinates"]:
         """F: force elements and ``extra`` loads (contacts, say), added up by body [N, N, N m]."""
@@ -80,18 +92,20 @@ class System(eqx.Module):
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Solve the augmented system for accelerations and multipliers."""
-        phi, jacobian, gamma = self.constraints(kin)
-        alpha = self.stabilisation
-        rhs = gamma - 2.0 * alpha * jnp.sum(jacobian * kin.v[None], axis=-1) - alpha * alpha * phi
-        return Motion(*_solve_augmented(self.masses(), jacobian, self.generalised_force(kin, extra), rhs))
+        rows, alpha = self._rows(kin), self.stabilisation
+        jacobian = SparseRows.of(_entries(rows))
+        drift = zip(rows, jacobian.times(kin.v), strict=True)
+        rhs = [row.gamma - 2.0 * alpha * rate - alpha * alpha * row.phi for row, rate in drift]
+        force = self.generalised_force(kin, extra)
+        return Motion(*solve_augmented(self.inverse_masses, jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)))
 
     def response(
         self, kin: Kinematics, directions: Float[Array, "coordinates rank"]
     ) -> Float[Array, "coordinates rank"]:
         """Accelerations that generalised forces of unit size cause, the joints holding."""
-        jacobian = self.constraints(kin).jacobian
-        rest = jnp.zeros(jacobian.shape[0])
-        column = lambda direction: _solve_augmented(self.masses(), jacobian, direction, rest)[0]  # noqa: E731
+        jacobian = SparseRows.of(_entries(self._rows(kin)))
+        rest, inverse_mass = jnp.zeros(len(jacobian.pattern)), self.inverse_masses
+        column = lambda direction: solve_augmented(inverse_mass, jacobian, direction, rest)[0]  # noqa: E731
         return jax.vmap(column, in_axes=1, out_axes=1)(directions)
 
     def kinetic_energy(self, v: Float[Array, " coordinates"]) -> Float[Array, ""]:
@@ -113,33 +127,6 @@ class System(eqx.Module):
         return jnp.sum(q[0::3] * momentum[1::3] - q[1::3] * momentum[0::3] + momentum[2::3])
 
 
-@jax.custom_jvp
-def _solve_augmented(
-    masses: Float[Array, " coordinates"],
-    jacobian: Float[Array, "rows coordinates"],
-    force: Float[Array, " coordinates"],
-    rhs: Float[Array, " rows"],
-) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
-    """Accelerations and multipliers of ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; rhs]``.
-
-    Sums of products rather than matrix products: XLA hands even tiny products to a library.
-    """
-    inverse_mass = 1.0 / masses
-    if rhs.shape[0] == 0:
-        return inverse_mass * force, rhs
-    weighted = jacobian * inverse_mass[None]
-    schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
-    multipliers = ldl_solve(schur, jnp.sum(weighted * force[None], axis=-1) - rhs)
-    return inverse_mass * (force - jnp.sum(multipliers[:, None] * jacobian, axis=0)), multipliers
-
-
-@_solve_augmented.defjvp
-def _solve_augmented_jvp(primals: tuple, tangents: tuple) -> tuple:
-    """The same system answers a small change, with what the change does to the equations as its right-hand side:
-    far cheaper than differentiating the factorisation."""
-    masses, jacobian, _, _ = primals
-    d_masses, d_jacobian, d_force, d_rhs = tangents
-    acceleration, multipliers = _solve_augmented(*primals)
-    d_force = d_force - d_masses * acceleration - jnp.sum(multipliers[:, None] * d_jacobian, axis=0)
-    d_rhs = d_rhs - jnp.sum(d_jacobian * acceleration[None], axis=-1)
-    return (acceleration, multipliers), _solve_augmented(masses, jacobian, d_force, d_rhs)
+def _entries(rows: list[Row]) -> list[dict[int, Scalar]]:
+    """Each row of Φ_q by column."""
+    return [{3 * body + k: e for body, block in row.blocks.items() for k, e in enumerate(block)} for row in rows]
