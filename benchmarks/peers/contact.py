@@ -8,22 +8,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
-from .parameters import (
-    CONE_LENGTH,
-    CONE_OFFSET,
-    COSINE,
-    FRONT,
-    HYSTERESIS,
-    RADIUS,
-    ROLLING,
-    SINE,
-    STIFFNESS,
-    THROAT_RADIUS,
-    Vector,
-)
+from . import parameters as at
+from .parameters import Vector
 
 SLOWEST_TOUCHDOWN = 1e-5  # [m/s] least approach speed that a touchdown remembers
 SPIN = 24  # place of the tip's angular velocity in the state
@@ -32,7 +20,7 @@ SPIN = 24  # place of the tip's angular velocity in the state
 @njit(inline="always")
 def tip_motion(y, p, cos_P, sin_P, cos_T, sin_T):
     """Tip centre (x, y) [m] in T's frame and its velocity relative to r_T's, turned into that frame [m/s]."""
-    l_t = p[FRONT]
+    l_t = p[at.FRONT]
     dx = y[6] + l_t * cos_P - y[9]
     dy = y[7] + l_t * sin_P - y[10]
     du = y[18] - l_t * sin_P * y[20] - y[21]
@@ -48,12 +36,12 @@ def tip_motion(y, p, cos_P, sin_P, cos_T, sin_T):
 @njit(inline="always")
 def foot_of(sigma, x, y, p):
     """Distance [m] of the tip centre from flank ``sigma``, normal (2) and foot (2) [m] in T's frame."""
-    tx = p[COSINE]
-    ty = sigma * p[SINE]
-    ex = -p[CONE_OFFSET]
-    ey = -sigma * p[THROAT_RADIUS]
+    tx = p[at.COSINE]
+    ty = sigma * p[at.SINE]
+    ex = -p[at.CONE_OFFSET]
+    ey = -sigma * p[at.THROAT_RADIUS]
     slant = -((x - ex) * tx + (y - ey) * ty)
-    slant = min(max(slant, 0.0), p[CONE_LENGTH])  # the rims are met as points
+    slant = min(max(slant, 0.0), p[at.CONE_LENGTH])  # the rims are met as points
     fx = ex - slant * tx
     fy = ey - slant * ty
     nx = x - fx
@@ -79,7 +67,7 @@ def normal_force(gap, gap_rate, memory, p):
     """Lankarani and Nikravesh's force [N]; ``memory`` [m/s] is the approach speed of the flank's latest touchdown."""
     if gap >= 0.0:
         return 0.0
-    return p[STIFFNESS] * -gap * math.sqrt(-gap) * max(0.0, 1.0 - p[HYSTERESIS] * gap_rate / memory)
+    return p[at.STIFFNESS] * -gap * math.sqrt(-gap) * max(0.0, 1.0 - p[at.HYSTERESIS] * gap_rate / memory)
 
 
 @njit
@@ -88,26 +76,12 @@ def both_gaps(y: Vector, p: Vector) -> tuple[float, float, float, float, float]:
     cos_T = math.cos(y[11])
     sin_T = math.sin(y[11])
     ax, ay, u, v = tip_motion(y, p, math.cos(y[8]), math.sin(y[8]), cos_T, sin_T)
-    spin = y[SPIN] if p[ROLLING] != 0.0 else y[20]
+    spin = y[SPIN] if p[at.ROLLING] != 0.0 else y[20]
     d0, nx0, ny0, fx0, fy0 = foot_of(1.0, ax, ay, p)
     d1, nx1, ny1, fx1, fy1 = foot_of(-1.0, ax, ay, p)
     rate0, _ = speeds(1.0, d0, nx0, ny0, fx0, fy0, u, v, spin, y[23])
     rate1, _ = speeds(-1.0, d1, nx1, ny1, fx1, fy1, u, v, spin, y[23])
-    return d0 - p[RADIUS], d1 - p[RADIUS], rate0, rate1, ax
-
-
-@njit
-def gaps(y: Vector, p: Vector) -> Vector:
-    """Gaps (2,) [m], lower flank first."""
-    g0, g1, _, _, _ = both_gaps(y, p)
-    return np.array([g0, g1])
-
-
-@njit
-def gap_rates(y: Vector, p: Vector) -> Vector:
-    """Rates (2,) [m/s] at which the gaps open."""
-    _, _, r0, r1, _ = both_gaps(y, p)
-    return np.array([r0, r1])
+    return d0 - p[at.RADIUS], d1 - p[at.RADIUS], rate0, rate1, ax
 
 
 @njit
@@ -117,24 +91,3 @@ def both_forces(y: Vector, p: Vector, active: Vector, memory: Vector) -> tuple[f
     f0 = normal_force(g0, r0, memory[0], p) if active[0] != 0.0 else 0.0
     f1 = normal_force(g1, r1, memory[1], p) if active[1] != 0.0 else 0.0
     return f0, f1
-
-
-@njit
-def normal_forces(y: Vector, p: Vector, active: Vector, memory: Vector) -> Vector:
-    """Normal forces (2,) [N], lower flank first."""
-    f0, f1 = both_forces(y, p, active, memory)
-    return np.array([f0, f1])
-
-
-@njit
-def throat_distance(y: Vector, p: Vector) -> float:
-    """Distance [m] of the tip centre in front of the capture plane; captured below 0 (the model's section 6)."""
-    _, _, _, _, x = both_gaps(y, p)
-    return -p[CONE_OFFSET] - p[RADIUS] * p[SINE] - x
-
-
-@njit
-def escape_distance(y: Vector, p: Vector) -> float:
-    """Distance [m] of the tip centre from the escape plane; escaped below 0 (the model's section 6)."""
-    _, _, _, _, x = both_gaps(y, p)
-    return x + p[CONE_OFFSET] + 2.0 * p[CONE_LENGTH]

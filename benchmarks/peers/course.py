@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .model import SLOWEST_TOUCHDOWN, Parameters, Vector, both_gaps
+from .contact import SLOWEST_TOUCHDOWN, both_gaps
+from .parameters import Parameters, Vector
 from .watch import ACTIVE, CAPTURE, ESCAPE, MEMORY, PARAMETERS, context_of, forces
 
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from .model import Parameters
+from .parameters import Parameters
 from .solvers import solve
 
 INPUTS = ("k_A", "c_A", "k_T", "c_T", "tip_mass")

@@ -6,29 +6,16 @@ import math
 
 from numba import njit
 
+from . import parameters as at
 from .contact import SPIN, foot_of, normal_force, speeds, tip_motion
-from .parameters import (
-    DAMPER_A,
-    DAMPER_T,
-    FREE_LENGTH,
-    FRICTION,
-    FRONT,
-    HALF_CYLINDER,
-    RADIUS,
-    REAR,
-    ROLLING,
-    SLIP_SPEED,
-    SPRING_A,
-    SPRING_T,
-    Vector,
-)
+from .parameters import Vector
 
 
 @njit(inline="always")
 def buffer_pull(y, p, cos_B, sin_B, cos_P, sin_P):
     """Axial force [N], positive when it pulls its two ends together, and its unit direction from B's end to P's."""
-    h = p[HALF_CYLINDER]
-    l_r = p[REAR]
+    h = p[at.HALF_CYLINDER]
+    l_r = p[at.REAR]
     dx = y[6] - l_r * cos_P - y[3] + h * cos_B
     dy = y[7] - l_r * sin_P - y[4] + h * sin_B
     du = y[18] + l_r * sin_P * y[20] - y[15] - h * sin_B * y[17]
@@ -36,19 +23,19 @@ def buffer_pull(y, p, cos_B, sin_B, cos_P, sin_P):
     length = math.sqrt(dx * dx + dy * dy)
     ex = dx / length
     ey = dy / length
-    return p[SPRING_A] * (length - p[FREE_LENGTH]) + p[DAMPER_A] * (du * ex + dv * ey), ex, ey
+    return p[at.SPRING_A] * (length - p[at.FREE_LENGTH]) + p[at.DAMPER_A] * (du * ex + dv * ey), ex, ey
 
 
 @njit(inline="always")
 def flank_load(sigma, x, y, u, v, spin, turn, memory, p):
     """Force (2) [N] on the tip in T's frame, its moment about the tip centre and about r_T's origin [N m]."""
     distance, nx, ny, fx, fy = foot_of(sigma, x, y, p)
-    gap = distance - p[RADIUS]
+    gap = distance - p[at.RADIUS]
     if gap >= 0.0:
         return 0.0, 0.0, 0.0, 0.0
     rate, slip = speeds(sigma, distance, nx, ny, fx, fy, u, v, spin, turn)
     normal = normal_force(gap, rate, memory, p)
-    friction = -p[FRICTION] * normal * math.tanh(slip / p[SLIP_SPEED])
+    friction = -p[at.FRICTION] * normal * math.tanh(slip / p[at.SLIP_SPEED])
     force_x = normal * nx + friction * sigma * ny
     force_y = normal * ny - friction * sigma * nx
     return force_x, force_y, sigma * distance * friction, fx * force_y - fy * force_x
@@ -61,11 +48,11 @@ def load(y: Vector, p: Vector, active: Vector, memory: Vector, cos_B, sin_B, cos
     The force on S is nil: the joint carries all of it.
     """
     pull, ex, ey = buffer_pull(y, p, cos_B, sin_B, cos_P, sin_P)
-    twist = p[SPRING_T] * (y[5] - y[2]) + p[DAMPER_T] * (y[17] - y[14])
+    twist = p[at.SPRING_T] * (y[5] - y[2]) + p[at.DAMPER_T] * (y[17] - y[14])
     bx = pull * ex
     by = pull * ey
-    moment_B = -p[HALF_CYLINDER] * (cos_B * by - sin_B * bx) - twist
-    moment_P = p[REAR] * (cos_P * by - sin_P * bx)
+    moment_B = -p[at.HALF_CYLINDER] * (cos_B * by - sin_B * bx) - twist
+    moment_P = p[at.REAR] * (cos_P * by - sin_P * bx)
     px = -bx
     py = -by
     tx = ty = moment_T = moment_tip = 0.0
@@ -73,7 +60,7 @@ def load(y: Vector, p: Vector, active: Vector, memory: Vector, cos_B, sin_B, cos
         cos_T = math.cos(y[11])
         sin_T = math.sin(y[11])
         x, z, u, v = tip_motion(y, p, cos_P, sin_P, cos_T, sin_T)
-        rolling = p[ROLLING] != 0.0
+        rolling = p[at.ROLLING] != 0.0
         spin = y[SPIN] if rolling else y[20]
         cx = cy = moment_centre = 0.0
         for flank in range(2):
@@ -90,7 +77,7 @@ def load(y: Vector, p: Vector, active: Vector, memory: Vector, cos_B, sin_B, cos
         py += wy
         tx = -wx
         ty = -wy
-        moment_P += p[FRONT] * (cos_P * wy - sin_P * wx)
+        moment_P += p[at.FRONT] * (cos_P * wy - sin_P * wx)
         if rolling:
             moment_tip = moment_centre
         else:

@@ -13,58 +13,10 @@ import math
 import numpy as np
 from numba import njit
 
-from .contact import (
-    SLOWEST_TOUCHDOWN,
-    both_forces,
-    both_gaps,
-    escape_distance,
-    gap_rates,
-    gaps,
-    normal_forces,
-    throat_distance,
-)
+from . import parameters as at
 from .forces import load
-from .parameters import (
-    GAIN,
-    HALF_CYLINDER,
-    HINGE,
-    INERTIA_B,
-    INERTIA_P,
-    INERTIA_S,
-    INERTIA_T,
-    INERTIA_TIP,
-    MASS_B,
-    MASS_P,
-    MASS_S,
-    MASS_T,
-    Matrix,
-    Parameters,
-    Vector,
-    vector,
-)
-from .start import STATES, start
-
-__all__ = [
-    "SLOWEST_TOUCHDOWN",
-    "STATES",
-    "Matrix",
-    "Parameters",
-    "Vector",
-    "both_forces",
-    "both_gaps",
-    "escape_distance",
-    "gap_rates",
-    "gaps",
-    "hinge_force",
-    "jacobian_into",
-    "joint_reactions",
-    "normal_forces",
-    "rhs",
-    "rhs_into",
-    "start",
-    "throat_distance",
-    "vector",
-]
+from .parameters import Matrix, Vector
+from .start import STATES
 
 
 @njit(inline="always")
@@ -73,10 +25,10 @@ def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
 
     gamma is the model's section 2 with Baumgarte's terms, -2 alpha Phi' - beta^2 Phi, added.
     """
-    asx = p[HINGE] * cos_S
-    asy = p[HINGE] * sin_S
-    hbx = p[HALF_CYLINDER] * cos_B
-    hby = p[HALF_CYLINDER] * sin_B
+    asx = p[at.HINGE] * cos_S
+    asy = p[at.HINGE] * sin_S
+    hbx = p[at.HALF_CYLINDER] * cos_B
+    hby = p[at.HALF_CYLINDER] * sin_B
     rx = y[6] - y[3]
     ry = y[7] - y[4]
     vx = y[18] - y[15]
@@ -85,7 +37,7 @@ def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
     spin_B = y[17]
     w = cos_B * rx + sin_B * ry
     offset = cos_B * ry - sin_B * rx
-    gain = p[GAIN]
+    gain = p[at.GAIN]
     two = 2.0 * gain
     square = gain * gain
     gamma_1 = (
@@ -107,6 +59,17 @@ def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
         - square * offset
     )
     return w, asx, asy, hbx, hby, gamma_1, gamma_2, gamma_3, gamma_4
+
+
+@njit(inline="always")
+def terms(y: Vector, p: Vector, active: Vector, memory: Vector):
+    """What both forms of the model need of a state: loads (11), joints (9), cosine and sine of B's angle."""
+    cos_S = math.cos(y[2])
+    sin_S = math.sin(y[2])
+    cos_B = math.cos(y[5])
+    sin_B = math.sin(y[5])
+    loads = load(y, p, active, memory, cos_B, sin_B, math.cos(y[8]), math.sin(y[8]))
+    return loads, joints(y, p, cos_S, sin_S, cos_B, sin_B), cos_B, sin_B
 
 
 @njit(inline="always")
@@ -142,21 +105,16 @@ def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, 
     The mass matrix is diagonal, so the augmented system of the model's section 2 shrinks to its 4x4 Schur complement
     Phi_q M^-1 Phi_q^T lambda = Phi_q M^-1 F - gamma.
     """
-    cos_S = math.cos(y[2])
-    sin_S = math.sin(y[2])
-    cos_B = math.cos(y[5])
-    sin_B = math.sin(y[5])
-    cos_P = math.cos(y[8])
-    sin_P = math.sin(y[8])
-    m_S, bx, by, m_B, px, py, m_P, tx, ty, m_T, m_tip = load(y, p, active, memory, cos_B, sin_B, cos_P, sin_P)
-    w, asx, asy, hbx, hby, g1, g2, g3, g4 = joints(y, p, cos_S, sin_S, cos_B, sin_B)
+    loads, links, cos_B, sin_B = terms(y, p, active, memory)
+    m_S, bx, by, m_B, px, py, m_P, tx, ty, m_T, m_tip = loads
+    w, asx, asy, hbx, hby, g1, g2, g3, g4 = links
 
-    i_mS = 1.0 / p[MASS_S]
-    i_IS = 1.0 / p[INERTIA_S]
-    i_mB = 1.0 / p[MASS_B]
-    i_IB = 1.0 / p[INERTIA_B]
-    i_mP = 1.0 / p[MASS_P]
-    i_IP = 1.0 / p[INERTIA_P]
+    i_mS = 1.0 / p[at.MASS_S]
+    i_IS = 1.0 / p[at.INERTIA_S]
+    i_mB = 1.0 / p[at.MASS_B]
+    i_IB = 1.0 / p[at.INERTIA_B]
+    i_mP = 1.0 / p[at.MASS_P]
+    i_IP = 1.0 / p[at.INERTIA_P]
 
     # Free accelerations of the bodies, then the reactions that make up for what the joints lack of them.
     a_S = m_S * i_IS
@@ -194,37 +152,14 @@ def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, 
     out[18] = a_Px + sin_B * r4 * i_mP
     out[19] = a_Py - cos_B * r4 * i_mP
     out[20] = a_P + r3 * i_IP
-    out[21] = tx / p[MASS_T]
-    out[22] = ty / p[MASS_T]
-    out[23] = m_T / p[INERTIA_T]
-    out[24] = m_tip / p[INERTIA_TIP]
+    out[21] = tx / p[at.MASS_T]
+    out[22] = ty / p[at.MASS_T]
+    out[23] = m_T / p[at.INERTIA_T]
+    out[24] = m_tip / p[at.INERTIA_TIP]
     reactions[0] = r1
     reactions[1] = r2
     reactions[2] = r3
     reactions[3] = r4
-
-
-@njit
-def rhs(t: float, y: Vector, p: Vector, active: Vector, memory: Vector) -> Vector:
-    """dy/dt (25,); ``t`` [s] is there for the solvers alone."""
-    out = np.empty(STATES)
-    rhs_into(y, out, p, active, memory, np.empty(4))
-    return out
-
-
-@njit
-def joint_reactions(y: Vector, p: Vector, active: Vector, memory: Vector) -> Vector:
-    """The multipliers (4,): hinge force (2) [N], moment [N m] and side force [N] of the slide."""
-    reactions = np.empty(4)
-    rhs_into(y, np.empty(STATES), p, active, memory, reactions)
-    return reactions
-
-
-@njit
-def hinge_force(y: Vector, p: Vector, active: Vector, memory: Vector) -> float:
-    """Size of the reaction in the hinge between S and B [N] (the model's section 7)."""
-    reactions = joint_reactions(y, p, active, memory)
-    return math.hypot(reactions[0], reactions[1])
 
 
 @njit

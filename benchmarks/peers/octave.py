@@ -19,49 +19,21 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from . import parameters as at
 from .course import PeerCapture
-from .model import Parameters, start, vector
-from .parameters import (
-    CONE_LENGTH,
-    CONE_OFFSET,
-    COSINE,
-    DAMPER_A,
-    DAMPER_T,
-    FREE_LENGTH,
-    FRICTION,
-    FRONT,
-    GAIN,
-    HALF_CYLINDER,
-    HINGE,
-    HYSTERESIS,
-    INERTIA_B,
-    INERTIA_P,
-    INERTIA_S,
-    INERTIA_T,
-    INERTIA_TIP,
-    MASS_B,
-    MASS_P,
-    MASS_S,
-    MASS_T,
-    RADIUS,
-    REAR,
-    SINE,
-    SLIP_SPEED,
-    SPRING_A,
-    SPRING_T,
-    STIFFNESS,
-    THROAT_RADIUS,
-)
+from .parameters import Parameters, vector
+from .start import start
 
 SCRIPTS = Path(__file__).resolve().parent / "octave"
 PROGRAMS = ("octave-cli", "octave")
 MISSING = "skipped: octave not found"
 PLACES = {
-    "m_S": MASS_S, "I_S": INERTIA_S, "m_B": MASS_B, "I_B": INERTIA_B, "m_P": MASS_P, "I_P": INERTIA_P, "m_T": MASS_T,
-    "I_T": INERTIA_T, "I_t": INERTIA_TIP, "a": HINGE, "h": HALF_CYLINDER, "l_r": REAR, "l_t": FRONT, "k_A": SPRING_A,
-    "c_A": DAMPER_A, "k_T": SPRING_T, "c_T": DAMPER_T, "l_0": FREE_LENGTH, "R": RADIUS, "cos_beta": COSINE,
-    "sin_beta": SINE, "L_T": CONE_OFFSET, "R_c": THROAT_RADIUS, "L_c": CONE_LENGTH, "K": STIFFNESS, "chi": HYSTERESIS,
-    "mu": FRICTION, "v_s": SLIP_SPEED, "gain": GAIN,
+    "m_S": at.MASS_S, "I_S": at.INERTIA_S, "m_B": at.MASS_B, "I_B": at.INERTIA_B, "m_P": at.MASS_P,
+    "I_P": at.INERTIA_P, "m_T": at.MASS_T, "I_T": at.INERTIA_T, "I_t": at.INERTIA_TIP, "a": at.HINGE,
+    "h": at.HALF_CYLINDER, "l_r": at.REAR, "l_t": at.FRONT, "k_A": at.SPRING_A, "c_A": at.DAMPER_A,
+    "k_T": at.SPRING_T, "c_T": at.DAMPER_T, "l_0": at.FREE_LENGTH, "R": at.RADIUS, "cos_beta": at.COSINE,
+    "sin_beta": at.SINE, "L_T": at.CONE_OFFSET, "R_c": at.THROAT_RADIUS, "L_c": at.CONE_LENGTH, "K": at.STIFFNESS,
+    "chi": at.HYSTERESIS, "mu": at.FRICTION, "v_s": at.SLIP_SPEED, "gain": at.GAIN,
 }  # fmt: skip
 
 

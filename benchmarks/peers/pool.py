@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from multiprocessing.synchronize import Barrier
 
-from .model import Parameters
+from .parameters import Parameters
 from .solvers import PeerCapture, solve
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .course import PeerCapture
-from .model import Parameters
+from .parameters import Parameters
 
 
 @dataclass(frozen=True)

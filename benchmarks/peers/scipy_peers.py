@@ -9,7 +9,7 @@ from scipy.integrate import OdeSolver
 from scipy.optimize import brentq
 
 from .course import Course, PeerCapture
-from .model import Parameters, Vector
+from .parameters import Parameters, Vector
 from .watch import EVENTS, TOP, crossings, forces, slope, slope_jacobian, watch, watched
 
 CONTACT_STEP = 1e-5  # [s] first step into a contact: a guess made from the zero force at touchdown would leap over it

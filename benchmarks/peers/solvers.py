@@ -10,7 +10,7 @@ from scipy.integrate import BDF, DOP853, LSODA, Radau
 
 from . import scipy_peers, sundials
 from .course import PeerCapture
-from .model import Parameters
+from .parameters import Parameters
 
 __all__ = ["PEERS", "PeerCapture", "solve"]
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .contact import SLOWEST_TOUCHDOWN, gap_rates
+from .contact import SLOWEST_TOUCHDOWN, both_gaps
 from .parameters import FRONT, HALF_CYLINDER, REAR, Parameters, Vector, vector
 
 STATES = 25  # 12 positions, 12 velocities, the spin of the tip
@@ -27,7 +27,7 @@ def start(parameters: Parameters) -> tuple[Vector, Vector, Vector]:
     y[0:12] = (active_vehicle, tip[1], 0.0, cylinder, tip[1], 0.0, probe, tip[1], 0.0, 0.0, 0.0, s.misalignment)
     y[[12, 15, 18]] = s.approach_speed
     y[23] = s.passive_rate
-    approach = -gap_rates(y, p)[0]
+    approach = -both_gaps(y, p)[2]
     active = np.array([1.0, 0.0])
     memory = np.array([max(approach, SLOWEST_TOUCHDOWN), SLOWEST_TOUCHDOWN])
     return y, active, memory

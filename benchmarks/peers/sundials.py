@@ -13,8 +13,9 @@ from sksundae.cvode import CVODE
 from sksundae.ida import IDA
 
 from .course import Course, PeerCapture
-from .model import STATES, Matrix, Parameters, Vector
+from .parameters import Matrix, Parameters, Vector
 from .residual import UNKNOWNS, consistent, residual_into, residual_jacobian_into
+from .start import STATES
 from .watch import EVENTS, TOP, slope_into, slope_jacobian_into, watch
 
 CONTACT_STEP = 1e-5  # [s] first step after a touchdown, where the force is still zero and tells nothing about the scale

@@ -15,8 +15,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from .model import Matrix, Parameters, Vector, both_forces, both_gaps, jacobian_into, rhs_into, start, vector
-from .parameters import CONE_LENGTH, CONE_OFFSET, RADIUS, SINE
+from . import parameters as at
+from .contact import both_forces, both_gaps
+from .model import jacobian_into, rhs_into
+from .parameters import Matrix, Parameters, Vector, vector
+from .start import STATES, start
 
 EVENTS = 6
 PARAMETERS = slice(0, 30)
@@ -46,7 +49,7 @@ def slope_into(y: Vector, out: Vector, context: Vector) -> None:
 @njit
 def slope(y: Vector, context: Vector) -> Vector:
     """dy/dt (25,)."""
-    out = np.empty(25)
+    out = np.empty(STATES)
     slope_into(y, out, context)
     return out
 
@@ -60,7 +63,7 @@ def slope_jacobian_into(y: Vector, matrix: Matrix, context: Vector) -> None:
 @njit
 def slope_jacobian(y: Vector, context: Vector) -> Matrix:
     """d(dy/dt)/dy (25, 25)."""
-    matrix = np.empty((25, 25))
+    matrix = np.empty((STATES, STATES))
     slope_jacobian_into(y, matrix, context)
     return matrix
 
@@ -80,13 +83,13 @@ def watch(y: Vector, values: Vector, context: Vector) -> None:
     pressing_1 = context[31] != 0.0
     values[0] = -gap_0 if pressing_0 else gap_0
     values[1] = -gap_1 if pressing_1 else gap_1
-    values[2] = -p[CONE_OFFSET] - p[RADIUS] * p[SINE] - x
-    values[3] = x + p[CONE_OFFSET] + 2.0 * p[CONE_LENGTH]
+    values[2] = -p[at.CONE_OFFSET] - p[at.RADIUS] * p[at.SINE] - x
+    values[3] = x + p[at.CONE_OFFSET] + 2.0 * p[at.CONE_LENGTH]
     values[4] = 1.0
     values[5] = 1.0
     if not (pressing_0 or pressing_1):
         return
-    flow = np.empty(25)
+    flow = np.empty(STATES)
     slope_into(y, flow, context)
     later_0, later_1 = forces(y + FLOW_STEP * flow, context)
     sooner_0, sooner_1 = forces(y - FLOW_STEP * flow, context)
