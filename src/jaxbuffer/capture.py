@@ -29,7 +29,7 @@ from .metrics import (
 )
 from .outcome import Outcome, outcome_code
 
-DEFAULT_TOLERANCE = 1e-7
+DEFAULT_TOLERANCE = 1e-6
 DEFAULT_DURATION = 8.0  # s
 HISTORY_STEPS = 20_000
 
@@ -141,11 +141,12 @@ def _trim(capture: Capture) -> History:
     return trimmed(capture.history, min(int(capture.accepted), HISTORY_STEPS))
 
 
-def _array(value: Any) -> Array:
-    return jnp.asarray(value, float)
+def _array(value: Any) -> Array | np.ndarray:
+    """A number as an array; Python's numbers through NumPy, which is ten times quicker than through a device."""
+    return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 
-@eqx.filter_jit
+@jax.jit
 def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array, ""], options: Options) -> Capture:
     result = solve(CaptureMechanism, parameters, duration, options)
     mechanism = CaptureMechanism(*parameters)

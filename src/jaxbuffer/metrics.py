@@ -96,8 +96,6 @@ class Impacts(eqx.Module):
 
 def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
     """All impacts of a run."""
-    slots = log.kind.shape[0]
-    order = jnp.arange(slots)
     touch = log.kind == Kind.TOUCHDOWN
 
     def forces(row: Array, active: Array) -> Array:
@@ -108,18 +106,11 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
         return a.gap[flank], mechanism.memory(row)[flank]
 
     flank = log.which % FLANKS
-    force = jax.vmap(forces)(log.rows[:, 0], log.active)
     gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
     time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
-
-    later = order[None, :] > order[:, None]
-    same = log.which[None, :] == log.which[:, None]
-    next_touch = jnp.min(jnp.where(later & same & touch[None, :], order[None, :], slots), axis=1)
-    within = later & (order[None, :] < next_touch[:, None]) & (order < log.count)[None, :]
-    ends = within & same & (log.kind == Kind.RELEASE)[None, :]
-    highest = jnp.max(jnp.where(within[:, :, None], force[None], 0.0), axis=1)
-    peak = jnp.take_along_axis(highest, flank[:, None], axis=1)[:, 0]
-    release = jnp.min(jnp.where(ends, log.time[None, :], jnp.inf), axis=1)
+    top, release = _impact_ends(log)
+    highest = jax.vmap(lambda slot, flank: forces(log.rows[slot, 0], log.active[slot])[flank])(top, flank)
+    peak = jnp.maximum(highest, 0.0)
 
     picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]
@@ -128,9 +119,34 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
         flank=jnp.where(present, log.which[picked], -1),
         approach_speed=jnp.where(present, speed[picked], 0.0),
         peak_force=jnp.where(present, peak[picked], 0.0),
-        release_time=jnp.where(present, jnp.where(jnp.isfinite(release), release, jnp.nan)[picked], 0.0),
+        release_time=jnp.where(present, release[picked], 0.0),
         count=jnp.sum(touch),
     )
+
+
+def _impact_ends(log: Log) -> tuple[Int[Array, " slots"], Float[Array, " slots"]]:
+    """For the slot of each touchdown: the slot where that flank's force is largest until its next touchdown, and the
+    time of its release [s] (NaN where there is none). One pass over the entries in use."""
+    slots, flanks = log.kind.shape[0], jnp.arange(FLANKS)
+    force = log.values[:, :FLANKS]
+
+    def visit(carry: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        slot, under_way, top, release = carry
+        mine = flanks == log.which[slot]
+        under_way = jnp.where(mine & (log.kind[slot] == Kind.TOUCHDOWN), slot, under_way)
+        for flank in range(FLANKS):
+            touchdown = under_way[flank]
+            better = (touchdown < slots) & (force[slot, flank] > force[top[touchdown], flank])
+            top = top.at[touchdown].set(jnp.where(better, slot, top[touchdown]), mode="drop")
+            releases = mine[flank] & (log.kind[slot] == Kind.RELEASE)
+            release = release.at[touchdown].set(
+                jnp.where(releases, log.time[slot], release[touchdown]), mode="drop"
+            )
+        return slot + 1, under_way, top, release
+
+    begin = (jnp.asarray(0), jnp.full(FLANKS, slots), jnp.arange(slots), jnp.full(slots, jnp.nan))
+    _, _, top, release = jax.lax.while_loop(lambda carry: carry[0] < log.count, visit, begin)
+    return top, release
 
 
 def contact_time(log: Log) -> Float[Array, ""]:

@@ -21,7 +21,7 @@ from .events import Guards, first_crossing, signed
 from .landing import MAX_TRIES, Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
-from .solvers import LinearlyImplicit, Solver
+from .solvers import Automatic, Solver
 
 P = TypeVar("P")
 NEAR_BEST = 0.8
@@ -46,7 +46,7 @@ class Options(eqx.Module):
     history, 0 for none.
     """
 
-    solver: Solver = LinearlyImplicit()
+    solver: Solver = Automatic()
     tolerance: Tolerance = Tolerance()
     controller: Controller = Controller()
     event_time: Scalar = 1e-9

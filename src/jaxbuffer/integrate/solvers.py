@@ -141,6 +141,35 @@ class LinearlyImplicit(Solver):
         return Step(end, slope, step * jnp.sum(jnp.asarray(error)[:, None, None] * slopes, axis=0))
 
 
+class Automatic(Solver):
+    """Explicit where the step is short against the stiffest motion, linearly implicit where it is not.
+
+    **Arguments:** ``explicit``, ``implicit``: two solvers of one order; ``bound``: the largest product of step and
+    stiffness that is stepped explicitly.
+    """
+
+    explicit: ExplicitRungeKutta = ExplicitRungeKutta()
+    implicit: LinearlyImplicit = LinearlyImplicit()
+    bound: float = 3.0
+
+    @property
+    def order(self) -> int:
+        return self.explicit.order
+
+    def step(self, field, linearise, time, rows, rate, step):
+        part = linearise()
+        take = lambda solver: lambda: solver.step(field, lambda: part, time, rows, rate, step)  # noqa: E731
+        return lax.cond(step * _stiffness(part) <= self.bound, take(self.explicit), take(self.implicit))
+
+
+def _stiffness(part: Linearisation) -> Float[Array, ""]:
+    """An upper bound of the size of the linearisation's eigenvalues [1/s]: the traces of its stiffness and damping over
+    mass, which don't depend on units."""
+    mobility = jnp.sum(part.directions * part.response, axis=0)
+    stiffness, damping = (jnp.sum(mobility * jnp.diagonal(m)) for m in (part.stiffness, part.damping))
+    return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+
+
 def _shifted_solve(part: Linearisation, shift: Float[Array, ""]) -> Callable[[Rows], Rows]:
     """Solve (I - shift J) u = r for rows, J being the low-rank linearisation and q̇ = w."""
     n, velocities = part.coordinates, part.directions.shape[0]
