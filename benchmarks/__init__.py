@@ -1,1 +1,1 @@
-"""Speed and accuracy, measured: `python -m benchmarks` (or `make bench`)."""
+"""Speed at equal accuracy against peers, in one run on one machine: ``python -m benchmarks`` (docs/benchmarks.md)."""

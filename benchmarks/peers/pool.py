@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from multiprocessing.synchronize import Barrier
 
-from .parameters import Parameters
+from .parameters import Parameters, Vector
 from .solvers import PeerCapture, solve
 
 
@@ -27,16 +27,16 @@ class Sweep:
         return len(self.captures) / self.seconds
 
 
-def _run(parameters: Parameters, peer: str, rtol: float, atol: float) -> PeerCapture:
+def _run(parameters: Parameters, peer: str, rtol: float, atol: float | Vector) -> PeerCapture:
     return solve(peer, parameters, rtol, atol)
 
 
-def _warm(ready: Barrier, peer: str, parameters: Parameters, rtol: float, atol: float) -> None:
+def _warm(ready: Barrier, peer: str, parameters: Parameters, rtol: float, atol: float | Vector) -> None:
     solve(peer, parameters, rtol, atol)  # compiles everything a capture needs
     ready.wait()
 
 
-def sweep(peer: str, cases: Sequence[Parameters], rtol: float, atol: float, processes: int = 2) -> Sweep:
+def sweep(peer: str, cases: Sequence[Parameters], rtol: float, atol: float | Vector, processes: int = 2) -> Sweep:
     """Run all ``cases`` by ``peer``; starting the processes and compiling in them is not timed."""
     if not cases:
         raise ValueError("a sweep needs at least one case")

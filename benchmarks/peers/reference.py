@@ -6,7 +6,6 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-from .course import PeerCapture
 from .parameters import Parameters
 
 
@@ -22,14 +21,6 @@ class Reference:
     peak_time: float  # [s]
     impacts: int
     elasticity: dict[str, float]  # d ln peak_force / d ln p [-]
-
-    def errors(self, capture: PeerCapture) -> tuple[float, float]:
-        """Relative errors of peak force and end time [-]."""
-        return abs(capture.peak_force / self.peak_force - 1.0), abs(capture.end_time / self.end_time - 1.0)
-
-    def alike(self, capture: PeerCapture) -> bool:
-        """Whether the capture ends in the same way after as many impacts."""
-        return capture.outcome == self.outcome and capture.impacts == self.impacts
 
 
 def load(path: Path) -> list[Reference]:

@@ -100,7 +100,7 @@ def capture(
     method: type[OdeSolver],
     parameters: Parameters,
     rtol: float,
-    atol: float,
+    atol: float | Vector,
     implicit: bool = False,
     **options: float,
 ) -> PeerCapture:

@@ -50,7 +50,7 @@ def _drive(course: Course, solver: CVODE | IDA, restart: Callable[[float, Vector
     return course.report(t)
 
 
-def cvode(method: str, parameters: Parameters, rtol: float, atol: float, **options) -> PeerCapture:
+def cvode(method: str, parameters: Parameters, rtol: float, atol: float | Vector, **options) -> PeerCapture:
     """One capture by CVODE's ``method``, "Adams" or "BDF".
 
     scikit-sundae solves the step equations by Newton's method for either of them; the Jacobian is a compiled one.
@@ -73,7 +73,7 @@ def cvode(method: str, parameters: Parameters, rtol: float, atol: float, **optio
     return _drive(course, solver, solver.init_step)
 
 
-def ida(parameters: Parameters, rtol: float, atol: float, **options) -> PeerCapture:
+def ida(parameters: Parameters, rtol: float, atol: float | Vector, **options) -> PeerCapture:
     """One capture by IDA, on the differential-algebraic form with the multipliers as unknowns."""
     course = Course(parameters)
     context = course.context
@@ -88,8 +88,8 @@ def ida(parameters: Parameters, rtol: float, atol: float, **options) -> PeerCapt
         watch(z[:STATES], values, context)
 
     events.direction = [-1] * EVENTS
-    tolerances = np.full(UNKNOWNS, atol)
-    tolerances[STATES:] = UNTESTED
+    tolerances = np.full(UNKNOWNS, UNTESTED)
+    tolerances[:STATES] = atol
     settings = COMMON | {"rtol": rtol, "atol": tolerances, "jacfn": jacobian, "eventsfn": events} | options
     solver = IDA(residual, algebraic_idx=range(STATES, UNKNOWNS), **settings)
     return _drive(course, solver, lambda t, y: solver.init_step(t, *consistent(y, context)))

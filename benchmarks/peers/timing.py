@@ -1,50 +1,36 @@
-"""How long a peer takes, and how loosely it may be run: the figures to compare with."""
+"""How long a peer takes at which accuracy: its work-precision curves."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from functools import partial
 
-from .course import PeerCapture
-from .reference import Reference
-from .solvers import solve
+from ..accuracy import RTOLS, Numbers, Setting, errors, measured
+from .parameters import Parameters
+from .solvers import ABSOLUTE, solve, tolerances
 
-RTOLS = tuple(10.0 ** (-9 + k / 2) for k in range(13))  # tight to loose
-ATOL_PARTS = (1e-2, 1e-4)  # atol as a part of rtol: [m, rad, m/s, rad/s] of a motion of about 0.1 m and 0.1 m/s
+USELESS = 1e-2  # [-] a curve ends at the first setting whose error is larger
 
 
-@dataclass(frozen=True)
-class Setting:
-    """Tolerances, the errors they leave and the time they cost."""
-
-    rtol: float
-    atol: float
-    peak_error: float  # [-]
-    end_error: float  # [-]
-    seconds: float  # [s] warm, the best of several runs
-
-
-def best_of(repeats: int, run: Callable[[], PeerCapture]) -> tuple[PeerCapture, float]:
-    """The last result of ``run`` and the shortest of its times [s]: what others do on the machine only adds."""
-    shortest = float("inf")
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        result = run()
-        shortest = min(shortest, time.perf_counter() - begin)
-    return result, shortest
+def curve(
+    peer: str,
+    parameters: Parameters,
+    exact: Numbers,
+    parts: tuple[float, float],
+    repeats: int = 1,
+    rtols: Sequence[float] = RTOLS,
+) -> Iterator[Setting]:
+    """Settings of a ``peer`` from tight to loose, with atol as ``parts`` of rtol in positions and velocities."""
+    for rtol in rtols:
+        run = partial(solve, peer, parameters, rtol, tolerances(rtol, parts))
+        label = f"rtol {rtol:.0e}, atol {parts[0]:g} and {parts[1]:g} of it"
+        found = measured(peer, label, run, partial(errors, exact=exact), repeats)
+        yield found
+        if found.error > USELESS:
+            return
 
 
-def reliable(peer: str, reference: Reference, tolerance: float = 1e-4, repeats: int = 3) -> Iterator[Setting]:
-    """Settings at which, and at all tighter ones, peak force and end time are within ``tolerance`` of the reference.
-
-    A loose setting may hit the mark by luck; that the tighter ones do too is what makes it one to rely on.
-    """
-    for part in ATOL_PARTS:
-        for rtol in RTOLS:
-            atol = rtol * part
-            capture, seconds = best_of(repeats, lambda: solve(peer, reference.parameters, rtol, atol))  # noqa: B023
-            errors = reference.errors(capture)
-            if not reference.alike(capture) or max(errors) > tolerance:
-                break
-            yield Setting(rtol, atol, *errors, seconds)
+def curves(peer: str, parameters: Parameters, exact: Numbers, repeats: int = 1) -> list[list[Setting]]:
+    """A curve for each kind of absolute tolerance; the first run of the peer, which compiles, is not among them."""
+    solve(peer, parameters, 1e-5, 1e-7)
+    return [list(curve(peer, parameters, exact, parts, repeats)) for parts in ABSOLUTE]

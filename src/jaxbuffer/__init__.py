@@ -28,6 +28,8 @@ from .outcome import Outcome as Outcome
 from .runtime import configure as configure
 from .sensitivity import Sensitivity as Sensitivity
 from .sensitivity import sensitivity as sensitivity
+from .sweep import Sweep as Sweep
+from .sweep import sweep as sweep
 from .tune import Problem as Problem
 from .tune import Tuned as Tuned
 from .tune import Variable as Variable

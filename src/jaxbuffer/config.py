@@ -11,7 +11,7 @@ import tomli_w
 
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
-from .integrate import ExplicitRungeKutta, LinearlyImplicit, Solver
+from .integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Solver
 from .mechanisms import Design, Scenario, check_fit, get, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
 from .mechanisms.paths import check_path
@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=eqx.Module)
 
 SECTIONS = tuple(field.name for field in dataclasses.fields(Design))
-SOLVERS: Mapping[str, type[Solver]] = {"implicit": LinearlyImplicit, "explicit": ExplicitRungeKutta}
+SOLVERS: Mapping[str, type[Solver]] = {
+    "automatic": Automatic,
+    "implicit": LinearlyImplicit,
+    "explicit": ExplicitRungeKutta,
+}
 VARIABLES = {
     "buffer.k_A": (100.0, 2000.0),  # N/m
     "buffer.c_A": (1.0, 60.0),  # N s/m
@@ -38,7 +42,7 @@ class Options(Part):
     section = "options"
     duration: float = number(DEFAULT_DURATION, "s", **POSITIVE)
     rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2)
-    solver: str = choice("implicit", *SOLVERS)
+    solver: str = choice("automatic", *SOLVERS)
 
     def stepper(self) -> Solver:
         """The solver that ``solver`` names."""

@@ -10,10 +10,12 @@ from rich.console import Console
 from rich.table import Table
 
 from .mechanisms import Scenario, get, unit
+from .outcome import Outcome
 
 if TYPE_CHECKING:
     from .capture import Capture
     from .sensitivity import Sensitivity
+    from .sweep import Sweep
     from .tune import Tuned, Variable
 
 FLANKS = ("lower", "upper")
@@ -54,6 +56,21 @@ def summary(capture: "Capture") -> str:
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
     return "\n".join(lines)
+
+
+def sweep_summary(result: "Sweep") -> str:
+    """How many captures ended how, and the range of what they found."""
+    codes, counts = np.unique(result.code, return_counts=True)
+    ends = ", ".join(f"{count} {Outcome(int(code)).reason}" for code, count in zip(codes, counts, strict=True))
+    table = _table(f"Sweep of {len(result)} captures: {ends}")
+    for heading in ("quantity", "least", "median", "greatest"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for name, its_unit in UNITS.items():
+        values = getattr(result, name)
+        known = values[np.isfinite(values)]
+        figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
+        table.add_row(f"{name} [{its_unit}]", *figures)
+    return _text(table)
 
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:

@@ -1,0 +1,86 @@
+"""One Table-2 capture: work-precision curves of the product and its peers, and the quickest at equal accuracy."""
+
+from __future__ import annotations
+
+from . import ours
+from .accuracy import TARGET, Setting, cheapest, errors, race
+from .figures import Figure, Part, Plot, Ratio, milliseconds, precision_plot
+from .peers import octave
+from .peers.timing import curves
+from .plan import Plan
+
+BEST_PEER = 8.0  # [-] targets: times as fast as the quickest of SciPy's and SUNDIALS' solvers,
+OCTAVE = 1000.0  # as Octave's ode15s,
+EXPLICIT = 0.5  # and not half as slow as the explicit method
+OCTAVE_SETTINGS = ((1e-7, 1e-9), (1e-6, 1e-11))  # looser ones chatter for minutes
+
+
+def octave_figure(plan: Plan) -> Figure | str:
+    """Octave's quickest accurate solve [ms], or why there is none."""
+    found = []
+    for rtol, atol in plan.track(OCTAVE_SETTINGS, "Octave ode15s"):
+        try:
+            run = octave.capture(plan.table2.parameters, rtol, atol)
+        except octave.OctaveError as error:
+            return f"Octave ode15s failed: {error}"
+        if isinstance(run, str):
+            return f"Octave ode15s {run}"
+        off = errors(run.capture, plan.table2)
+        if max(off.values()) <= TARGET:
+            found.append(Figure("Octave ode15s", 1e3 * run.seconds, "ms", off, f"rtol {rtol:.0e}, atol {atol:.0e}"))
+    return min(found, key=lambda figure: figure.value, default="Octave ode15s: no setting was accurate enough")
+
+
+def own_curves(plan: Plan) -> dict[str, list[Setting]]:
+    """The product's curves by solver."""
+    from jaxbuffer import table2
+
+    names = ("default", "explicit") if plan.quick else tuple(ours.SOLVERS)
+    return {
+        name: ours.curve(name, table2(), plan.table2, plan.repeats)
+        for name in plan.track(names, "Table-2 capture, jaxbuffer")
+    }
+
+
+def plots(curves_of: list[list[Setting]]) -> tuple[Plot, ...]:
+    """Errors of peak force and end time over wall time."""
+    return tuple(
+        precision_plot(f"capture-{error}", f"One Table-2 capture, {name}", curves_of, error, TARGET)
+        for error, name in (("peak", "peak force"), ("end", "end time"))
+    )
+
+
+def measure(plan: Plan) -> Part:
+    """Run everybody."""
+    mine = own_curves(plan)
+    theirs = {
+        peer: curves(peer, plan.table2.parameters, plan.table2, plan.repeats if plan.quick else 2)
+        for peer in plan.track(plan.peers, "Table-2 capture, peers")
+    }
+    best = {name: cheapest([curve], TARGET) for name, curve in mine.items()}
+    best |= {peer: cheapest(of_peer, TARGET) for peer, of_peer in theirs.items()}
+    notes = [f"{name}: no setting within {TARGET:g} can be relied on" for name, found in best.items() if found is None]
+    names = [name for name, found in best.items() if found is not None]
+    timed = dict(zip(names, race([best[name] for name in names], plan.repeats), strict=True))
+    ratios = []
+    if "default" in timed:
+        own = milliseconds(timed["default"])
+        peers = sorted((timed[peer] for peer in theirs if peer in timed), key=lambda setting: setting.seconds)
+        for place, peer in enumerate(peers):
+            key, what = ("best-peer", "the best peer") if place == 0 else (peer.solver, peer.solver)
+            target = BEST_PEER if place == 0 else None
+            ratios.append(Ratio(f"capture/{key}", f"against {what}", own, milliseconds(peer), target))
+        for solver in ("implicit", "explicit"):
+            if solver in timed:
+                target = EXPLICIT if solver == "explicit" else None
+                figure = milliseconds(timed[solver])
+                ratios.append(Ratio(f"capture/{solver}", f"default against {solver}", own, figure, target))
+        if plan.octave:
+            figure = octave_figure(plan)
+            if isinstance(figure, str):
+                notes.append(figure)
+            else:
+                ratios.append(Ratio("capture/octave", "against Octave ode15s, the paper's form", own, figure, OCTAVE))
+    drawn = [*mine.values(), *(curve for of_peer in theirs.values() for curve in of_peer)]
+    title = f"One Table-2 capture, peak force and end time within {TARGET:g}"
+    return Part("capture", title, tuple(ratios), plots=plots(drawn), notes=tuple(notes))

@@ -1,0 +1,78 @@
+"""The product's side: what a user calls, timed with everything that call does. Import this before any JAX computation.
+
+The reference's names of inputs are translated here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+import numpy as np
+
+import jaxbuffer as jb
+
+jb.configure()
+
+import jax  # noqa: E402
+
+from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit, Solver  # noqa: E402
+from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
+
+from .accuracy import RTOLS as RTOLS  # noqa: E402
+from .accuracy import Result, Setting, errors, measured  # noqa: E402
+
+NAME = "jaxbuffer"
+SOLVERS: Mapping[str, Solver | None] = {
+    "default": None,
+    "implicit": LinearlyImplicit(),
+    "explicit": ExplicitRungeKutta(),
+}
+MAX_STEPS = 2_000_000  # attempts; an explicit method on a stiff problem needs more than a user would allow
+
+
+def result(capture: jb.Capture, place: int | tuple[()] = ()) -> Result:
+    """The numbers of a capture, or of number ``place`` of several."""
+    return Result(
+        outcome=jb.Outcome(int(np.asarray(capture.code)[place])).name,
+        impacts=int(np.asarray(capture.impact_count)[place]),
+        peak_force=float(np.asarray(capture.peak_force)[place]),
+        end_time=float(np.asarray(capture.end_time)[place]),
+    )
+
+
+def simulated(
+    solver: str, rtol: float, design: jb.Design, scenario: jb.Scenario | None = None, max_steps: int | None = None
+) -> Result:
+    """One capture, as a user calls it, from Python numbers to Python numbers."""
+    limits = {} if max_steps is None else {"max_steps": max_steps}
+    return result(jb.simulate(design, scenario, rtol=rtol, solver=SOLVERS[solver], **limits))
+
+
+def curve(solver: str, design: jb.Design, exact: Result, repeats: int, max_steps: int | None = None) -> list[Setting]:
+    """Work-precision curve of ``solver`` for one design in Table 2's scenario; what compiles is not timed."""
+    simulated(solver, RTOLS[-1], design, None, max_steps)
+    return [
+        measured(
+            f"{NAME}, {solver}",
+            f"rtol {rtol:.0e}",
+            partial(simulated, solver, rtol, design, None, max_steps),
+            partial(errors, exact=exact),
+            repeats,
+        )
+        for rtol in RTOLS
+    ]
+
+
+def elasticities(rtol: float) -> dict[str, float]:
+    """Table 2's d ln peak_force / d ln p [-] by the reference's names, with the capture they belong to."""
+    design = jb.table2()
+    values = np.array([float(jb.get(design, path)) for path in PARAMETERS])
+    linear = jax.block_until_ready(linearised(design, jb.Scenario(), PARAMETERS, values, rtol=rtol))
+    slopes = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
+    return {path.split(".")[-1]: float(slope) for path, slope in zip(PARAMETERS, slopes, strict=True)}
+
+
+def sweep(scenarios: jb.Scenario, rtol: float) -> jb.Capture:
+    """Table 2 in many ``scenarios``, whose leaves are arrays (n,)."""
+    return jax.block_until_ready(jb.sweep(jb.table2(), scenarios, rtol=rtol))

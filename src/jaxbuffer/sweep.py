@@ -1,0 +1,157 @@
+"""`sweep`: many captures, on all cores, in memory that does not grow with what a capture remembers.
+
+Captures are solved in small chunks, one after the other within a chunk so that none waits for the slowest, and chunks
+are handed to one thread a core: a compiled chunk runs outside Python.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ._types import Scalar
+from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, simulate
+from .errors import InputError
+from .integrate import Solver
+from .mechanisms import Design, Scenario, check_fit
+from .outcome import Outcome
+
+CHUNK = 16
+QUANTITIES = (
+    "code",
+    "peak_force",
+    "peak_time",
+    "peak_flank",
+    "peak_hinge_force",
+    "peak_buffer_force",
+    "stroke",
+    "hinge_angle",
+    "end_time",
+    "contact_time",
+    "impact_count",
+    "attempts",
+)
+INTEGERS = frozenset({"code", "peak_flank", "impact_count", "attempts"})
+
+
+class Sweep(NamedTuple):
+    """What a sweep found: an array of n entries a quantity, in the order asked; numbers of failed captures are NaN.
+
+    Names and units are those of `Capture`; ``code`` is the `Outcome`.
+    """
+
+    code: np.ndarray
+    peak_force: np.ndarray
+    peak_time: np.ndarray
+    peak_flank: np.ndarray
+    peak_hinge_force: np.ndarray
+    peak_buffer_force: np.ndarray
+    stroke: np.ndarray
+    hinge_angle: np.ndarray
+    end_time: np.ndarray
+    contact_time: np.ndarray
+    impact_count: np.ndarray
+    attempts: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.code)
+
+    @property
+    def outcomes(self) -> list[Outcome]:
+        """The outcome of each capture."""
+        return [Outcome(int(code)) for code in self.code]
+
+    def __repr__(self) -> str:
+        from .report import sweep_summary
+
+        return sweep_summary(self)
+
+
+def sweep(
+    design: Design,
+    scenarios: Scenario,
+    duration: Scalar = DEFAULT_DURATION,
+    *,
+    solver: Solver | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    stabilisation: float = 20.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sweep:
+    """Simulate many captures.
+
+    **Arguments:** ``design``, ``scenarios``: any of their numbers may be an array of shape (n,), one entry a capture;
+    ``duration`` [s], ``solver``, ``rtol``, ``stabilisation`` as for `simulate`; ``workers``: threads, by default one a
+    core (one on an accelerator, which gets large chunks); ``progress``: called with captures done and asked for.
+
+    **Returns:** a `Sweep`. A capture that fails says so in its ``code``; the others are not touched by it.
+
+    **Raises:** `InputError` for values out of range or arrays of unequal lengths.
+    """
+    check_fit(design, scenarios)
+    leaves, structure = jax.tree.flatten((design, scenarios, duration))
+    arrays = [np.asarray(leaf, float) for leaf in leaves]
+    count = _common_length(structure, arrays)
+    on_cpu = jax.default_backend() == "cpu"
+    chunk = min(CHUNK if on_cpu else 4096, count)
+    workers = (len(os.sched_getaffinity(0)) if on_cpu else 1) if workers is None else workers
+    if workers < 1:
+        raise InputError(f"workers = {workers}; it must be at least 1")
+    result = Sweep(*(np.empty(count, int if name in INTEGERS else float) for name in QUANTITIES))
+    options = (np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
+
+    def solve(first: int) -> int:
+        index = np.minimum(np.arange(first, first + chunk), count - 1)  # the last chunk is filled up with its last
+        batch = [np.broadcast_to(array, (count,))[index] for array in arrays]
+        found = _chunk(structure.unflatten(batch), *options)
+        size = min(chunk, count - first)
+        for mine, values in zip(result, found, strict=True):
+            mine[first : first + size] = np.asarray(values)[:size]
+        return size
+
+    done = 0
+    for size in _in_threads(solve, range(0, count, chunk), workers):
+        done += size
+        if progress is not None:
+            progress(done, count)
+    return result
+
+
+@eqx.filter_jit
+def _chunk(batch: tuple[Design, Scenario, Any], rtol: Any, stabilisation: Any, solver: Solver | None) -> tuple:
+    def one(design: Design, scenario: Scenario, duration: Any) -> tuple:
+        capture = simulate(design, scenario, duration, solver=solver, rtol=rtol, stabilisation=stabilisation)
+        return tuple(getattr(capture, name) for name in QUANTITIES)
+
+    return jax.vmap(one)(*batch)
+
+
+def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:
+    lengths = {array.shape for array in arrays if array.ndim}
+    if not lengths:
+        return 1
+    if len(lengths) > 1 or len(shape := lengths.pop()) != 1 or shape[0] == 0:
+        raise InputError("the arrays of a sweep must all have one shape (n,), n at least 1; found " + _shapes(arrays))
+    return int(shape[0])
+
+
+def _shapes(arrays: list[np.ndarray]) -> str:
+    return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
+
+
+def _in_threads(function: Callable[[int], int], items: range, workers: int) -> Iterator[int]:
+    """Results as they come, with few calls waiting: an interrupt then ends the sweep within a chunk."""
+    todo, running = iter(items), set[Future[int]]()
+    with ThreadPoolExecutor(workers) as pool:
+        for item in todo:
+            running.add(pool.submit(function, item))
+            if len(running) >= 2 * workers:
+                finished, running = wait(running, return_when=FIRST_COMPLETED)
+                yield from (future.result() for future in finished)
+        for future in running:
+            yield future.result()

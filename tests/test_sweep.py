@@ -1,0 +1,58 @@
+"""Sweeps: what they find, what they refuse, and that one capture leaves the others alone."""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from verification.cases import CASES, PATHS, WELDED
+
+
+def together(names):
+    """Reference captures as one design and one scenario with an array for every number that differs."""
+    cases = [CASES[name] for name in names]
+    values = {path: np.array([float(jb.get(c.design, path)) for c in cases]) for path in PATHS.values()}
+    fields = ("approach_speed", "contact_distance", "misalignment", "passive_rate")
+    scenario = jb.Scenario(**{f: np.array([float(getattr(c.scenario, f)) for c in cases]) for f in fields})
+    return jb.replace(jb.table2(), values), scenario, [c.values for c in cases]
+
+
+def test_all_reference_captures_at_once():
+    design, scenarios, expected = together(WELDED)
+    seen = []
+    found = jb.sweep(design, scenarios, progress=lambda done, count: seen.append((done, count)))
+    assert [outcome.name for outcome in found.outcomes] == [v["outcome"] for v in expected]
+    for name, tolerance in (("peak_force", 1e-4), ("stroke", 1e-4), ("end_time", 1e-3)):
+        np.testing.assert_allclose(getattr(found, name), [v[name] for v in expected], rtol=tolerance)
+    np.testing.assert_array_equal(found.impact_count, [v["impacts"] for v in expected])
+    assert seen[-1] == (len(WELDED), len(WELDED))
+    assert "captured" in repr(found) and "peak_force [N]" in repr(found)
+
+
+def test_a_capture_cut_short_leaves_the_others_alone():
+    duration = np.array([8.0, 1e-3])
+    found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=np.array([0.1, 0.1])), duration)
+    assert [outcome.name for outcome in found.outcomes] == ["captured", "timeout"]
+    np.testing.assert_allclose(found.peak_force, [253.13152694328107, 141.5785], rtol=1e-5)
+
+
+def test_one_capture():
+    found = jb.sweep(jb.table2(), jb.Scenario(), workers=1)
+    assert len(found) == 1
+    np.testing.assert_allclose(found.peak_force, 253.13152694328107, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "distances", "message"),
+    [
+        (np.full(3, 0.1), np.full(2, 0.04), r"one shape \(n,\).*\(2,\), \(3,\)"),
+        (np.full((2, 2), 0.1), 0.04, r"one shape \(n,\)"),
+    ],
+)
+def test_arrays_that_do_not_fit(speeds, distances, message):
+    with pytest.raises(jb.InputError, match=message):
+        jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds, contact_distance=distances))
+
+
+def test_no_workers():
+    with pytest.raises(jb.InputError, match="workers = 0"):
+        jb.sweep(jb.table2(), jb.Scenario(), workers=0)
