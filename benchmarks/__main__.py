@@ -1,117 +1,72 @@
-"""Wall times of one Table-2 capture, of value and gradient, and of their compilation; prints a table, writes JSON.
+"""One command for all benchmarks; see docs/benchmarks.md."""
 
-Best of several warm runs; compilation is what the first call takes over a warm one. Run it on an idle machine.
-"""
+from __future__ import annotations
 
 import argparse
-import json
+import importlib
+import os
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 
-import jaxbuffer as jb
-
-jb.configure()
-
-import diffrax  # noqa: E402
-import jax  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.progress import track  # noqa: E402
-from rich.table import Table  # noqa: E402
-
-from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit  # noqa: E402
-from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
-
-REFERENCE = {"peak_force": 253.13152694328107, "end_time": 0.7193424826485937}  # independent program, rtol 1e-10
-SOLVERS = {
-    "implicit KenCarp5 (default)": LinearlyImplicit(),
-    "implicit KenCarp4": LinearlyImplicit(diffrax.KenCarp4()),
-    "explicit Tsit5": ExplicitRungeKutta(),
-}
+PARTS = ("capture", "gradient", "sweep", "scaling", "stiff", "cold")
 
 
-def timed(call: Callable[[], object], repeats: int = 7) -> tuple[float, float]:
-    """Seconds of the first call over a warm one, and of the best warm one."""
-
-    def once() -> float:
-        begin = time.perf_counter()
-        jax.block_until_ready(call())
-        return time.perf_counter() - begin
-
-    first = once()
-    warm = min(once() for _ in range(repeats))
-    return first - warm, warm
-
-
-def capture_rows(rtol: float) -> list[dict]:
-    """One row a solver: the capture alone, in a process that has compiled nothing else of it."""
-    rows = []
-    for name, solver in track(list(SOLVERS.items()), f"captures at rtol {rtol:g}"):
-        compile_time, warm = timed(lambda solver=solver: jb.simulate(jb.table2(), rtol=rtol, solver=solver))
-        capture = jb.simulate(jb.table2(), rtol=rtol, solver=solver)
-        rows.append(
-            {
-                "what": f"capture, {name}",
-                "rtol": rtol,
-                "warm_ms": 1e3 * warm,
-                "compile_s": compile_time,
-                "steps": int(capture.attempts),
-                "peak_force_error": abs(float(capture.peak_force) / REFERENCE["peak_force"] - 1),
-                "end_time_error": abs(float(capture.end_time) / REFERENCE["end_time"] - 1),
-            }
-        )
-    return rows
+def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks",
+        description="Speed of jaxbuffer and its peers on the same model, machine and accuracy, in one run.",
+    )
+    parser.add_argument("--quick", action="store_true", help="two minutes: two peers, small sweeps, no Octave")
+    parser.add_argument(
+        "--only", type=lambda text: text.split(","), default=list(PARTS), metavar="PART,…", help=", ".join(PARTS)
+    )
+    parser.add_argument("--output", type=Path, default=Path("benchmarks/results"), metavar="FOLDER")
+    parser.add_argument("--octave", action=argparse.BooleanOptionalAction, help="default: in a full run")
+    parser.add_argument("--check-baseline", action="store_true", help="status 1 where a ratio fell by over 30 %%")
+    parser.add_argument("--store-baseline", action="store_true", help="make this run's ratios the baseline")
+    found = parser.parse_args(arguments)
+    if unknown := set(found.only) - set(PARTS):
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    return found
 
 
-def gradient_rows(rtol: float) -> list[dict]:
-    """Value and gradient in the five parameters, a row a solver."""
-    design = jb.table2()
-    values = [jb.get(design, path) for path in PARAMETERS]
-    rows = []
-    for name, solver in track(list(SOLVERS.items()), f"gradients at rtol {rtol:g}"):
-        call = lambda solver=solver: linearised(design, jb.Scenario(), PARAMETERS, values, rtol=rtol, solver=solver)  # noqa: E731
-        compile_time, warm = timed(call, 3)
-        rows.append(
-            {
-                "what": f"value and gradient, {name}",
-                "rtol": rtol,
-                "warm_ms": 1e3 * warm,
-                "compile_s": compile_time,
-                "steps": int(call().capture.attempts),
-            }
-        )
-    return rows
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the parts, write and print what they found; the exit status."""
+    options = parsed(arguments)
+    from rich.console import Console
 
+    from . import baseline, report
+    from .plan import Plan
 
-def show(rows: list[dict]) -> None:
-    """The table."""
-    table = Table(title="Table-2 capture")
-    for heading in ("what", "rtol", "warm [ms]", "compile [s]", "steps", "peak error", "end time error"):
-        table.add_column(heading, justify="left" if heading == "what" else "right")
-    for row in rows:
-        errors = [f"{row[key]:.1e}" if key in row else "" for key in ("peak_force_error", "end_time_error")]
-        table.add_row(
-            row["what"],
-            f"{row['rtol']:g}",
-            f"{row['warm_ms']:.2f}",
-            f"{row['compile_s']:.1f}",
-            str(row["steps"]),
-            *errors,
-        )
-    Console(width=130).print(table)
-
-
-def main() -> None:
-    """Measure, print, write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/times.json"), help="JSON file to write")
-    arguments = parser.parse_args()
-    rows = [row for rtol in (1e-6, 1e-7) for row in capture_rows(rtol)] + gradient_rows(1e-7)
-    show(rows)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    arguments.output.write_text(json.dumps(rows, indent=1))
-    print(f"wrote {arguments.output}")
+    mode = "quick" if options.quick else "full"
+    plan = Plan(options.quick, not options.quick if options.octave is None else options.octave)
+    begin = time.perf_counter()
+    parts = []
+    for name in (name for name in PARTS if name in options.only):
+        plan.console.rule(name)
+        parts.append(importlib.import_module(f"benchmarks.{name}").measure(plan))
+    seconds = time.perf_counter() - begin
+    out = Console(width=None if sys.stdout.isatty() else 160)
+    report.show(parts, out)
+    for file in report.write(parts, mode, seconds, options.output):
+        out.print(f"wrote {os.path.relpath(file)}", highlight=False)
+    now = baseline.ratios(parts)
+    if options.store_baseline:
+        baseline.store(mode, now)
+        out.print(f"stored {len(now)} ratios in {os.path.relpath(baseline.FILE)}", highlight=False)
+    if options.check_baseline:
+        before = baseline.load(mode)
+        lines = baseline.fallen(now, before)
+        for line in lines:
+            out.print(f"SLOWER {line}", highlight=False)
+        compared = len(before.keys() & now.keys())
+        out.print(f"{compared - len(lines)} of {compared} ratios are at their {mode} baseline", highlight=False)
+        return 1 if lines or not compared else 0
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -37,7 +37,7 @@ def own_curves(plan: Plan) -> dict[str, list[Setting]]:
 
     names = ("default", "explicit") if plan.quick else tuple(ours.SOLVERS)
     return {
-        name: ours.curve(name, table2(), plan.table2, plan.repeats)
+        name: list(ours.curve(name, table2(), plan.table2, plan.repeats))
         for name in plan.track(names, "Table-2 capture, jaxbuffer")
     }
 

@@ -5,7 +5,7 @@ The reference's names of inputs are translated here and nowhere else.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -20,7 +20,7 @@ from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit, Solver  # 
 from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
 
 from .accuracy import RTOLS as RTOLS  # noqa: E402
-from .accuracy import Result, Setting, errors, measured  # noqa: E402
+from .accuracy import Numbers, Result, Setting, errors, measured  # noqa: E402
 
 NAME = "jaxbuffer"
 SOLVERS: Mapping[str, Solver | None] = {
@@ -28,11 +28,10 @@ SOLVERS: Mapping[str, Solver | None] = {
     "implicit": LinearlyImplicit(),
     "explicit": ExplicitRungeKutta(),
 }
-MAX_STEPS = 2_000_000  # attempts; an explicit method on a stiff problem needs more than a user would allow
 
 
-def result(capture: jb.Capture, place: int | tuple[()] = ()) -> Result:
-    """The numbers of a capture, or of number ``place`` of several."""
+def result(capture: jb.Capture | jb.Sweep, place: int | tuple[()] = ()) -> Result:
+    """The numbers of a capture, or of number ``place`` of a sweep."""
     return Result(
         outcome=jb.Outcome(int(np.asarray(capture.code)[place])).name,
         impacts=int(np.asarray(capture.impact_count)[place]),
@@ -41,27 +40,19 @@ def result(capture: jb.Capture, place: int | tuple[()] = ()) -> Result:
     )
 
 
-def simulated(
-    solver: str, rtol: float, design: jb.Design, scenario: jb.Scenario | None = None, max_steps: int | None = None
-) -> Result:
+def simulated(solver: str, rtol: float, design: jb.Design, scenario: jb.Scenario | None = None) -> Result:
     """One capture, as a user calls it, from Python numbers to Python numbers."""
-    limits = {} if max_steps is None else {"max_steps": max_steps}
-    return result(jb.simulate(design, scenario, rtol=rtol, solver=SOLVERS[solver], **limits))
+    return result(jb.simulate(design, scenario, rtol=rtol, solver=SOLVERS[solver]))
 
 
-def curve(solver: str, design: jb.Design, exact: Result, repeats: int, max_steps: int | None = None) -> list[Setting]:
+def curve(
+    solver: str, design: jb.Design, exact: Numbers, repeats: int, rtols: Sequence[float] = RTOLS
+) -> Iterator[Setting]:
     """Work-precision curve of ``solver`` for one design in Table 2's scenario; what compiles is not timed."""
-    simulated(solver, RTOLS[-1], design, None, max_steps)
-    return [
-        measured(
-            f"{NAME}, {solver}",
-            f"rtol {rtol:.0e}",
-            partial(simulated, solver, rtol, design, None, max_steps),
-            partial(errors, exact=exact),
-            repeats,
-        )
-        for rtol in RTOLS
-    ]
+    simulated(solver, rtols[-1], design)
+    for rtol in rtols:
+        run = partial(simulated, solver, rtol, design)
+        yield measured(f"{NAME}, {solver}", f"rtol {rtol:.0e}", run, partial(errors, exact=exact), repeats)
 
 
 def elasticities(rtol: float) -> dict[str, float]:
@@ -73,6 +64,6 @@ def elasticities(rtol: float) -> dict[str, float]:
     return {path.split(".")[-1]: float(slope) for path, slope in zip(PARAMETERS, slopes, strict=True)}
 
 
-def sweep(scenarios: jb.Scenario, rtol: float) -> jb.Capture:
+def sweep(scenarios: jb.Scenario, rtol: float) -> jb.Sweep:
     """Table 2 in many ``scenarios``, whose leaves are arrays (n,)."""
-    return jax.block_until_ready(jb.sweep(jb.table2(), scenarios, rtol=rtol))
+    return jb.sweep(jb.table2(), scenarios, rtol=rtol)

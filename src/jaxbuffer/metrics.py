@@ -139,9 +139,7 @@ def _impact_ends(log: Log) -> tuple[Int[Array, " slots"], Float[Array, " slots"]
             better = (touchdown < slots) & (force[slot, flank] > force[top[touchdown], flank])
             top = top.at[touchdown].set(jnp.where(better, slot, top[touchdown]), mode="drop")
             releases = mine[flank] & (log.kind[slot] == Kind.RELEASE)
-            release = release.at[touchdown].set(
-                jnp.where(releases, log.time[slot], release[touchdown]), mode="drop"
-            )
+            release = release.at[touchdown].set(jnp.where(releases, log.time[slot], release[touchdown]), mode="drop")
         return slot + 1, under_way, top, release
 
     begin = (jnp.asarray(0), jnp.full(FLANKS, slots), jnp.arange(slots), jnp.full(slots, jnp.nan))

@@ -8,6 +8,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit
+from jaxbuffer.integrate.solvers import Stiff
 from jaxbuffer.mechanisms import CaptureMechanism
 
 SOLVERS = {
@@ -39,7 +40,10 @@ def free_flight(solver, steps):
         rows, rate = carry
         out = solver.step(
             field,
-            lambda: mechanism.linearisation(0.0, rows[0], open_contacts),
+            Stiff(
+                lambda: mechanism.linearisation(0.0, rows[0], open_contacts),
+                lambda: mechanism.fastest_rate(0.0, rows[0], open_contacts),
+            ),
             jnp.zeros(()),
             rows,
             rate,
@@ -80,3 +84,18 @@ def test_linearisation_holds_every_stiff_force(free_tip):
     for approximate, true in ((by_position, exact[rows, :12]), (by_velocity, exact[rows, w])):
         assert float(jnp.max(jnp.abs(true))) > 1e4
         assert float(jnp.max(jnp.abs(approximate - true))) < 2e-3 * float(jnp.max(jnp.abs(true)))
+
+
+@pytest.mark.parametrize("free_tip", [False, True])
+@pytest.mark.parametrize("stiff", [{}, {"buffer.c_A": 1e4}, {"buffer.k_A": 1e8}, {"contact.slip_speed": 1e-5}])
+def test_fastest_rate_bounds_the_eigenvalues(free_tip, stiff):
+    """It may overrate them (the joints hold the bodies, and the forces do not all act together), within a factor 6."""
+    design = jb.replace(jb.table2(), {"probe.free_tip": free_tip, **stiff})
+    mechanism = arrays(CaptureMechanism(design, jb.Scenario(), 0.0))
+    state, active = mechanism.start()
+    state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
+    moving = np.s_[: 24 + mechanism.spins]
+    exact = jax.jacfwd(lambda y: mechanism.derivative(0.0, y, active))(state)[moving, moving]
+    largest = float(np.max(np.abs(np.linalg.eigvals(np.asarray(exact)))))
+    assert largest > 1e4
+    assert 0.95 * largest < float(mechanism.fastest_rate(0.0, state, active)) < 6.0 * largest

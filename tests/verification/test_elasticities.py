@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from jaxbuffer import replace, simulate
+from jaxbuffer.capture import DEFAULT_TOLERANCE
 from jaxbuffer.mechanisms import get
 from verification.cases import CASES, PARAMETERS, PATHS
 
 pytestmark = pytest.mark.slow
 
 # Relative and absolute, of which the larger is allowed.
-AGREED = {1e-7: (1e-3, 1e-6), 1e-9: (1e-4, 1e-7)}
+AGREED = {DEFAULT_TOLERANCE: (1e-3, 1e-6), 1e-9: (1e-4, 1e-7)}
 each_case = pytest.mark.parametrize("name", CASES)
 each_tolerance = pytest.mark.parametrize("rtol", AGREED, ids=["default", "tight"])
 

@@ -19,7 +19,7 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 
 ConfigFile = Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")]
 Duration = Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")]
-Rtol = Annotated[float | None, typer.Option(metavar="TOL", help="Relative error allowed in a step; default 1e-6.")]
+Rtol = Annotated[float | None, typer.Option(metavar="TOL", help="Relative error allowed in a step; default 3e-7.")]
 Solver = Annotated[str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.")]
 OutputFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")]
@@ -50,7 +50,7 @@ def root(
       approach_speed = 0.2      # m/s
       [options]
       duration = 8.0            # s
-      rtol = 1e-6
+      rtol = 3e-7
       [tune]
       stroke_limit = 0.025      # m
       [tune.variables]

@@ -101,9 +101,7 @@ def first_crossing(
     return lax.cond(jnp.any(worth), search, lambda: none)
 
 
-def _first_crossing(
-    before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array
-) -> Crossing:
+def _first_crossing(before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array) -> Crossing:
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     z0, rate0 = signed(before, active)
     z1, rate1 = signed(after, active)

@@ -21,7 +21,7 @@ from .events import Guards, first_crossing, signed
 from .landing import MAX_TRIES, Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
-from .solvers import Automatic, Solver
+from .solvers import Automatic, Solver, Stiff
 
 P = TypeVar("P")
 NEAR_BEST = 0.8
@@ -105,7 +105,10 @@ def run(
         step = jnp.where(first, 0.0, step)
         trial = options.solver.step(
             _field(build, lanes, c.active),
-            lambda: system.linearisation(c.time, c.rows[0], c.active),
+            Stiff(
+                lambda: system.linearisation(c.time, c.rows[0], c.active),
+                lambda: system.fastest_rate(c.time, c.rows[0], c.active),
+            ),
             c.time,
             c.rows,
             c.rate,

@@ -32,7 +32,9 @@ def solve(
     **Returns:** a `Result` whose ``log.rows`` has one row, the state at each event. Its tangent is the state's
     derivative at the event's *fixed* time; an event's own time shifts by -guard/guard_rate (see `Log`).
     """
-    return _solve(parameters, build, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options))
+    return _solve(
+        parameters, build, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options)
+    )
 
 
 @eqx.filter_custom_jvp

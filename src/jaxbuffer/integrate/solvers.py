@@ -21,6 +21,13 @@ from .lanes import Rows
 Field = Callable[[Float[Array, ""], Rows], Rows]
 
 
+class Stiff(NamedTuple):
+    """What a solver may ask about stiffness at a step's start: see `HybridSystem`."""
+
+    linearisation: Callable[[], Linearisation]
+    rate: Callable[[], Float[Array, ""]]
+
+
 class Step(NamedTuple):
     """A trial step: state and derivative at its end, and the estimate of its local error."""
 
@@ -40,7 +47,7 @@ class Solver(eqx.Module):
     def step(
         self,
         field: Field,
-        linearise: Callable[[], Linearisation],
+        stiff: Stiff,
         time: Float[Array, ""],
         rows: Rows,
         rate: Rows,
@@ -72,7 +79,7 @@ class ExplicitRungeKutta(Solver):
     def order(self) -> int:
         return int(self.method.order(None))  # type: ignore[arg-type]
 
-    def step(self, field, linearise, time, rows, rate, step):
+    def step(self, field, stiff, time, rows, rate, step):
         tableau = self.method.tableau
         assert isinstance(tableau, diffrax.ButcherTableau)
         a, b, error = _square(tableau), np.asarray(tableau.b_sol), np.asarray(tableau.b_error)
@@ -111,7 +118,7 @@ class LinearlyImplicit(Solver):
     def order(self) -> int:
         return int(self.method.order(None))  # type: ignore[arg-type]
 
-    def step(self, field, linearise, time, rows, rate, step):
+    def step(self, field, stiff, time, rows, rate, step):
         explicit, implicit = self.method.tableau.tableaus  # type: ignore[attr-defined]
         a_explicit, a_implicit = _square(explicit), _square(implicit)
         b, error = np.asarray(implicit.b_sol), np.asarray(implicit.b_error)
@@ -121,7 +128,7 @@ class LinearlyImplicit(Solver):
         # One stage more, with the weights of the solution, finds the derivative at the step's end.
         pad = lambda matrix: np.block([[matrix, np.zeros((stages, 1))], [b[None], np.zeros((1, 1))]])  # noqa: E731
         weights = jnp.asarray(np.stack([pad(a_explicit), pad(lower)], axis=1))
-        solve = _shifted_solve(linearise(), step * gamma)
+        solve = _shifted_solve(stiff.linearisation(), step * gamma)
         # parts[0]: f - J (y - y_n), parts[1]: J (y - y_n), at each stage
         parts = jnp.zeros((2, stages + 1, *rows.shape)).at[0, 0].set(rate)
 
@@ -145,29 +152,20 @@ class Automatic(Solver):
     """Explicit where the step is short against the stiffest motion, linearly implicit where it is not.
 
     **Arguments:** ``explicit``, ``implicit``: two solvers of one order; ``bound``: the largest product of step and
-    stiffness that is stepped explicitly.
+    fastest rate that is stepped explicitly.
     """
 
     explicit: ExplicitRungeKutta = ExplicitRungeKutta()
     implicit: LinearlyImplicit = LinearlyImplicit()
-    bound: float = 3.0
+    bound: float = 4.0
 
     @property
     def order(self) -> int:
         return self.explicit.order
 
-    def step(self, field, linearise, time, rows, rate, step):
-        part = linearise()
-        take = lambda solver: lambda: solver.step(field, lambda: part, time, rows, rate, step)  # noqa: E731
-        return lax.cond(step * _stiffness(part) <= self.bound, take(self.explicit), take(self.implicit))
-
-
-def _stiffness(part: Linearisation) -> Float[Array, ""]:
-    """An upper bound of the size of the linearisation's eigenvalues [1/s]: the traces of its stiffness and damping over
-    mass, which don't depend on units."""
-    mobility = jnp.sum(part.directions * part.response, axis=0)
-    stiffness, damping = (jnp.sum(mobility * jnp.diagonal(m)) for m in (part.stiffness, part.damping))
-    return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+    def step(self, field, stiff, time, rows, rate, step):
+        take = lambda solver: lambda: solver.step(field, stiff, time, rows, rate, step)  # noqa: E731
+        return lax.cond(step * stiff.rate() <= self.bound, take(self.explicit), take(self.implicit))
 
 
 def _shifted_solve(part: Linearisation, shift: Float[Array, ""]) -> Callable[[Rows], Rows]:

@@ -26,7 +26,7 @@ from .assembly import (
 )
 from .design import Design, Scenario
 from .hybrid import HybridSystem, Linearisation
-from .stiffness import linearisation
+from .stiffness import fastest_rate, linearisation
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
@@ -268,3 +268,8 @@ class CaptureMechanism(HybridSystem):
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
     ) -> Linearisation:
         return linearisation(self, state, active)
+
+    def fastest_rate(
+        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
+    ) -> Float[Array, ""]:
+        return fastest_rate(self, state, active)

@@ -68,3 +68,7 @@ class HybridSystem(eqx.Module):
     def linearisation(self, time: Float[Array, ""], state: State, active: Active) -> Linearisation:
         """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
         raise NotImplementedError
+
+    def fastest_rate(self, time: Float[Array, ""], state: State, active: Active) -> Float[Array, ""]:
+        """About the size of the Jacobian's largest eigenvalue [1/s], for the choice between solvers; cheap."""
+        raise NotImplementedError

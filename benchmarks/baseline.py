@@ -1,0 +1,38 @@
+"""A stored baseline of ratios: a slowdown shows as a fallen ratio to a peer of the same run, whatever the machine."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from .figures import Part
+
+FILE = Path(__file__).with_name("baseline.json")
+ALLOWED = 0.3  # [-] part of a ratio that may be lost: quick runs on a shared machine scatter by half of that
+
+
+def ratios(parts: Iterable[Part]) -> dict[str, float]:
+    """All ratios [-] of a run by key."""
+    return {ratio.key: ratio.value for part in parts for ratio in part.ratios}
+
+
+def fallen(now: Mapping[str, float], before: Mapping[str, float], allowed: float = ALLOWED) -> list[str]:
+    """A line for each ratio below its baseline by more than ``allowed`` of it; what either lacks is passed over."""
+    return [
+        f"{key}: {now[key]:.2f}, baseline {before[key]:.2f}"
+        for key in before
+        if key in now and now[key] < (1.0 - allowed) * before[key]
+    ]
+
+
+def load(mode: str, file: Path = FILE) -> dict[str, float]:
+    """The baseline of ``mode``, "quick" or "full"; empty where there is none."""
+    return json.loads(file.read_text()).get(mode, {}) if file.exists() else {}
+
+
+def store(mode: str, now: Mapping[str, float], file: Path = FILE) -> None:
+    """Put the ratios in place of their baselines; others stay."""
+    kept = json.loads(file.read_text()) if file.exists() else {}
+    merged = {**kept.get(mode, {}), **{key: float(f"{value:.3g}") for key, value in now.items()}}
+    file.write_text(json.dumps({**kept, mode: merged}, indent=1, sort_keys=True) + "\n")

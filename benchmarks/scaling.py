@@ -1,0 +1,54 @@
+"""Time and memory of sweeps from one capture to ten thousand, each in a process of its own."""
+
+from __future__ import annotations
+
+from . import fresh
+from .figures import Check, Curve, Figure, Part, Plot, Ratio
+from .plan import Plan
+from .sweep import MEMORY, chosen
+
+COUNTS = (1, 10, 100, 1000, 10_000)
+POOLED = 1000  # captures; a pool's time grows in proportion beyond
+
+
+def measure(plan: Plan) -> Part:
+    """The product and the pool of the best peer, at the settings of the sweep."""
+    pick = chosen(plan)
+    counts = COUNTS[:3] if plan.quick else COUNTS
+    mine, theirs = {}, {}
+    for count in plan.track(counts, "scaling"):
+        mine[count] = fresh.measured("sweep", captures=count, **pick.own.choice)
+        if count <= POOLED:
+            theirs[count] = fresh.measured("pool", captures=count, **pick.theirs.choice)
+    sides = (("jaxbuffer, sweep", mine), (f"{pick.theirs.solver}, 2 processes", theirs))
+    ratios = tuple(
+        Ratio(
+            f"scaling/{count}",
+            f"{count} captures",
+            *(
+                Figure(label, 1e3 * found[count]["seconds"], "ms", setting.errors, setting.tolerances)
+                for (label, found), setting in zip(sides, (pick.own, pick.theirs), strict=True)
+            ),
+        )
+        for count in theirs
+    )
+    plots = tuple(
+        Plot(
+            f"scaling-{quantity}",
+            f"Sweeps of Table 2: {quantity}",
+            "captures",
+            f"{quantity} [{unit}]",
+            tuple(
+                Curve(label, tuple(map(float, found)), tuple(one[name] for one in found.values()))
+                for label, found in sides
+            ),
+            line,
+        )
+        for quantity, name, unit, line in (("time", "seconds", "s", None), ("peak memory", "mebibytes", "MiB", MEMORY))
+    )
+    checks = tuple(
+        Check(f"peak memory of {count} captures", Figure("jaxbuffer", found["mebibytes"], "MiB"), MEMORY)
+        for count, found in mine.items()
+    )
+    rates = ", ".join(f"{count}: {count / found['seconds']:.0f}/s" for count, found in mine.items())
+    return Part("scaling", "Time and memory over the number of captures", ratios, checks, plots, (f"rates: {rates}",))
