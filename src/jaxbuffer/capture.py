@@ -141,7 +141,7 @@ def _trim(capture: Capture) -> History:
     return trimmed(capture.history, min(int(capture.accepted), HISTORY_STEPS))
 
 
-def _array(value: Any) -> Array | np.ndarray:
+def _array(value: Any) -> Any:
     """A number as an array; Python's numbers through NumPy, which is ten times quicker than through a device."""
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 

@@ -107,7 +107,7 @@ def sweep(
     def solve(first: int) -> int:
         index = np.minimum(np.arange(first, first + chunk), count - 1)  # the last chunk is filled up with its last
         batch = [np.broadcast_to(array, (count,))[index] for array in arrays]
-        found = _chunk(structure.unflatten(batch), *options)
+        found = _chunk(jax.tree.unflatten(structure, batch), *options)
         size = min(chunk, count - first)
         for mine, values in zip(result, found, strict=True):
             mine[first : first + size] = np.asarray(values)[:size]

@@ -17,8 +17,8 @@ def ldl_solve(
     Only the lower half of ``matrix`` is read.
     """
     n = len(rhs)
-    lower: list[list[Array]] = [[] for _ in range(n)]
-    pivot: list[Array] = []
+    lower: list[list[Scalar]] = [[] for _ in range(n)]
+    pivot: list[Scalar] = []
     for i in range(n):
         for j in range(i):
             entry = matrix[i][j]
