@@ -168,7 +168,4 @@ def show(parts: Sequence[Part], console: Console) -> None:
 
 
 def _short(*figures: Figure) -> list[str]:
-    return [
-        f"{number(figure.value, figure.unit)}" + (f", {accuracy(figure)}" if figure.errors else "")
-        for figure in figures
-    ]
+    return [", ".join(filter(None, (number(figure.value, figure.unit), accuracy(figure)))) for figure in figures]

@@ -111,13 +111,8 @@ def measure(plan: Plan) -> Part:
         else:
             theirs = fresh.measured("pool", peer=pick.peer, captures=peers_count, rtol=pick.peer_rtol, parts=pick.parts)
     own = Figure("jaxbuffer, sweep", count / mine["seconds"], "1/s", pick.own.errors, pick.own.tolerances)
-    peer = Figure(
-        f"{pick.theirs.solver}, 2 processes",
-        peers_count / theirs["seconds"],
-        "1/s",
-        pick.theirs.errors,
-        pick.theirs.tolerances,
-    )
+    pool = f"{pick.theirs.solver}, 2 processes"
+    peer = Figure(pool, peers_count / theirs["seconds"], "1/s", pick.theirs.errors, pick.theirs.tolerances)
     ratio = Ratio("sweep/pool", "rate against a two-process pool of the best peer", own, peer, TIMES)
     checks = (
         Check(f"rate of {count} captures", own, RATE, at_least=True),

@@ -31,7 +31,7 @@ def test_between_quadrants(quadrant):
 
 def test_derivatives():
     angle = jnp.linspace(-4.0, 4.0, 9)
-    (cos, sin), (d_cos, d_sin) = jax.jvp(cos_sin, (angle,), (jnp.ones(9),))
+    _, (d_cos, d_sin) = jax.jvp(cos_sin, (angle,), (jnp.ones(9),))
     np.testing.assert_allclose(d_cos, -np.sin(angle), atol=1e-15)
     np.testing.assert_allclose(d_sin, np.cos(angle), atol=1e-15)
 
