@@ -109,7 +109,7 @@ def measure(plan: Plan) -> Part:
         if side == "product":
             mine = fresh.measured("sweep", captures=count, **pick.own.choice)
         else:
-            theirs = fresh.measured("pool", peer=pick.peer, captures=peers_count, rtol=pick.peer_rtol, parts=pick.parts)
+            theirs = fresh.measured("pool", captures=peers_count, **pick.theirs.choice)
     own = Figure("jaxbuffer, sweep", count / mine["seconds"], "1/s", pick.own.errors, pick.own.tolerances)
     pool = f"{pick.theirs.solver}, 2 processes"
     peer = Figure(pool, peers_count / theirs["seconds"], "1/s", pick.theirs.errors, pick.theirs.tolerances)
