@@ -118,7 +118,7 @@ def simulate(
         )
     options = Options(
         tolerance=Tolerance(_array(rtol), _array(atol)),
-        event_time=0.1 * _array(rtol),
+        event_time=1e-3 * _array(rtol),
         max_steps=max_steps,
         max_events=max_events,
         keep=HISTORY_STEPS if history else 0,

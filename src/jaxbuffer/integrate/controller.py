@@ -37,10 +37,9 @@ class Controller(eqx.Module):
     proportional: float = 0.3
     integral: float = 0.4
 
-    def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: int) -> Float[Array, ""]:
+    def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: Float[Array, ""]) -> Float[Array, ""]:
         """Ratio of the next step to this one. After a rejection (norm > 1) only the present error counts."""
         norm = jnp.maximum(norm, 1e-10)
-        k = float(order)
-        steady = norm ** (-(self.integral + self.proportional) / k) * previous ** (self.proportional / k)
-        factor = self.safety * jnp.where(norm > 1.0, norm ** (-1.0 / k), steady)
+        steady = norm ** (-(self.integral + self.proportional) / order) * previous ** (self.proportional / order)
+        factor = self.safety * jnp.where(norm > 1.0, norm ** (-1.0 / order), steady)
         return jnp.clip(factor, self.shrink, self.grow)

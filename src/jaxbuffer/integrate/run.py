@@ -21,10 +21,11 @@ from .events import Guards, first_crossing, signed
 from .landing import MAX_TRIES, Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
-from .solvers import Automatic, Solver, Stiff
+from .solvers import Automatic, Solver, Step, Stiff, Stride
 
 P = TypeVar("P")
 NEAR_BEST = 0.8
+RESOLVED = 2.0  # largest product of step and rate of decay in which observables of the rate are smooth
 
 
 class Status(enum.IntEnum):
@@ -72,6 +73,7 @@ class _Progress(NamedTuple):
     active: Float[Array, " contacts"]
     guards: Guards
     best: Float[Array, " observables"]
+    touched: Float[Array, ""]
     step: Float[Array, ""]
     previous_norm: Float[Array, ""]
     landing: Landing
@@ -97,30 +99,30 @@ def run(
     begin = _begin(system, start, active, duration, options)
     contacts, observables = active.shape[0], begin.best.shape[0]
     rated = contacts + begin.guards.terminal.shape[0]
+    of_rate = jnp.asarray(system.rate_observables())
     each_contact, each_observable = jnp.arange(contacts), jnp.arange(observables)
 
     def body(c: _Progress) -> _Progress:
         landing, first = c.landing.under_way, c.attempts == 0
-        step = jnp.where(landing, c.landing.aim, jnp.minimum(c.step, duration - c.time))
-        step = jnp.where(first, 0.0, step)
-        trial = options.solver.step(
-            _field(build, lanes, c.active),
-            Stiff(
-                lambda: system.linearisation(c.time, c.rows[0], c.active),
-                lambda: system.fastest_rate(c.time, c.rows[0], c.active),
-            ),
-            c.time,
-            c.rows,
-            c.rate,
-            step,
+        stiff = Stiff(
+            lambda: system.linearisation(c.time, c.rows[0], c.active),
+            lambda: system.fastest_rates(c.time, c.rows[0], c.active),
         )
-        norm = options.tolerance.norm(trial.error, c.rows, trial.rows, scales)
+        step = options.solver.allowed(stiff, jnp.minimum(c.step, duration - c.time))
+        step = jnp.where(first, 0.0, jnp.where(landing, c.landing.aim, step))
+        releasing = landing & jnp.any((each_contact == c.landing.target) & (c.active > 0.5))
+        stride = _where(releasing, Stride.onto(step), Stride.after(jnp.maximum(c.time - c.touched, 0.0), step))
+        field = lambda time, rows: system.derivative(time, rows[0], c.active)[None]  # noqa: E731
+        trial = options.solver.step(field, stiff, c.time, c.rows[:1], c.rate[:1], stride)
+        norm = options.tolerance.norm(trial.error, c.rows[:1], trial.rows, scales)
         finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
         fits = landing | (norm <= 1.0)
         after = _observe(system, c.time + step, trial.rows[0], trial.rate[0], c.active, c.best)
 
         # A step that holds an event is taken again, shortened until it ends on the event.
-        crossing = first_crossing(c.guards, after, step, c.active, c.best, c.landing.target)
+        # What depends on the rate is noise where a step jumps over the fastest decay: no maximum is sought there.
+        sought = ~of_rate | (stride.length * stiff.rates().decay <= RESOLVED)
+        crossing = first_crossing(c.guards, after, step, c.active, jnp.where(sought, c.best, jnp.inf), c.landing.target)
         guard, guard_rate = signed(after, c.active)
         verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
         # On arrival another event may turn out to lie a little before: then land on that one first.
@@ -131,8 +133,19 @@ def run(
         going = _where(landing & ~verdict.settled, verdict.next, Landing.none())
         next_landing = _where(starts, Landing.begin(crossing, signed(c.guards, c.active)[0], guard, tries), going)
 
+        # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
+        # refuse it.
+        dropped = jnp.asarray(False)
+        if lanes.count:
+            whole = lambda: options.solver.step(_field(build, lanes, c.active), stiff, c.time, c.rows, c.rate, stride)  # noqa: E731
+            trial = lax.cond(accept, whole, lambda: Step(c.rows, c.rate, jnp.zeros_like(c.rows), trial.order))
+            norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.rows, trial.rows, scales))
+            dropped = accept & ~(norm <= 1.0)
+            accept, fits = accept & ~dropped, fits & ~dropped
+            next_landing = _where(dropped, Landing.none(), next_landing)
+
         # What the event is, and what it does.
-        target = jnp.where(landing & verdict.happened & ~starts, c.landing.target, -1)
+        target = jnp.where(landing & verdict.happened & accept, c.landing.target, -1)
         is_contact = (target >= 0) & (target < contacts)
         is_terminal = (target >= contacts) & (target < rated)
         is_peak = target >= rated
@@ -168,15 +181,13 @@ def run(
         fresh = closing & (each_observable == target)
         best = jnp.where(fresh, 0.0, jnp.maximum(c.best, after.value))
 
-        factor = options.controller.factor(norm, c.previous_norm, options.solver.order)
+        factor = options.controller.factor(norm, c.previous_norm, trial.order)
         resized = jnp.where(finite, step * factor, 0.1 * step)
-        # A step cut short by the end of the run says nothing against a longer one.
-        resized = jnp.where(fits & (step < c.step), jnp.maximum(resized, c.step), resized)
-        resized = jnp.where(landing | starts | first, c.step, resized)
+        resized = jnp.where((landing | starts | first) & ~dropped, c.step, resized)
         resized = jnp.where(closing & accept, system.impact_step(rows[0]), resized)
 
         attempts = c.attempts + 1
-        stuck = ~accept & ~landing & ~starts & (first | (resized < 1e-14))
+        stuck = ~accept & (~landing | dropped) & ~starts & (first | (resized < 1e-14))
         status = jnp.where(
             accept & is_terminal, target - contacts, jnp.where(timed_out, Status.TIMEOUT, Status.RUNNING)
         )
@@ -195,6 +206,7 @@ def run(
             active=jnp.where(accept, active, c.active),
             guards=_where(accept, after._replace(slope=slope), c.guards),
             best=jnp.where(accept, best, c.best),
+            touched=jnp.where(accept & closing, time + offset, c.touched),
             step=resized,
             previous_norm=jnp.where(accept & ~landing & ~first, jnp.maximum(norm, 1e-4), c.previous_norm),
             landing=next_landing,
@@ -237,6 +249,7 @@ def _begin(
         active=active,
         guards=guards,
         best=guards.value,
+        touched=zero,
         step=jnp.minimum(system.impact_step(start[0]), duration),
         previous_norm=one,
         landing=Landing.none(),

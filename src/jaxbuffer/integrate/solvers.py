@@ -14,8 +14,9 @@ import numpy as np
 from jax import lax
 from jaxtyping import Array, Float
 
-from ..mechanisms.hybrid import Linearisation
+from ..mechanisms.hybrid import Linearisation, Rates
 from ..multibody import inverse
+from .dop853 import DOP853
 from .lanes import Rows
 
 Field = Callable[[Float[Array, ""], Rows], Rows]
@@ -25,24 +26,60 @@ class Stiff(NamedTuple):
     """What a solver may ask about stiffness at a step's start: see `HybridSystem`."""
 
     linearisation: Callable[[], Linearisation]
-    rate: Callable[[], Float[Array, ""]]
+    rates: Callable[[], Rates]
+
+
+class Stride(NamedTuple):
+    """A step's length [s] and how time passes in it: start·x + growth·x²/2 at the fraction x of the way.
+
+    Just after a touchdown and just before a release the force goes with the 3/2 power of time, and its sensitivity with
+    the square root: in the square root of the time from the event both are smooth, and a method keeps its order.
+    """
+
+    start: Float[Array, ""]
+    growth: Float[Array, ""]
+
+    @staticmethod
+    def after(elapsed: Float[Array, ""], length: Float[Array, ""]) -> "Stride":
+        """A step that starts ``elapsed`` [s] after a touchdown: even in the root of the time from there."""
+        before, after = jnp.sqrt(elapsed), jnp.sqrt(elapsed + length)
+        root = length / jnp.maximum(before + after, 1e-150)
+        return Stride(2.0 * before * root, 2.0 * root * root)
+
+    @staticmethod
+    def onto(length: Float[Array, ""]) -> "Stride":
+        """A step that ends on a release."""
+        return Stride(2.0 * length, -2.0 * length)
+
+    @property
+    def length(self) -> Float[Array, ""]:
+        """The whole step [s]."""
+        return self.start + 0.5 * self.growth
+
+    def pace(self, x: np.ndarray) -> Float[Array, " nodes"]:
+        """Time per fraction of the way [s]."""
+        return self.start + self.growth * x
+
+    def passed(self, x: np.ndarray) -> Float[Array, " nodes"]:
+        """Time since the step's start [s]."""
+        return (self.start + 0.5 * self.growth * x) * x
 
 
 class Step(NamedTuple):
-    """A trial step: state and derivative at its end, and the estimate of its local error."""
+    """A trial step: state and derivative at its end, the estimate of its local error and that estimate's order."""
 
     rows: Rows
     rate: Rows
     error: Rows
+    order: Float[Array, ""]
 
 
 class Solver(eqx.Module):
     """Base of the steppers."""
 
-    @property
-    def order(self) -> int:
-        """Order of the local error estimate, which steers the step size."""
-        raise NotImplementedError
+    def allowed(self, stiff: Stiff, step: Float[Array, ""]) -> Float[Array, ""]:
+        """The length [s] to try where accuracy would allow ``step``."""
+        return step
 
     def step(
         self,
@@ -51,9 +88,9 @@ class Solver(eqx.Module):
         time: Float[Array, ""],
         rows: Rows,
         rate: Rows,
-        step: Float[Array, ""],
+        step: Stride,
     ) -> Step:
-        """Advance ``rows`` from ``time`` by ``step`` [s]; ``rate`` is the field there."""
+        """Advance ``rows`` from ``time`` by ``step``; ``rate`` is the field there."""
         raise NotImplementedError
 
 
@@ -70,10 +107,10 @@ def _square(tableau: diffrax.ButcherTableau) -> np.ndarray:
 class ExplicitRungeKutta(Solver):
     """Any explicit method of diffrax, stepped without its general machinery.
 
-    **Arguments:** ``method``: an instance such as ``diffrax.Tsit5()``.
+    **Arguments:** ``method``: an instance such as ``DOP853()`` or ``diffrax.Tsit5()``.
     """
 
-    method: diffrax.AbstractERK = eqx.field(static=True, default_factory=diffrax.Tsit5)
+    method: diffrax.AbstractERK = eqx.field(static=True, default_factory=DOP853)
 
     @property
     def order(self) -> int:
@@ -82,23 +119,30 @@ class ExplicitRungeKutta(Solver):
     def step(self, field, stiff, time, rows, rate, step):
         tableau = self.method.tableau
         assert isinstance(tableau, diffrax.ButcherTableau)
-        a, b, error = _square(tableau), np.asarray(tableau.b_sol), np.asarray(tableau.b_error)
+        a, b = _square(tableau), np.asarray(tableau.b_sol)
+        errors = np.stack([getattr(self.method, "second_error", tableau.b_error), tableau.b_error])
         if not np.allclose(a[-1], b):  # not first-same-as-last: the end is one more stage
             a = np.block([[a, np.zeros((len(b), 1))], [b[None], np.zeros((1, 1))]])
-            error = np.append(error, 0.0)
+            errors = np.pad(errors, ((0, 0), (0, 1)))
         stages = len(a)
-        weights, times = jnp.asarray(a), jnp.asarray(a.sum(axis=1))
+        nodes = a.sum(axis=1)
+        pace, times = step.pace(nodes), time + step.passed(nodes)
+        weights = jnp.asarray(a) * pace
         slopes = jnp.zeros((stages, *rows.shape)).at[0].set(rate)
 
         def stage(i, slopes_and_rows):
             slopes, _ = slopes_and_rows
             weight = lax.dynamic_index_in_dim(weights, i, keepdims=False)
-            here = rows + step * jnp.sum(weight[:, None, None] * slopes, axis=0)
-            slope = field(time + times[i] * step, here)
+            here = rows + jnp.sum(weight[:, None, None] * slopes, axis=0)
+            slope = field(times[i], here)
             return lax.dynamic_update_index_in_dim(slopes, slope, i, 0), here
 
         slopes, end = lax.fori_loop(1, stages, stage, (slopes, rows))
-        return Step(end, slopes[-1], step * jnp.sum(jnp.asarray(error)[:, None, None] * slopes, axis=0))
+        error = jnp.sum((errors[-1] * pace)[:, None, None] * slopes, axis=0)
+        if hasattr(self.method, "second_error"):
+            second = jnp.sum((errors[0] * pace)[:, None, None] * slopes, axis=0)
+            error = error**2 / jnp.sqrt(error**2 + 0.01 * second**2 + 1e-300)
+        return Step(end, slopes[-1], error, jnp.asarray(float(self.order)))
 
 
 class LinearlyImplicit(Solver):
@@ -128,44 +172,59 @@ class LinearlyImplicit(Solver):
         # One stage more, with the weights of the solution, finds the derivative at the step's end.
         pad = lambda matrix: np.block([[matrix, np.zeros((stages, 1))], [b[None], np.zeros((1, 1))]])  # noqa: E731
         weights = jnp.asarray(np.stack([pad(a_explicit), pad(lower)], axis=1))
-        solve = _shifted_solve(stiff.linearisation(), step * gamma)
-        # parts[0]: f - J (y - y_n), parts[1]: J (y - y_n), at each stage
-        parts = jnp.zeros((2, stages + 1, *rows.shape)).at[0, 0].set(rate)
+        pace, times = step.pace(times), time + step.passed(times)
+        shift = gamma * step.length
+        solve = _shifted_solve(stiff.linearisation(), shift)
+        # parts[0]: f - J (y - y_n), parts[1]: J (y - y_n), at each stage, times the step
+        parts = jnp.zeros((2, stages + 1, *rows.shape)).at[0, 0].set(pace[0] * rate)
 
         def stage(i, carry):
             parts, _, _ = carry
             weight = lax.dynamic_index_in_dim(weights, i, keepdims=False)
-            known = step * jnp.sum(weight[:, :, None, None] * parts, axis=(0, 1))
+            known = jnp.sum(weight[:, :, None, None] * parts, axis=(0, 1))
             moved = jnp.where(i == stages, known, solve(known))
-            stiff = (moved - known) / jnp.where(step == 0.0, 1.0, step * gamma)
+            stiff = (moved - known) / gamma
             here = rows + moved
-            slope = field(time + jnp.asarray(times)[i] * step, here)
-            new = jnp.stack([slope - stiff, stiff])[:, None]
+            slope = field(times[i], here)
+            new = jnp.stack([pace[i] * slope - stiff, stiff])[:, None]
             return lax.dynamic_update_slice_in_dim(parts, new, i, 1), here, slope
 
         parts, end, slope = lax.fori_loop(1, stages + 1, stage, (parts, rows, rate))
         slopes = jnp.sum(parts, axis=0)[:stages]
-        return Step(end, slope, step * jnp.sum(jnp.asarray(error)[:, None, None] * slopes, axis=0))
+        error_now = jnp.sum(jnp.asarray(error)[:, None, None] * slopes, axis=0)
+        return Step(end, slope, error_now, jnp.asarray(float(self.order)))
 
 
 class Automatic(Solver):
-    """Explicit where the step is short against the stiffest motion, linearly implicit where it is not.
+    """Explicit where steps are short against the fastest motion, linearly implicit where they want to be longer.
 
-    **Arguments:** ``explicit``, ``implicit``: two solvers of one order; ``bound``: the largest product of step and
-    fastest rate that is stepped explicitly.
+    Ringing is followed far more exactly by the explicit method, so an implicit step must gain more there; the rate of
+    ringing is overrated, that of decay is not, hence their bounds lie above and below the explicit method's stability.
+
+    **Arguments:** ``explicit``, ``implicit``: the two solvers; ``ringing``, ``decay``: the largest product of step and
+    rate that is stepped explicitly, and how many such steps an implicit one must replace to be preferred.
     """
 
     explicit: ExplicitRungeKutta = ExplicitRungeKutta()
     implicit: LinearlyImplicit = LinearlyImplicit()
-    bound: float = 4.0
+    ringing: tuple[float, float] = (8.0, 4.0)
+    decay: tuple[float, float] = (5.0, 1.5)
 
-    @property
-    def order(self) -> int:
-        return self.explicit.order
+    def _limits(self, stiff: Stiff) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        rates = stiff.rates()
+        by_ringing = self.ringing[0] / jnp.maximum(rates.ringing, 1e-150)
+        by_decay = self.decay[0] / jnp.maximum(rates.decay, 1e-150)
+        limit = jnp.minimum(by_ringing, by_decay)
+        return limit, limit * jnp.where(by_decay < by_ringing, self.decay[1], self.ringing[1])
+
+    def allowed(self, stiff, step):
+        limit, worth = self._limits(stiff)
+        return jnp.where(step > worth, step, jnp.minimum(step, limit))
 
     def step(self, field, stiff, time, rows, rate, step):
         take = lambda solver: lambda: solver.step(field, stiff, time, rows, rate, step)  # noqa: E731
-        return lax.cond(step * stiff.rate() <= self.bound, take(self.explicit), take(self.implicit))
+        within = step.length <= self._limits(stiff)[0] * (1.0 + 1e-9)
+        return lax.cond(within, take(self.explicit), take(self.implicit))
 
 
 def _shifted_solve(part: Linearisation, shift: Float[Array, ""]) -> Callable[[Rows], Rows]:

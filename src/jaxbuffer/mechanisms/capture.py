@@ -25,8 +25,8 @@ from .assembly import (
     start_motion,
 )
 from .design import Design, Scenario
-from .hybrid import HybridSystem, Linearisation
-from .stiffness import fastest_rate, linearisation
+from .hybrid import HybridSystem, Linearisation, Rates
+from .stiffness import fastest_rates, linearisation
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
@@ -269,7 +269,7 @@ class CaptureMechanism(HybridSystem):
     ) -> Linearisation:
         return linearisation(self, state, active)
 
-    def fastest_rate(
+    def fastest_rates(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
-    ) -> Float[Array, ""]:
-        return fastest_rate(self, state, active)
+    ) -> Rates:
+        return fastest_rates(self, state, active)

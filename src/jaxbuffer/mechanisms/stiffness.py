@@ -14,7 +14,7 @@ from .._types import Scalar, stacked
 from ..contact import Approach
 from ..multibody import Kinematics
 from .assembly import SIDE, N
-from .hybrid import Linearisation
+from .hybrid import Linearisation, Rates
 
 if TYPE_CHECKING:
     from .capture import CaptureMechanism
@@ -43,10 +43,10 @@ def linearisation(
     )
 
 
-def fastest_rate(
+def fastest_rates(
     mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " flanks"]
-) -> Float[Array, ""]:
-    """An upper bound of the rate of the stiff motions at a state [1/s].
+) -> Rates:
+    """Upper bounds of the rates of the stiff motions at a state [1/s].
 
     Damping over mass, or the root of stiffness over mass, added up over the six forces as if the joints did not hold:
     they only make a body harder to move. Sums over single forces don't depend on units.
@@ -69,7 +69,7 @@ def fastest_rate(
     stiffness = jnp.sum(buffered * stacked([buffer.k_A, buffer.k_T])) + jnp.sum(normal * per_depth[0])
     damping = jnp.sum(buffered * stacked([buffer.c_A, buffer.c_T])) + jnp.sum(normal * per_speed[0])
     damping = damping + jnp.sum(tangential * per_slip[1])
-    return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+    return Rates(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
 
 
 def _contact_slopes(
