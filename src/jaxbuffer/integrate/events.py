@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 NEARLY = 0.999  # of the best so far: what the cubic's error might hide
 
@@ -85,11 +85,13 @@ def first_crossing(
     active: Float[Array, " contacts"],
     best: Float[Array, " observables"],
     ignored: Int[Array, ""],
+    maxima: Bool[Array, ""],
 ) -> Crossing:
     """The earliest event in a step; most steps hold none, and are not searched.
 
     **Arguments:** guards at both ends of the step; ``step`` [s]; ``active``: which contacts are closed; ``best``: only
-    maxima that (nearly) exceed it matter; ``ignored``: a guard left out (-1 for none).
+    maxima that (nearly) exceed it matter; ``ignored``: a guard left out (-1 for none); ``maxima``: whether to look for
+    maxima at all.
     """
     z1, rate1 = signed(after, active)
     rises = slice(0, before.gap.shape[0] + before.terminal.shape[0])
@@ -97,11 +99,13 @@ def first_crossing(
     dipping = (signed(before, active)[1] > 0.0) & (rate1 < 0.0)
     worth = jnp.concatenate([(z1 > 0.0)[rises] | dipping[rises], turned])
     none = Crossing(jnp.asarray(-1), step, step)
-    search = lambda: _first_crossing(before, after, step, active, best, ignored)  # noqa: E731
+    search = lambda: _first_crossing(before, after, step, active, best, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(worth), search, lambda: none)
 
 
-def _first_crossing(before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array) -> Crossing:
+def _first_crossing(
+    before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array, maxima: Array
+) -> Crossing:
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     z0, rate0 = signed(before, active)
     z1, rate1 = signed(after, active)
@@ -122,7 +126,7 @@ def _first_crossing(before: Guards, after: Guards, step: Array, active: Array, b
     rise, fall = before.slope * step, after.slope * step
     peak = _stationary(before.value, after.value, rise, fall)
     height = _hermite(before.value, after.value, rise, fall, peak)
-    peaked = (before.slope > 0.0) & (after.slope <= 0.0) & (jnp.maximum(height, after.value) > NEARLY * best)
+    peaked = (before.slope > 0.0) & (after.slope <= 0.0) & (jnp.maximum(height, after.value) > NEARLY * best) & maxima
 
     where = jnp.concatenate([jnp.where(crossed, root, jnp.inf), jnp.where(peaked, peak, jnp.inf)])
     where = jnp.where(jnp.arange(where.shape[0]) == ignored, jnp.inf, where)

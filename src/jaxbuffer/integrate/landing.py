@@ -7,7 +7,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .events import Crossing
 
-MAX_TRIES = 12
+MAX_TRIES = 12  # for a maximum, which may be one of rounding only
+MOST_TRIES = 2 * MAX_TRIES  # for a guard with a rate, so that a maximum given up never costs a touchdown
 
 
 class Landing(NamedTuple):
@@ -86,7 +87,8 @@ def judge(
     proposal = step + offset
     proposal = jnp.where((proposal > low) & (proposal < high), proposal, 0.5 * (low + high))
     on_target = jnp.abs(offset) <= tolerance
-    settled = on_target | (high - low <= tolerance) | (landing.tries >= MAX_TRIES) | (step == 0.0)
+    patience = jnp.where(landing.target < rated, MOST_TRIES, MAX_TRIES)
+    settled = on_target | (high - low <= tolerance) | (landing.tries >= patience) | (step == 0.0)
     return Verdict(
         settled=settled,
         happened=settled & (on_target | ~under),

@@ -18,7 +18,7 @@ from .._types import Scalar
 from ..mechanisms.hybrid import HybridSystem
 from .controller import Controller, Tolerance
 from .events import Guards, first_crossing, signed
-from .landing import MAX_TRIES, Landing, judge
+from .landing import MAX_TRIES, MOST_TRIES, Landing, judge
 from .lanes import Lanes, Rows
 from .log import Kind, Log, Steps
 from .solvers import Automatic, Solver, Step, Stiff, Stride
@@ -122,11 +122,12 @@ def run(
         # A step that holds an event is taken again, shortened until it ends on the event.
         # What depends on the rate is noise where a step jumps over the fastest decay: no maximum is sought there.
         sought = ~of_rate | (stride.length * stiff.rates().decay <= RESOLVED)
-        crossing = first_crossing(c.guards, after, step, c.active, jnp.where(sought, c.best, jnp.inf), c.landing.target)
+        best, patient = jnp.where(sought, c.best, jnp.inf), c.landing.tries < MAX_TRIES
+        crossing = first_crossing(c.guards, after, step, c.active, best, c.landing.target, patient)
         guard, guard_rate = signed(after, c.active)
         verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
         # On arrival another event may turn out to lie a little before: then land on that one first.
-        arrives = landing & verdict.settled & (c.landing.tries < MAX_TRIES)
+        arrives = landing & verdict.settled & (c.landing.tries < MOST_TRIES)
         starts = (~landing & ~first | arrives) & fits & finite & (crossing.which >= 0)
         accept = jnp.where(landing, verdict.settled, fits) & ~starts & finite
         tries = jnp.where(landing, c.landing.tries + 1, 0)
@@ -175,9 +176,9 @@ def run(
             active=active,
             rows=at_event + jump,
         )
-        # A landed maximum must not be found again, so its slope counts as falling. The best force of a contact is that
-        # of its present impact, so that every impact's peak is located.
-        slope = jnp.where(each_observable == target - rated, -1e-300, after.slope)
+        # A maximum landed on, or given up as noise, must not be found again, so its slope counts as falling. The best
+        # force of a contact is that of its present impact, so that every impact's peak is located.
+        slope = jnp.where(landing & (each_observable == c.landing.target - rated), -1e-300, after.slope)
         fresh = closing & (each_observable == target)
         best = jnp.where(fresh, 0.0, jnp.maximum(c.best, after.value))
 
