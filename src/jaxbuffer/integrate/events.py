@@ -111,12 +111,15 @@ def _first_crossing(
     z1, rate1 = signed(after, active)
     m0, m1 = rate0 * step, rate1 * step
     rises = slice(0, contacts + terminals)
+    # A guard left a little past zero by the landing on its last event, and on its way back, has not crossed again.
+    z0 = jnp.where((z0 > 0.0) & (m0 < 0.0), -1e-300, z0)
 
-    # An open contact may touch and leave within one step: its guard -gap has a maximum above zero inside.
+    # A contact may touch and leave, or leave and touch, within one step: its guard has a maximum above zero inside.
     hump = _stationary(z0[rises], z1[rises], m0[rises], m1[rises])
     top = _hermite(z0[rises], z1[rises], m0[rises], m1[rises], hump)
     open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
-    dips = open_contact & (z1[rises] <= 0.0) & (m0[rises] > 0.0) & (m1[rises] < 0.0) & (top > 0.0)
+    contact = jnp.arange(contacts + terminals) < contacts
+    dips = contact & (z0[rises] < 0.0) & (z1[rises] <= 0.0) & (m0[rises] > 0.0) & (m1[rises] < 0.0) & (top > 0.0)
     far = jnp.where(dips, hump, 1.0)
     root = _cubic_root(z0[rises], z1[rises], m0[rises], m1[rises], far)
     # A guard already past zero at the start (by the tolerance of an earlier landing) acts at once if it stays there.

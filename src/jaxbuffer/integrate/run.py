@@ -25,7 +25,7 @@ from .solvers import Automatic, Solver, Step, Stiff, Stride
 
 P = TypeVar("P")
 NEAR_BEST = 0.8
-RESOLVED = 2.0  # largest product of step and rate of decay in which observables of the rate are smooth
+RESOLVED = 5.01  # largest product of step and rate of decay in which observables of the rate are smooth
 
 
 class Status(enum.IntEnum):
