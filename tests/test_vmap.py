@@ -1,7 +1,6 @@
 """`jax.vmap(simulate)` does what a loop over its lanes does, whatever one of them comes to."""
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 import jaxbuffer as jb
@@ -31,4 +30,3 @@ def test_lanes_over_designs_and_scenarios_are_those_of_a_loop():
             found, expected = float(getattr(batch, name)[k]), float(getattr(alone, name))
             np.testing.assert_allclose(found, expected, rtol=1e-8, err_msg=name)
         np.testing.assert_allclose(batch.impacts.peak_force[k], alone.impacts.peak_force, rtol=1e-8)
-

@@ -1,16 +1,14 @@
 """Summaries and tables for people."""
 
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, SupportsFloat
 
 import numpy as np
-from rich.box import SIMPLE
-from rich.console import Console
-from rich.table import Table
 
 from .mechanisms import Scenario, get, unit
 from .outcome import Outcome
+from .tables import table as _table
+from .tables import text as _text
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -29,7 +27,6 @@ UNITS = {
     "end_time": "s",
     "contact_time": "s",
 }
-WIDTH = 118  # characters
 
 
 def summary(capture: "Capture") -> str:
@@ -156,16 +153,3 @@ def _at_bound(variable: "Variable", value: float) -> str:
 def _parameter_unit(capture: "Capture", path: str) -> str:
     of_scenario = path.startswith("scenario.")
     return unit(capture.scenario, path.removeprefix("scenario.")) if of_scenario else unit(capture.design, path)
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, title_justify="left", title_style="", box=SIMPLE, pad_edge=False)
-
-
-def _text(*parts: str | Table) -> str:
-    """Plain text, the same on a terminal, in a file and in a notebook."""
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None, force_terminal=False, legacy_windows=False)
-    with console.capture() as captured:
-        for part in parts:
-            console.print(part, markup=False, highlight=False)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines())
