@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .errors import InputError, check_number, suggest
-from .mechanisms import Design, Scenario, paths, replace, unit
+from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
@@ -104,7 +104,9 @@ class Grid:
         columns = self.columns()
         meeting = {path.removeprefix(SCENARIO): v for path, v in columns.items() if path.startswith(SCENARIO)}
         built = {path: v for path, v in columns.items() if not path.startswith(SCENARIO)}
-        return replace(design, built), replace(scenario, meeting)
+        swept = replace(design, built), replace(scenario, meeting)
+        check_fit(*swept)
+        return swept
 
 
 def grid(asked: Mapping[str, Any], design: Design, scenario: Scenario) -> Grid:
@@ -163,7 +165,7 @@ def _span(path: str, table: Mapping[str, Any]) -> Span:
         if name not in table:
             raise InputError(f"sweep.{path}: {name} is missing; expected {EXAMPLE}")
     count, scale = table["count"], table.get("scale", SCALES[0])
-    if isinstance(count, bool) or not isinstance(count, (int, float)) or count != int(count) or count < 1:
+    if isinstance(count, bool) or not isinstance(count, (int, float)) or not float(count).is_integer() or count < 1:
         raise InputError(f"sweep.{path}: count = {count!r} must be a whole number of at least 1")
     if scale not in SCALES:
         raise InputError(f"sweep.{path}: scale = {scale!r} is unknown; choose one of {', '.join(SCALES)}")

@@ -23,7 +23,7 @@ QUANTITIES = {
     "hinge_angle": ("Hinge angle", "hinge angle [deg]", 180.0 / math.pi),
 }
 MARKS = {  # by name of the outcome: everything but captured
-    "escaped": ("x", "white", "escaped"),
+    "escaped": ("X", "white", "escaped"),
     "timeout": ("o", "white", "timeout"),
     "failed": ("s", RED, "failed"),
     "not done": (".", GREY, "not computed"),
@@ -116,18 +116,26 @@ def _map(
         return face[np.ix_(right, upwards)].T
 
     x, y = first.values[right], second.values[upwards]
-    image = axes.pcolormesh(x, y, np.ma.masked_invalid(flat(values)), shading="nearest", cmap="viridis", **limits)
+    cells = np.ma.masked_invalid(flat(values))
+    image = axes.pcolormesh(_edges(x, first), _edges(y, second), cells, cmap="viridis", **limits)
     outcomes = flat(_outcomes(swept))
     size = min(40.0, 6e3 / outcomes.size)
     for outcome, (marker, colour, _) in MARKS.items():
         rows, columns = np.nonzero(outcomes == outcome)
         if rows.size:
-            edge: dict[str, Any] = {} if marker == "x" else {"edgecolors": "black", "linewidths": 0.4}
-            axes.scatter(x[columns], y[rows], s=size, marker=marker, color=colour, **edge)
+            axes.scatter(x[columns], y[rows], s=size, marker=marker, color=colour, edgecolors="black", linewidths=0.4)
     axes.grid(False)
     axes.set_xscale(first.scale)
     axes.set_yscale(second.scale)
     return image
+
+
+def _edges(values: np.ndarray, axis: Axis) -> np.ndarray:
+    """Borders of the cells around sorted values, halfway between them on the axis' scale."""
+    places = np.log(values) if axis.scale == "log" else values
+    middles = 0.5 * (places[1:] + places[:-1])
+    borders = np.concatenate([[2.0 * places[0] - middles[0]], middles, [2.0 * places[-1] - middles[-1]]])
+    return np.exp(borders) if axis.scale == "log" else borders
 
 
 def _legend(figure: "Figure", swept: Swept) -> None:
@@ -135,7 +143,7 @@ def _legend(figure: "Figure", swept: Swept) -> None:
 
     present = set(_outcomes(swept).ravel())
     handles = [
-        Line2D([], [], linestyle="", marker=marker, color=GREY if colour == "white" else colour, label=words)
+        Line2D([], [], linestyle="", marker=marker, color=colour, markeredgecolor="black", label=words)
         for outcome, (marker, colour, words) in MARKS.items()
         if outcome in present
     ]
@@ -153,7 +161,8 @@ def _outcomes(swept: Swept) -> np.ndarray:
 
 
 def _name(axis: Axis) -> str:
-    return f"{axis.name.replace('_', ' ')} [{axis.unit}]"
+    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
+    return f"{words} [{axis.unit}]"
 
 
 def _title(swept: Swept) -> str:

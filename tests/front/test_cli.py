@@ -21,9 +21,9 @@ from jaxbuffer.cli.overrides import FIELDS, split
 from jaxbuffer.config import load
 from jaxbuffer.mechanisms import paths, unit
 
-SIMULATED = ("capture.json", "history.csv", "capture.png")
-DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv")
-TUNED = ("design.toml", "history.csv", "tune.png")
+SIMULATED = ("capture.json", "history.csv", "capture.png", "capture.txt")
+DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
+TUNED = ("design.toml", "history.csv", "tune.png", "tune.txt")
 PNG = b"\x89PNG"
 
 
@@ -171,7 +171,7 @@ BAD_FIELDS = [
 ]
 
 
-@pytest.mark.parametrize("command", ["simulate", "sensitivity", "tune"])
+@pytest.mark.parametrize("command", ["simulate", "sensitivity", "tune", "sweep"])
 @pytest.mark.parametrize(("word", "message"), BAD_FIELDS)
 def test_bad_options_are_one_line_and_exit_code_2(computed, capsys, tmp_path, command, word, message):
     assert message in refused(capsys, tmp_path, command, "--output", "out", word)
@@ -223,6 +223,7 @@ def test_output_that_is_a_file_is_refused(computed, capsys, tmp_path):
 def test_figures_without_matplotlib_are_refused_before_computing(computed, capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert "pip install 'jaxbuffer[plots]'" in refused(capsys, tmp_path, "simulate", "--output", "out")
+    assert "pip install 'jaxbuffer[plots]'" in refused(capsys, tmp_path, "sweep", "--output", "out")
     assert run(["simulate"]) == 0 and run(["sensitivity", "--output", "out"]) == 0
 
 
