@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, SupportsFloat
 
+import jax
 import numpy as np
 
 from .mechanisms import Scenario, get, unit
@@ -35,7 +36,7 @@ def summary(capture: "Capture") -> str:
     if outcome.failed:
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
     flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
-    e, b = capture.energy, capture.balance
+    e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",

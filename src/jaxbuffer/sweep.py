@@ -129,7 +129,8 @@ def sweep(
             if progress is not None:
                 progress(int(finished.sum()), count)
     except KeyboardInterrupt:
-        raise SweepInterrupted(result, finished) from None
+        done = finished.copy()  # calls under way go on for a moment
+        raise SweepInterrupted(Sweep(*(mine.copy() for mine in result)), done) from None
     return result
 
 
