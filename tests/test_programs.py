@@ -88,10 +88,10 @@ def test_a_folder_that_cannot_be_written_is_no_error(tmp_path, traced):
 def test_transformations_and_no_folder_are_jit(folder, traced):
     fresh, _ = traced
     function = fresh()
-    total = lambda scale: function(*asked(scale=1.0)[:1], np.asarray(4))[0].scale * scale  # noqa: E731
-    assert float(jax.jit(total)(2.0)) == 24.0
-    slopes = jax.vmap(lambda scale: function(Polynomial(jnp.array([1.0, 2.0]), scale), 4)[0].scale)(jnp.arange(3.0))
-    np.testing.assert_array_equal(slopes, [0.0, 8.0, 16.0])
+    values = jnp.array([1.0, 2.0])
+    total = lambda scale: function(Polynomial(values, scale), 4)[0].scale  # noqa: E731
+    assert float(jax.jit(total)(3.0)) == 24.0 and float(jax.jacfwd(total)(3.0)) == 8.0
+    np.testing.assert_array_equal(jax.vmap(total)(jnp.arange(3.0)), [0.0, 8.0, 16.0])
     keep_in(None)
     fresh()(*asked())
     assert not folder.exists(), "nothing was kept"
