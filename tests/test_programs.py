@@ -9,6 +9,8 @@ import pytest
 from jaxbuffer import programs
 from jaxbuffer.programs import keep_in, kept
 
+CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
+
 
 class Polynomial(eqx.Module):
     coefficients: jax.Array
@@ -63,6 +65,22 @@ def test_other_shapes_static_fields_and_sources_are_other_programs(folder, trace
     monkeypatch.setattr(programs, "_made_from", lambda: b"another version")
     fresh()(polynomial, times)
     assert len(traces) == 4 and len(list(folder.iterdir())) == 4
+
+
+def test_a_program_in_the_cache_of_jax_is_not_written_once_more(folder, traced, monkeypatch, tmp_path):
+    before = {name: getattr(jax.config, name) for name in CACHE}
+    fresh, traces = traced
+    try:
+        for name, value in zip(CACHE, (str(tmp_path / "jax"), 0.0), strict=True):
+            jax.config.update(name, value)
+        for version in (b"one", b"two", b"two"):
+            monkeypatch.setattr(programs, "_made_from", lambda version=version: version)
+            assert float(fresh()(*asked())[0].scale) == 24.0
+        assert jax.config.jax_compilation_cache_dir == str(tmp_path / "jax"), "as it was"
+    finally:
+        for name, value in before.items():
+            jax.config.update(name, value)
+    assert len(traces) == 2, "the third found what the second had written"
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])

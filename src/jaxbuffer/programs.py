@@ -11,7 +11,7 @@ import os
 import pickle
 import platform
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -19,6 +19,7 @@ from typing import Any, Generic, TypeVar
 import jax
 import numpy as np
 from jax.experimental import serialize_executable
+from jax.experimental.compilation_cache import compilation_cache
 
 R = TypeVar("R")
 
@@ -52,11 +53,10 @@ class kept(Generic[R]):  # a decorator
         key = (folder, structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves))
         if key not in self.programs:
             file = folder / f"{self.function.__name__}-{_digest(*map(str, key[1:]))}.program"
-            self.programs[key] = _read(file) or self._compiled(arguments, file)
+            self.programs[key] = _read(file, leaves) or self._compiled(leaves, structure, file)
         return self.programs[key](leaves)
 
-    def _compiled(self, arguments: Any, file: Path) -> Callable[..., Any]:
-        leaves, structure = jax.tree.flatten(arguments)
+    def _compiled(self, leaves: list[Any], structure: Any, file: Path) -> Callable[..., Any]:
         shape: list[Any] = []
 
         def flat(leaves: list[Any]) -> list[Any]:
@@ -64,7 +64,8 @@ class kept(Generic[R]):  # a decorator
             shape.append(jax.tree.structure(result))
             return jax.tree.leaves(result)
 
-        compiled = jax.jit(flat).lower(leaves).compile()
+        with _without_cache():
+            compiled = jax.jit(flat).lower(leaves).compile()
         # a tree of zeros stands for its structure, which cannot be pickled where it has static fields of its own
         example = jax.tree.unflatten(shape[0], [0] * shape[0].num_leaves)
         with contextlib.suppress(jax.errors.JaxRuntimeError, pickle.PicklingError, OSError, ValueError):
@@ -72,10 +73,25 @@ class kept(Generic[R]):  # a decorator
         return lambda leaves: jax.tree.unflatten(shape[0], compiled(leaves))
 
 
-def _read(file: Path) -> Callable[..., Any] | None:
+@contextlib.contextmanager
+def _without_cache() -> Iterator[None]:
+    """Without JAX's own cache: a program that was read from there lacks parts when it is written once more."""
+    before = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    try:
+        jax.config.update("jax_compilation_cache_dir", None)
+        compilation_cache.reset_cache()
+        yield
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
+        compilation_cache.reset_cache()
+
+
+def _read(file: Path, leaves: list[Any]) -> Callable[..., Any] | None:
+    """The program of a file if there is one and it runs on ``leaves``."""
     try:
         stored, example = pickle.loads(file.read_bytes())
         compiled = serialize_executable.deserialize_and_load(*stored)
+        jax.block_until_ready(compiled(leaves))
     except FileNotFoundError:
         return None
     except Exception:  # a torn file, another machine's: whatever it is, compiling helps
