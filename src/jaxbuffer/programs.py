@@ -7,6 +7,7 @@ longer than loading what it holds; here the key is the inputs' structure and all
 import contextlib
 import functools
 import hashlib
+import logging
 import os
 import pickle
 import platform
@@ -24,6 +25,7 @@ from jax.experimental.compilation_cache import compilation_cache
 R = TypeVar("R")
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax")
+_log = logging.getLogger(__name__)
 _folder: Path | None = None
 
 
@@ -94,7 +96,8 @@ def _read(file: Path, leaves: list[Any]) -> Callable[..., Any] | None:
         jax.block_until_ready(compiled(leaves))
     except FileNotFoundError:
         return None
-    except Exception:  # a torn file, another machine's: whatever it is, compiling helps
+    except Exception as error:  # a torn file, another machine's: whatever it is, compiling helps
+        _log.info("%s cannot be used: %s", file, error)
         return None
     structure = jax.tree.structure(example)
     return lambda leaves: jax.tree.unflatten(structure, compiled(leaves))
