@@ -68,7 +68,7 @@ def test_an_interrupt_hands_over_what_was_done(monkeypatch):
         raise KeyboardInterrupt
 
     speeds = np.array([0.1, 0.1, 0.1])
-    with pytest.raises(SweepInterrupted, match="[12] of 3 captures done") as stop:
+    with pytest.raises(SweepInterrupted, match=r"[12] of 3 captures done") as stop:
         jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), workers=1, progress=interrupt)
     done, found = stop.value.done, stop.value.found
     assert 1 <= done.sum() <= 2, "no more than two are under way at a time"

@@ -312,6 +312,10 @@ def test_a_real_capture_from_another_process(tmp_path):
     assert process.returncode == 0 and "captured" in shown and "Traceback" not in errors
     record = json.loads((tmp_path / "out" / "capture.json").read_text())
     assert record["outcome"] == "captured" and record["scenario"]["approach_speed [m/s]"] == 0.2
+    with _started(tmp_path, *words, "--force", JAX_LOG_COMPILES="1") as process:
+        again, errors = process.communicate(timeout=300)
+    assert process.returncode == 0 and again == shown
+    assert "Compiling" not in errors and "tracing" not in errors, "the second start compiles nothing, however small"
     with _started(tmp_path, *words) as process:
         shown, errors = process.communicate(timeout=60)
     assert (process.returncode, shown) == (2, "") and "--force overwrites" in errors
@@ -329,12 +333,12 @@ def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
     assert time.monotonic() - sent < 3.0
 
 
-def _started(folder, *arguments) -> subprocess.Popen:
+def _started(folder, *arguments, **environment) -> subprocess.Popen:
     source = Path(jaxbuffer.__file__).resolve().parents[1]
     return subprocess.Popen(
         [sys.executable, "-c", "from jaxbuffer.cli import main; main()", *arguments],
         cwd=folder,
-        env={**os.environ, "JAXBUFFER_CACHE": str(folder / "cache"), "PYTHONPATH": str(source)},
+        env={**os.environ, "JAXBUFFER_CACHE": str(folder / "cache"), "PYTHONPATH": str(source), **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
