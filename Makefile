@@ -3,8 +3,10 @@ PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+PEERS := $(VENV)/.peers
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run test test-fast lint types bench clean
+.PHONY: run test test-fast lint types bench bench-check bench-docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -22,12 +24,22 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
-bench: $(READY)  ## wall times of capture, gradient and compilation
+bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, into benchmarks/results
 	$(BIN)/python -m benchmarks
+
+bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %
+	$(BIN)/python -m benchmarks --quick --check-baseline
+
+bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
+	$(BIN)/python -m benchmarks.docs
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[dev]"
+	$(INSTALL) ".[dev]"
+	touch $@
+
+$(PEERS): $(READY)
+	$(INSTALL) ".[bench]"
 	touch $@
 
 clean:

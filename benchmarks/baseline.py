@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from .figures import Part
@@ -17,12 +17,17 @@ def ratios(parts: Iterable[Part]) -> dict[str, float]:
     return {ratio.key: ratio.value for part in parts for ratio in part.ratios}
 
 
+def due(before: Mapping[str, float], ran: Collection[str]) -> dict[str, float]:
+    """The baseline of the parts that ``ran``: a ratio of theirs that is missing now was lost."""
+    return {key: value for key, value in before.items() if key.split("/")[0] in ran}
+
+
 def fallen(now: Mapping[str, float], before: Mapping[str, float], allowed: float = ALLOWED) -> list[str]:
-    """A line for each ratio below its baseline by more than ``allowed`` of it; what either lacks is passed over."""
+    """A line for each ratio that is missing or below its baseline by more than ``allowed`` of it."""
     return [
-        f"{key}: {now[key]:.2f}, baseline {before[key]:.2f}"
-        for key in before
-        if key in now and now[key] < (1.0 - allowed) * before[key]
+        f"{key}: {f'{now[key]:.2f}' if key in now else 'not measured'}, baseline {value:.2f}"
+        for key, value in before.items()
+        if now.get(key, 0.0) < (1.0 - allowed) * value
     ]
 
 

@@ -66,10 +66,11 @@ def measure(plan: Plan) -> Part:
     if "default" in timed:
         own = milliseconds(timed["default"])
         peers = sorted((timed[peer] for peer in theirs if peer in timed), key=lambda setting: setting.seconds)
-        for place, peer in enumerate(peers):
-            key, what = ("best-peer", "the best peer") if place == 0 else (peer.solver, peer.solver)
-            target = BEST_PEER if place == 0 else None
-            ratios.append(Ratio(f"capture/{key}", f"against {what}", own, milliseconds(peer), target))
+        if peers:
+            best_peer = milliseconds(peers[0])
+            ratios.append(Ratio("capture/best-peer", "against the best peer", own, best_peer, BEST_PEER))
+        # the best by its own name too: which one that is may change from run to run
+        ratios += [Ratio(f"capture/{peer.solver}", f"against {peer.solver}", own, milliseconds(peer)) for peer in peers]
         for solver in ("implicit", "explicit"):
             if solver in timed:
                 target = EXPLICIT if solver == "explicit" else None

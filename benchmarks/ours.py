@@ -18,6 +18,7 @@ import jax  # noqa: E402
 
 from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit, Solver  # noqa: E402
 from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
+from jaxbuffer.sweep import CHUNK as CHUNK  # noqa: E402 # captures of one compiled program
 
 from .accuracy import RTOLS as RTOLS  # noqa: E402
 from .accuracy import Numbers, Result, Setting, errors, measured  # noqa: E402

@@ -29,6 +29,7 @@ def machine() -> dict[str, Any]:
     return {
         "processor": names[0] if names else platform.processor() or platform.machine(),
         "cores": len(os.sched_getaffinity(0)),
+        "load": round(os.getloadavg()[0], 1),  # processes that ran when this was asked: others only add to times
         "python": platform.python_version(),
         **{name: _version(name) for name in PACKAGES},
     }
@@ -46,14 +47,16 @@ def _version(package: str) -> str:
         return "not installed"
 
 
-def record(parts: Sequence[Part], mode: str, seconds: float) -> dict[str, Any]:
+def about(mode: str) -> dict[str, Any]:
+    """What a run is told apart by; ask before it starts, for the load that it found."""
+    return {"mode": mode, "date": time.strftime("%Y-%m-%d"), "machine": machine()}
+
+
+def record(parts: Sequence[Part], run: Mapping[str, Any]) -> dict[str, Any]:
     """Everything, for results.json; what is not finite becomes null."""
     return _finite(
         {
-            "mode": mode,
-            "date": time.strftime("%Y-%m-%d"),
-            "seconds": seconds,
-            "machine": machine(),
+            **run,
             "parts": [
                 asdict(part)
                 | {
@@ -64,6 +67,28 @@ def record(parts: Sequence[Part], mode: str, seconds: float) -> dict[str, Any]:
             ],
         }
     )
+
+
+def restored(found: Mapping[str, Any]) -> list[Part]:
+    """The parts of a `record`, plots left out."""
+
+    def figure(of: Mapping[str, Any]) -> Figure:
+        off = {name: math.inf if value is None else value for name, value in of["errors"].items()}
+        return Figure(of["label"], of["value"], of["unit"], off, of["setting"])
+
+    return [
+        Part(
+            part["name"],
+            part["title"],
+            tuple(
+                Ratio(of["key"], of["what"], figure(of["ours"]), figure(of["theirs"]), of["target"])
+                for of in part["ratios"]
+            ),
+            tuple(Check(of["what"], figure(of["figure"]), of["bound"], of["at_least"]) for of in part["checks"]),
+            notes=tuple(part["notes"]),
+        )
+        for part in found["parts"]
+    ]
 
 
 def _finite(value: Any) -> Any:
@@ -110,15 +135,16 @@ def check_row(check: Check) -> tuple[str, ...]:
     return check.what, number(check.figure.value, check.figure.unit), bound, mark(check.met)
 
 
-def markdown(parts: Sequence[Part], mode: str, seconds: float) -> str:
+def markdown(parts: Sequence[Part], run: Mapping[str, Any]) -> str:
     """results.md."""
-    found = machine()
+    found = run["machine"]
     versions = ", ".join(f"{name} {found[name]}" for name in ("python", *PACKAGES))
     lines = [
         "# Results",
         "",
-        f"`python -m benchmarks{' --quick' if mode == 'quick' else ''}`, {time.strftime('%Y-%m-%d')}, "
-        f"{seconds / 60:.0f} min on {found['cores']} cores of {found['processor']}; {versions}.",
+        f"`python -m benchmarks{' --quick' if run['mode'] == 'quick' else ''}`, {run['date']}, "
+        f"{run['seconds'] / 60:.0f} min on {found['cores']} cores of {found['processor']}, "
+        f"load average {found['load']} at the start; {versions}.",
         "Times are the best of several warm runs. A ratio above 1 means that jaxbuffer is quicker.",
     ]
     for part in parts:
@@ -139,14 +165,14 @@ def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[s
         yield "| " + " | ".join(cells) + " |"
 
 
-def write(parts: Sequence[Part], mode: str, seconds: float, folder: Path) -> list[Path]:
+def write(parts: Sequence[Part], run: Mapping[str, Any], folder: Path) -> list[Path]:
     """All files in ``folder``."""
     from .plots import draw_all
 
     folder.mkdir(parents=True, exist_ok=True)
     numbers, text = folder / "results.json", folder / "results.md"
-    numbers.write_text(json.dumps(record(parts, mode, seconds), indent=1) + "\n")
-    text.write_text(markdown(parts, mode, seconds))
+    numbers.write_text(json.dumps(record(parts, run), indent=1) + "\n")
+    text.write_text(markdown(parts, run))
     return [numbers, text, *(file for part in parts for file in draw_all(part, folder))]
 
 

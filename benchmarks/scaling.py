@@ -11,6 +11,11 @@ COUNTS = (1, 10, 100, 1000, 10_000)
 POOLED = 1000  # captures; a pool's time grows in proportion beyond
 
 
+def named(count: int) -> str:
+    """A number of captures in words."""
+    return f"{count} capture{'s' if count > 1 else ''}"
+
+
 def measure(plan: Plan) -> Part:
     """The product and the pool of the best peer, at the settings of the sweep."""
     pick = chosen(plan)
@@ -24,7 +29,7 @@ def measure(plan: Plan) -> Part:
     ratios = tuple(
         Ratio(
             f"scaling/{count}",
-            f"{count} captures",
+            named(count),
             *(
                 Figure(label, 1e3 * found[count]["seconds"], "ms", setting.errors, setting.tolerances)
                 for (label, found), setting in zip(sides, (pick.own, pick.theirs), strict=True)
@@ -47,7 +52,7 @@ def measure(plan: Plan) -> Part:
         for quantity, name, unit, line in (("time", "seconds", "s", None), ("peak memory", "mebibytes", "MiB", MEMORY))
     )
     checks = tuple(
-        Check(f"peak memory of {count} captures", Figure("jaxbuffer", found["mebibytes"], "MiB"), MEMORY)
+        Check(f"peak memory of {named(count)}", Figure("jaxbuffer", found["mebibytes"], "MiB"), MEMORY)
         for count, found in mine.items()
     )
     rates = ", ".join(f"{count}: {count / found['seconds']:.0f}/s" for count, found in mine.items())

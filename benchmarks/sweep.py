@@ -121,7 +121,7 @@ def measure(plan: Plan) -> Part:
     notes = (
         f"{MOST:.0%} of {pick.sample} sampled captures are within {TARGET:g}; the errors are those they don't exceed",
         f"the peer's rate is that of {peers_count} captures drawn from the same grid",
-        f"first sweep, compilation included: {mine['first']:.1f} s; the pool needed {theirs['mebibytes']:.0f} MiB",
+        f"first chunk, compilation included: {mine['first']:.1f} s; the pool needed {theirs['mebibytes']:.0f} MiB",
     )
     title = f"Sweep over approach speed, misalignment and offset, {count} captures"
     return Part("sweep", title, (ratio,), checks, notes=notes)

@@ -1,9 +1,12 @@
 """Sweeps: what they find, what they refuse, and that one capture leaves the others alone."""
 
+import sys
+
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.sweep import SweepInterrupted
 from verification.cases import CASES, PATHS, WELDED
 
 
@@ -56,3 +59,18 @@ def test_arrays_that_do_not_fit(speeds, distances, message):
 def test_no_workers():
     with pytest.raises(jb.InputError, match="workers = 0"):
         jb.sweep(jb.table2(), jb.Scenario(), workers=0)
+
+
+def test_an_interrupt_hands_over_what_was_done(monkeypatch):
+    monkeypatch.setattr(sys.modules["jaxbuffer.sweep"], "CHUNK", 1)
+
+    def interrupt(done, count):
+        raise KeyboardInterrupt
+
+    speeds = np.array([0.1, 0.1, 0.1])
+    with pytest.raises(SweepInterrupted, match=r"[12] of 3 captures done") as stop:
+        jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), workers=1, progress=interrupt)
+    done, found = stop.value.done, stop.value.found
+    assert 1 <= done.sum() <= 2, "no more than two are under way at a time"
+    np.testing.assert_allclose(found.peak_force[done], 253.13152694328107, rtol=1e-4)
+    assert np.isnan(found.peak_force[~done]).all()

@@ -1,36 +1,79 @@
-"""jaxbuffer: which spring, damper and tip mass behind a docking probe give the smallest impact force."""
+"""jaxbuffer: which spring, damper and tip mass behind a docking probe give the smallest impact force.
 
-from .capture import Capture as Capture
-from .capture import simulate as simulate
-from .errors import InputError as InputError
-from .mechanisms import (
-    Design as Design,
-)
-from .mechanisms import (
-    Scenario as Scenario,
-)
-from .mechanisms import (
-    get as get,
-)
-from .mechanisms import (
-    paths as paths,
-)
-from .mechanisms import (
-    replace as replace,
-)
-from .mechanisms import (
-    rigid_probe as rigid_probe,
-)
-from .mechanisms import (
-    table2 as table2,
-)
-from .outcome import Outcome as Outcome
-from .runtime import configure as configure
-from .sensitivity import Sensitivity as Sensitivity
-from .sensitivity import sensitivity as sensitivity
-from .sweep import Sweep as Sweep
-from .sweep import sweep as sweep
-from .tune import Problem as Problem
-from .tune import Tuned as Tuned
-from .tune import Variable as Variable
-from .tune import tune as tune
+Public names are imported when they are first asked for (PEP 562): `import jaxbuffer` takes no time, and a command pays
+for what it uses.
+"""
+
+import importlib
+import sys
+import types
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .capture import Capture, simulate
+    from .errors import InputError
+    from .mechanisms import Design, Scenario, get, paths, replace, rigid_probe, table2
+    from .outcome import Outcome
+    from .runtime import configure
+    from .sensitivity import Sensitivity, sensitivity
+    from .sweep import Sweep, sweep
+    from .tune import Problem, Tuned, Variable, tune
+
+__all__ = [
+    "Capture",
+    "Design",
+    "InputError",
+    "Outcome",
+    "Problem",
+    "Scenario",
+    "Sensitivity",
+    "Sweep",
+    "Tuned",
+    "Variable",
+    "configure",
+    "get",
+    "paths",
+    "replace",
+    "rigid_probe",
+    "sensitivity",
+    "simulate",
+    "sweep",
+    "table2",
+    "tune",
+]
+
+_HOME = {
+    "capture": ("Capture", "simulate"),
+    "errors": ("InputError",),
+    "mechanisms": ("Design", "Scenario", "get", "paths", "replace", "rigid_probe", "table2"),
+    "outcome": ("Outcome",),
+    "runtime": ("configure",),
+    "sensitivity": ("Sensitivity", "sensitivity"),
+    "sweep": ("Sweep", "sweep"),
+    "tune": ("Problem", "Tuned", "Variable", "tune"),
+}
+_MODULE = {name: module for module, names in _HOME.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__doc__", "__file__", "__name__", "__path__"]
+
+
+class _Package(types.ModuleType):
+    """A package whose functions `sensitivity`, `sweep` and `tune` are not hidden by the modules of the same names."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # Python binds a submodule to its package once it is imported, by whomever
+        if not (name in _MODULE and isinstance(value, types.ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -28,6 +28,7 @@ from .metrics import (
     state_at,
 )
 from .outcome import Outcome, outcome_code
+from .programs import kept
 
 DEFAULT_TOLERANCE = 1e-6
 DEFAULT_DURATION = 8.0  # s
@@ -112,7 +113,7 @@ def simulate(
     atol = rtol if atol is None else atol
     check_number("atol", atol, "-", low=1e-13, high=1e-2)
     check_number("stabilisation", stabilisation, "1/s", low=0.0)
-    if jnp.zeros(()).dtype != jnp.float64:
+    if jax.dtypes.canonicalize_dtype(float) != np.float64:
         raise InputError(
             "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
         )
@@ -146,7 +147,7 @@ def _array(value: Any) -> Any:
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 
-@jax.jit
+@kept
 def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array, ""], options: Options) -> Capture:
     result = solve(CaptureMechanism, parameters, duration, options)
     mechanism = CaptureMechanism(*parameters)

@@ -11,6 +11,7 @@ import tomli_w
 
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
+from .grid import by_path, grid
 from .integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Solver
 from .mechanisms import Design, Scenario, check_fit, get, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
@@ -73,6 +74,7 @@ class Config:
     scenarios: tuple[Scenario, ...] = ()
     options: Options = dataclasses.field(default_factory=Options)
     tuning: Tuning = dataclasses.field(default_factory=Tuning)
+    sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
 
     def __post_init__(self) -> None:
         check_fit(self.design, self.scenario)
@@ -110,17 +112,24 @@ def load(path: str | Path | None) -> Config:
     if path is None:
         return Config()
     try:
-        data = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        content = Path(path).read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
+    return loads(content, path)
+
+
+def loads(content: bytes, name: str | Path) -> Config:
+    """Read a study from a file's content; ``name`` starts an error's line."""
+    try:
+        data = tomllib.loads(content.decode("utf-8"))
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
-        raise InputError(f"{path} is not valid TOML: {error}") from None
+        raise InputError(f"{name} is not valid TOML: {error}") from None
     try:
         return _config(data)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{name}: {error}") from None
 
 
 def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
@@ -171,7 +180,7 @@ def _lines(part: eqx.Module) -> list[str]:
 
 
 def _config(data: dict[str, Any]) -> Config:
-    known = (*SECTIONS, "scenario", "scenarios", "options", "tune")
+    known = (*SECTIONS, "scenario", "scenarios", "options", "tune", "sweep")
     for name in data:
         if name not in known:
             raise InputError(f"[{name}] is unknown{suggest(name, known)}")
@@ -185,7 +194,10 @@ def _config(data: dict[str, Any]) -> Config:
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
-    return Config(design, scenario, scenarios, options, _tuning(_table(data, "tune"), design))
+    sweep = by_path(_table(data, "sweep"))
+    if sweep:
+        grid(sweep, design, scenario)  # checks it
+    return Config(design, scenario, scenarios, options, _tuning(_table(data, "tune"), design), sweep)
 
 
 def _tuning(table: dict[str, Any], design: Design) -> Tuning:

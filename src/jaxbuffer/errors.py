@@ -1,19 +1,23 @@
 """Input errors that name the field, the value, the unit and the allowed range."""
 
 import difflib
+import math
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jax
-import numpy as np
+if TYPE_CHECKING:  # the command line's own errors need neither: they are imported where a value is looked at
+    import numpy as np
 
 
 class InputError(ValueError):
     """A value, name or file given by the user that can't be used. The message is one line meant for that user."""
 
 
-def concrete(value: Any) -> np.ndarray | None:
+def concrete(value: Any) -> "np.ndarray | None":
     """The value as a NumPy array, or None inside a trace, where there is nothing to check yet."""
+    import jax
+    import numpy as np
+
     if isinstance(value, jax.core.Tracer):
         return None
     try:
@@ -27,8 +31,8 @@ def check_number(
     value: Any,
     unit: str,
     *,
-    low: float = -np.inf,
-    high: float = np.inf,
+    low: float = -math.inf,
+    high: float = math.inf,
     low_open: bool = False,
     high_open: bool = False,
 ) -> None:
@@ -37,6 +41,9 @@ def check_number(
     **Arguments:** ``path``: dotted name shown to the user; ``unit``: as shown, '-' for none; ``low``, ``high``: the
     range, its ends included unless ``low_open`` or ``high_open``. Traced values pass: they have no value yet.
     """
+    import jax
+    import numpy as np
+
     if isinstance(value, jax.core.Tracer):
         return
     unit = "" if unit == "-" else f" {unit}"
@@ -53,8 +60,8 @@ def check_number(
 
 
 def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
-    left = "(-inf" if low == -np.inf else ("(" if low_open else "[") + f"{low:g}"
-    right = "inf)" if high == np.inf else f"{high:g}" + (")" if high_open else "]")
+    left = "(-inf" if low == -math.inf else ("(" if low_open else "[") + f"{low:g}"
+    right = "inf)" if high == math.inf else f"{high:g}" + (")" if high_open else "]")
     return f"{left}, {right}"
 
 

@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .integrate import Steps
@@ -76,5 +77,5 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
 
 
 def trimmed(full: History, count: int) -> History:
-    """The first ``count`` steps."""
-    return jax.tree.map(lambda x: x[:count], full)
+    """The first ``count`` steps, as NumPy arrays: cutting those compiles nothing."""
+    return jax.tree.map(lambda x: np.asarray(x)[:count], full)

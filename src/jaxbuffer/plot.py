@@ -1,16 +1,32 @@
 """Figures of captures and tunings; needs matplotlib, ``pip install jaxbuffer[plots]``."""
 
-import functools
-import io
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
 
 from .capture import Capture
 from .errors import InputError
+from .plot_style import (
+    BLUE,
+    COLOURS,
+    COLUMNS,
+    FLANK_COLOURS,
+    GREEN,
+    GREY,
+    ITERATION,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    STYLES,
+)
+from .plot_style import label as _label
+from .plot_style import panels as _figure
+from .plot_style import png as png
+from .plot_style import require_matplotlib as require_matplotlib
+from .plot_style import styled as _styled
 from .report import FLANKS, scenario_label
 
 if TYPE_CHECKING:
@@ -18,67 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .tune import Tuned
-
-T = TypeVar("T")
-
-# Okabe and Ito's colours, told apart by everyone; lightness differs too
-BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
-    "#0072B2",
-    "#E69F00",
-    "#009E73",
-    "#CC79A7",
-    "#56B4E9",
-    "#D55E00",
-    "#888888",
-)
-COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
-STYLES = ("-", "--", "-.", ":")
-FLANK_COLOURS = (BLUE, ORANGE)
-ITERATION = "iteration [-]"
-COLUMNS = 3
-DOTS_PER_INCH = 150
-STYLE: dict[Any, Any] = {
-    "axes.grid": True,
-    "axes.labelsize": 9,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 10,
-    "font.size": 9,
-    "grid.alpha": 0.3,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "lines.linewidth": 1.2,
-}
-
-
-def require_matplotlib() -> None:
-    """Raise `InputError` if matplotlib is not installed."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise InputError("figures need matplotlib; install it with: pip install 'jaxbuffer[plots]'") from None
-
-
-def _styled(draw: "Callable[[T], Figure]") -> "Callable[[T], Figure]":
-    """Draw in our style, and leave matplotlib's settings as they were."""
-
-    @functools.wraps(draw)
-    def styled(data: T) -> "Figure":
-        require_matplotlib()
-        import matplotlib
-
-        with matplotlib.rc_context(STYLE):
-            return draw(data)
-
-    return styled
-
-
-def png(figure: "Figure") -> bytes:
-    """The figure as a PNG file's content."""
-    content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
-    return content.getvalue()
 
 
 @_styled
@@ -214,23 +169,3 @@ def _history(capture: Capture) -> Any:
     if capture.history is None:
         raise InputError("this capture has no history to plot; simulate it with history=True")
     return jax.tree.map(np.asarray, capture.history)
-
-
-def _figure(width: float, height: float, rows: int, columns: int) -> "tuple[Figure, np.ndarray]":
-    """A figure [inch] of its own: pyplot's global state stays as it is."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False)
-
-
-def _label(axes: "Axes", title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
-    from matplotlib.ticker import MaxNLocator
-
-    axes.set_title(title)
-    if x == ITERATION:
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    if legend:
-        axes.legend(ncols=columns)

@@ -1,16 +1,15 @@
 """Summaries and tables for people."""
 
-import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, SupportsFloat
 
+import jax
 import numpy as np
-from rich.box import SIMPLE
-from rich.console import Console
-from rich.table import Table
 
 from .mechanisms import Scenario, get, unit
 from .outcome import Outcome
+from .tables import table as _table
+from .tables import text as _text
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -29,7 +28,6 @@ UNITS = {
     "end_time": "s",
     "contact_time": "s",
 }
-WIDTH = 118  # characters
 
 
 def summary(capture: "Capture") -> str:
@@ -38,7 +36,7 @@ def summary(capture: "Capture") -> str:
     if outcome.failed:
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
     flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
-    e, b = capture.energy, capture.balance
+    e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
@@ -156,16 +154,3 @@ def _at_bound(variable: "Variable", value: float) -> str:
 def _parameter_unit(capture: "Capture", path: str) -> str:
     of_scenario = path.startswith("scenario.")
     return unit(capture.scenario, path.removeprefix("scenario.")) if of_scenario else unit(capture.design, path)
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, title_justify="left", title_style="", box=SIMPLE, pad_edge=False)
-
-
-def _text(*parts: str | Table) -> str:
-    """Plain text, the same on a terminal, in a file and in a notebook."""
-    console = Console(file=io.StringIO(), width=WIDTH, color_system=None, force_terminal=False, legacy_windows=False)
-    with console.capture() as captured:
-        for part in parts:
-            console.print(part, markup=False, highlight=False)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines())

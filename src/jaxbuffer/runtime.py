@@ -17,7 +17,8 @@ def configure(*, cache: str | Path | None = None) -> None:
     Call it first, before any JAX computation: the command line, the tests and the benchmarks do. It warns if JAX's
     backend is already up, when the loop option can't take effect any more (all else still does).
 
-    **Arguments:** ``cache``: folder of JAX's persistent compilation cache, or None to leave that alone.
+    **Arguments:** ``cache``: folder of JAX's persistent compilation cache and of our own programs (`programs`), or None
+    to leave those alone.
     """
     flags = os.environ.get("XLA_FLAGS", "")
     if "xla_cpu_small_while_loop_byte_threshold" not in flags:
@@ -36,6 +37,9 @@ def configure(*, cache: str | Path | None = None) -> None:
     if cache is not None:
         jax.config.update("jax_compilation_cache_dir", str(cache))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+        from .programs import keep_in
+
+        keep_in(cache)
 
 
 def _backend_is_up() -> bool:

@@ -4,6 +4,7 @@ Captures are solved in small chunks, one after the other within a chunk so that 
 are handed to one thread a core: a compiled chunk runs outside Python.
 """
 
+import itertools
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -71,6 +72,14 @@ class Sweep(NamedTuple):
         return sweep_summary(self)
 
 
+class SweepInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a sweep. ``found`` has what was done until then, ``done`` (n,) says which captures those are."""
+
+    def __init__(self, found: Sweep, done: np.ndarray) -> None:
+        super().__init__(f"{int(done.sum())} of {done.size} captures done")
+        self.found, self.done = found, done
+
+
 def sweep(
     design: Design,
     scenarios: Scenario,
@@ -90,7 +99,8 @@ def sweep(
 
     **Returns:** a `Sweep`. A capture that fails says so in its ``code``; the others are not touched by it.
 
-    **Raises:** `InputError` for values out of range or arrays of unequal lengths.
+    **Raises:** `InputError` for values out of range or arrays of unequal lengths; `SweepInterrupted`, a
+    `KeyboardInterrupt` that has what was done, on Ctrl-C.
     """
     check_fit(design, scenarios)
     leaves, structure = jax.tree.flatten((design, scenarios, duration))
@@ -101,23 +111,26 @@ def sweep(
     workers = (len(os.sched_getaffinity(0)) if on_cpu else 1) if workers is None else workers
     if workers < 1:
         raise InputError(f"workers = {workers}; it must be at least 1")
-    result = Sweep(*(np.empty(count, int if name in INTEGERS else float) for name in QUANTITIES))
+    result = Sweep(*(np.full(count, *((-1, int) if name in INTEGERS else (np.nan, float))) for name in QUANTITIES))
+    finished = np.zeros(count, bool)
     options = (np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
 
-    def solve(first: int) -> int:
+    def solve(first: int) -> None:
         index = np.minimum(np.arange(first, first + chunk), count - 1)  # the last chunk is filled up with its last
         batch = [np.broadcast_to(array, (count,))[index] for array in arrays]
         found = _chunk(jax.tree.unflatten(structure, batch), *options)
-        size = min(chunk, count - first)
+        its_own = slice(first, min(first + chunk, count))
         for mine, values in zip(result, found, strict=True):
-            mine[first : first + size] = np.asarray(values)[:size]
-        return size
+            mine[its_own] = np.asarray(values)[: its_own.stop - first]
+        finished[its_own] = True
 
-    done = 0
-    for size in _in_threads(solve, range(0, count, chunk), workers):
-        done += size
-        if progress is not None:
-            progress(done, count)
+    try:
+        for _ in _in_threads(solve, range(0, count, chunk), workers):
+            if progress is not None:
+                progress(int(finished.sum()), count)
+    except KeyboardInterrupt:
+        done = finished.copy()  # calls under way go on for a moment
+        raise SweepInterrupted(Sweep(*(mine.copy() for mine in result)), done) from None
     return result
 
 
@@ -143,14 +156,18 @@ def _shapes(arrays: list[np.ndarray]) -> str:
     return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
 
 
-def _in_threads(function: Callable[[int], int], items: range, workers: int) -> Iterator[int]:
-    """Results as they come, with few calls waiting: an interrupt then ends the sweep within a chunk."""
-    todo, running = iter(items), set[Future[int]]()
-    with ThreadPoolExecutor(workers) as pool:
-        for item in todo:
-            running.add(pool.submit(function, item))
-            if len(running) >= 2 * workers:
-                finished, running = wait(running, return_when=FIRST_COMPLETED)
-                yield from (future.result() for future in finished)
-        for future in running:
-            yield future.result()
+def _in_threads(function: Callable[[int], None], items: range, workers: int) -> Iterator[None]:
+    """Whenever some are done, with few calls waiting; an interrupt leaves at once the calls under way to themselves."""
+    todo, running = iter(items), set[Future[None]]()
+    pool = ThreadPoolExecutor(workers)
+    try:
+        while True:
+            running |= {pool.submit(function, item) for item in itertools.islice(todo, 2 * workers - len(running))}
+            if not running:
+                return
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in finished:
+                future.result()
+            yield
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)

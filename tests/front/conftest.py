@@ -2,20 +2,24 @@
 
 import sys
 
+import numpy as np
 import pytest
-from made_up import made_up_capture, made_up_sensitivity, made_up_tuning
+from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 
 import jaxbuffer.runtime
 from jaxbuffer import Outcome
+from jaxbuffer.sweep import SweepInterrupted
 
 
 class Computed:
-    """Stands in for simulate, sensitivity and tune, and remembers how they were called."""
+    """Stands in for simulate, sensitivity, sweep and tune, and remembers how they were called."""
 
     def __init__(self) -> None:
         self.calls = []
         self.outcome = Outcome.captured
         self.error = None
+        self.outcomes = {}  # of a sweep, by index; captured otherwise
+        self.interrupt_after = None
 
     def simulate(self, design, scenario, duration, **options):
         self._note("simulate", design=design, scenario=scenario, duration=duration, **options)
@@ -32,6 +36,15 @@ class Computed:
             report(iteration)
         return tuned
 
+    def sweep(self, design, scenarios, duration, *, progress, **options):
+        self._note("sweep", design=design, scenarios=scenarios, duration=duration, **options)
+        found = made_up_sweep(design, scenarios, self.outcomes)
+        for done in range(1, len(found) + 1):
+            progress(done, len(found))
+            if done == self.interrupt_after:
+                raise SweepInterrupted(found, np.arange(len(found)) < done)
+        return found
+
     def _note(self, command, **arguments):
         self.calls.append((command, arguments))
         if self.error is not None:
@@ -42,7 +55,12 @@ class Computed:
 def computed(monkeypatch, tmp_path):
     """The command line with made-up results, in an empty folder."""
     stand_in = Computed()
-    for name in ("capture", "sensitivity", "tune"):  # the modules: the package shows functions under the same names
+    for name in (
+        "capture",
+        "sensitivity",
+        "sweep",
+        "tune",
+    ):  # the modules: the package shows functions under the same names
         function = "simulate" if name == "capture" else name
         monkeypatch.setattr(sys.modules[f"jaxbuffer.{name}"], function, getattr(stand_in, function))
     monkeypatch.setattr(jaxbuffer.runtime, "configure", lambda **options: stand_in.calls.append(("configure", options)))

@@ -1,5 +1,6 @@
 """Captures and tunings made up in a moment: what the front shows of them needs no simulation."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -9,6 +10,7 @@ from jaxbuffer.history import History
 from jaxbuffer.integrate import Log
 from jaxbuffer.metrics import Balance, Energy, Impacts
 from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES, Sensitivity
+from jaxbuffer.sweep import Sweep
 from jaxbuffer.tune import Iteration, Problem, Tuned
 
 STEPS = 400
@@ -89,3 +91,21 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
     paths = tuple(v.path for v in problem.variables)
     check = made_up_sensitivity(after[-1], paths)
     return Tuned(problem, design, iterations, before, after, check, True, "converged: in a test")
+
+
+def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
+    """A peak of 1000 N per m/s and 0.1 N per N/m, so that each capture shows what it was computed for."""
+    speed, stiffness = np.broadcast_arrays(
+        *np.atleast_1d(np.asarray(scenarios.approach_speed, float), np.asarray(design.buffer.k_A, float))
+    )
+    count = max(np.size(leaf) for leaf in jax.tree.leaves((design, scenarios)))
+    peak = np.broadcast_to(1e3 * speed + 0.1 * stiffness, (count,)).copy()
+    code = np.zeros(count, int)
+    for index, outcome in (outcomes or {}).items():
+        code[index] = outcome
+        if Outcome(outcome).failed:
+            peak[index] = np.nan
+    share = peak / np.nanmax(peak)
+    whole = np.ones(count, int)
+    rest = (0.02 * share, whole, 1.5 * peak, 4 * share, 0.01 * share, 0.005 * share, share, share)
+    return Sweep(code, peak, *rest, 3 * whole, 400 * whole)

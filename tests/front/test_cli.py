@@ -21,9 +21,9 @@ from jaxbuffer.cli.overrides import FIELDS, split
 from jaxbuffer.config import load
 from jaxbuffer.mechanisms import paths, unit
 
-SIMULATED = ("capture.json", "history.csv", "capture.png")
-DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv")
-TUNED = ("design.toml", "history.csv", "tune.png")
+SIMULATED = ("capture.json", "history.csv", "capture.png", "capture.txt")
+DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
+TUNED = ("design.toml", "history.csv", "tune.png", "tune.txt")
 PNG = b"\x89PNG"
 
 
@@ -171,7 +171,7 @@ BAD_FIELDS = [
 ]
 
 
-@pytest.mark.parametrize("command", ["simulate", "sensitivity", "tune"])
+@pytest.mark.parametrize("command", ["simulate", "sensitivity", "tune", "sweep"])
 @pytest.mark.parametrize(("word", "message"), BAD_FIELDS)
 def test_bad_options_are_one_line_and_exit_code_2(computed, capsys, tmp_path, command, word, message):
     assert message in refused(capsys, tmp_path, command, "--output", "out", word)
@@ -223,6 +223,7 @@ def test_output_that_is_a_file_is_refused(computed, capsys, tmp_path):
 def test_figures_without_matplotlib_are_refused_before_computing(computed, capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert "pip install 'jaxbuffer[plots]'" in refused(capsys, tmp_path, "simulate", "--output", "out")
+    assert "pip install 'jaxbuffer[plots]'" in refused(capsys, tmp_path, "sweep", "--output", "out")
     assert run(["simulate"]) == 0 and run(["sensitivity", "--output", "out"]) == 0
 
 
@@ -311,6 +312,10 @@ def test_a_real_capture_from_another_process(tmp_path):
     assert process.returncode == 0 and "captured" in shown and "Traceback" not in errors
     record = json.loads((tmp_path / "out" / "capture.json").read_text())
     assert record["outcome"] == "captured" and record["scenario"]["approach_speed [m/s]"] == 0.2
+    with _started(tmp_path, *words, "--force", JAX_LOG_COMPILES="1") as process:
+        again, errors = process.communicate(timeout=300)
+    assert process.returncode == 0 and again == shown
+    assert "Compiling" not in errors and "tracing" not in errors, "the second start compiles nothing, however small"
     with _started(tmp_path, *words) as process:
         shown, errors = process.communicate(timeout=60)
     assert (process.returncode, shown) == (2, "") and "--force overwrites" in errors
@@ -328,12 +333,12 @@ def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
     assert time.monotonic() - sent < 3.0
 
 
-def _started(folder, *arguments) -> subprocess.Popen:
+def _started(folder, *arguments, **environment) -> subprocess.Popen:
     source = Path(jaxbuffer.__file__).resolve().parents[1]
     return subprocess.Popen(
         [sys.executable, "-c", "from jaxbuffer.cli import main; main()", *arguments],
         cwd=folder,
-        env={**os.environ, "JAXBUFFER_CACHE": str(folder / "cache"), "PYTHONPATH": str(source)},
+        env={**os.environ, "JAXBUFFER_CACHE": str(folder / "cache"), "PYTHONPATH": str(source), **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

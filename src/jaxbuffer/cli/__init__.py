@@ -1,3 +1,3 @@
-"""The command line: `jaxbuffer simulate|sensitivity|tune`."""
+"""The command line: `jaxbuffer simulate|sensitivity|sweep|tune|report`."""
 
 from .entry import main as main

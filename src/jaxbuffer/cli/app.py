@@ -1,28 +1,16 @@
 """Commands, options and exit codes."""
 
 import dataclasses
-import os
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
 from .exits import OK, fail
-from .overrides import FIELDS, Command
-
-if TYPE_CHECKING:
-    from ..config import Config
-    from .output import Output
+from .report import report
+from .request import Request, given, verb, wrote
+from .sweep import sweep
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-
-ConfigFile = Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")]
-Duration = Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")]
-Rtol = Annotated[float | None, typer.Option(metavar="TOL", help="Relative error allowed in a step; default 3e-7.")]
-Solver = Annotated[str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.")]
-OutputFolder = Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")]
-Force = Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")]
 
 
 @app.callback(invoke_without_command=True)
@@ -40,6 +28,7 @@ def root(
       jaxbuffer simulate
       jaxbuffer simulate study.toml --buffer.k_A 800 --scenario.approach_speed 0.2
       jaxbuffer sensitivity study.toml --output results
+      jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20 --output results/speeds
       jaxbuffer tune optimise/table2.toml --output results/table2
 
     \b
@@ -55,6 +44,8 @@ def root(
       stroke_limit = 0.025      # m
       [tune.variables]
       buffer.k_A = [100, 2000]  # N/m, low and high bound
+      [sweep]
+      scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
     \b
     Exit codes: 0 done, 1 the simulation failed, 2 bad input, 130 interrupted.
@@ -69,16 +60,8 @@ def root(
         typer.echo(ctx.get_help())
 
 
-@app.command(cls=Command, epilog=FIELDS, short_help="One capture: peak forces, stroke, hinge angle, energies.")
-def simulate(
-    ctx: typer.Context,
-    config: ConfigFile = None,
-    solver: Solver = None,
-    rtol: Rtol = None,
-    duration: Duration = None,
-    output: OutputFolder = None,
-    force: Force = False,
-) -> int:
+@verb(app, "One capture: peak forces, stroke, hinge angle, energies.")
+def simulate(request: Request) -> int:
     """Simulate one capture and print its peak forces, stroke, hinge angle and energies.
 
     \b
@@ -86,12 +69,13 @@ def simulate(
       capture.json  every number, its unit in the name, and every impact
       history.csv   forces, gaps, motion and energies at each step
       capture.png   contact force, gap, stroke, hinge angle, energies over time
+      capture.txt   the summary
 
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
-    study = _study(ctx, config, solver=solver, rtol=rtol, duration=duration)
-    files = _output(output, ("capture.json", "history.csv", "capture.png"), force)
+    study = request.study()
+    files = request.files("capture.json", "history.csv", "capture.png", "capture.txt")
     from ..capture import simulate as compute
     from .progress import COMPILING, working
 
@@ -104,44 +88,39 @@ def simulate(
             options.duration,
             solver=options.stepper(),
             rtol=options.rtol,
-            history=output is not None,
+            history=request.output is not None,
         ),
     )
     if capture.outcome.failed:
         return fail(capture.outcome.reason)
     typer.echo(repr(capture))
-    if output is not None:
+    if request.output is not None:
         from .. import plot
         from .output import csv_text, json_text
         from .records import capture_history, capture_record
 
         if capture.history is not None and (kept := capture.history.time.size) < int(capture.accepted):
             typer.echo(f"note: the history holds the first {kept} steps only", err=True)
-        _wrote(
+        wrote(
             files.write(
                 {
                     "capture.json": json_text(capture_record(capture)),
                     "history.csv": csv_text(*capture_history(capture)),
                     "capture.png": plot.png(plot.capture_figure(capture)),
+                    "capture.txt": f"{capture!r}\n",
                 }
             )
         )
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS, short_help="One capture's gradients and elasticities, verified.")
+@verb(app, "One capture's gradients and elasticities, verified.")
 def sensitivity(
-    ctx: typer.Context,
-    config: ConfigFile = None,
+    request: Request,
     wrt: Annotated[
         list[str] | None,
         typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),
     ] = None,
-    solver: Solver = None,
-    rtol: Rtol = None,
-    duration: Duration = None,
-    output: OutputFolder = None,
-    force: Force = False,
 ) -> int:
     """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time.
 
@@ -150,12 +129,13 @@ def sensitivity(
     \b
     Files in DIR:
       sensitivity.json, sensitivity.csv  values, gradients, elasticities, units
+      sensitivity.txt                    the tables
 
     \b
     Example: jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
     """
-    study = _study(ctx, config, solver=solver, rtol=rtol, duration=duration)
-    files = _output(output, ("sensitivity.json", "sensitivity.csv"), force)
+    study = request.study()
+    files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..sensitivity import PARAMETERS
     from ..sensitivity import sensitivity as compute
     from .progress import COMPILING, working
@@ -175,33 +155,29 @@ def sensitivity(
     if result.capture.outcome.failed:
         return fail(result.capture.outcome.reason)
     typer.echo(repr(result))
-    if output is not None:
+    if request.output is not None:
         from .output import csv_text, json_text
         from .records import sensitivity_record, sensitivity_rows
 
-        _wrote(
+        wrote(
             files.write(
                 {
                     "sensitivity.json": json_text(sensitivity_record(result)),
                     "sensitivity.csv": csv_text(*sensitivity_rows(result)),
+                    "sensitivity.txt": f"{result!r}\n",
                 }
             )
         )
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS, short_help="Smaller peak forces over all scenarios, within bounds.")
+@verb(app, "Smaller peak forces over all scenarios, within bounds.", without=("solver",))
 def tune(
-    ctx: typer.Context,
-    config: ConfigFile = None,
+    request: Request,
     iterations: Annotated[int | None, typer.Option(metavar="N", help="Iterations at most; default 40.")] = None,
     stroke_limit: Annotated[
         float | None, typer.Option(metavar="M", help="Largest stroke in any scenario [m]; default 0.025.")
     ] = None,
-    rtol: Rtol = None,
-    duration: Duration = None,
-    output: OutputFolder = None,
-    force: Force = False,
 ) -> int:
     """Tune the fields in [tune.variables] for small peak contact forces in all [[scenarios]].
 
@@ -213,15 +189,16 @@ def tune(
       design.toml  the tuned design, a study for the other commands
       history.csv  objective, peaks, strokes and variables of each iteration
       tune.png     contact force before and after, convergence, variables
+      tune.txt     the tables
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
     """
-    study = _study(ctx, config, rtol=rtol, duration=duration)
-    given = _given(iterations=iterations, stroke_limit=stroke_limit)
-    study = dataclasses.replace(study, tuning=dataclasses.replace(study.tuning, **given))
+    study = request.study()
+    chosen = given(iterations=iterations, stroke_limit=stroke_limit)
+    study = dataclasses.replace(study, tuning=dataclasses.replace(study.tuning, **chosen))
     problem = study.problem()
-    files = _output(output, ("design.toml", "history.csv", "tune.png"), force)
+    files = request.files("design.toml", "history.csv", "tune.png", "tune.txt")
     from ..tune import tune as compute
     from .progress import tuning
 
@@ -231,57 +208,24 @@ def tune(
     if failed:
         return fail(failed[0])
     typer.echo(repr(tuned))
-    if output is not None:
+    if request.output is not None:
         from .. import plot
         from ..config import design_toml
         from .output import csv_text
         from .records import tuned_comment, tuning_history
 
-        _wrote(
+        wrote(
             files.write(
                 {
                     "design.toml": design_toml(tuned.design, problem.scenarios, tuned_comment(tuned)),
                     "history.csv": csv_text(*tuning_history(tuned)),
                     "tune.png": plot.png(plot.tune_figure(tuned)),
+                    "tune.txt": f"{tuned!r}\n",
                 }
             )
         )
     return OK
 
 
-def _wrote(paths: Sequence[Path]) -> None:
-    for path in paths:
-        typer.echo(f"wrote {path}")
-
-
-def _given(**options: Any) -> dict[str, Any]:
-    return {name: value for name, value in options.items() if value is not None}
-
-
-def _study(ctx: typer.Context, file: Path | None, **options: Any) -> "Config":
-    """The study with everything the command line overrides; JAX is set up on the way."""
-    from ..runtime import configure
-
-    configure(cache=_cache())
-    from ..config import apply_overrides, load
-
-    study = apply_overrides(load(file), ctx.obj)
-    return dataclasses.replace(study, options=dataclasses.replace(study.options, **_given(**options)))
-
-
-def _cache() -> Path:
-    chosen = os.environ.get("JAXBUFFER_CACHE")
-    if chosen:
-        return Path(chosen).expanduser()
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxbuffer"
-
-
-def _output(folder: Path | None, names: Sequence[str], force: bool) -> "Output":
-    """Everything that can go wrong with writing results, found before computing them."""
-    from .output import Output
-
-    if folder is not None and any(name.endswith(".png") for name in names):
-        from ..plot import require_matplotlib
-
-        require_matplotlib()
-    return Output(folder, names, force)
+verb(app, "Many captures: every combination of values of some fields.")(sweep)
+app.command(short_help="Print again what a folder of results holds.")(report)

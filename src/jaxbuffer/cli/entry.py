@@ -9,10 +9,12 @@ import typer
 from ..errors import InputError
 from .app import app
 from .exits import BAD_INPUT, INTERRUPTED, OK, fail
+from .quick import prepare
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
+    prepare()
     code = run(sys.argv[1:] if arguments is None else arguments)
     sys.stdout.flush()
     sys.stderr.flush()

@@ -10,6 +10,9 @@ from typing import Any
 
 from ..errors import InputError
 
+SUMMARIES = ("capture.txt", "sensitivity.txt", "tune.txt")  # what a command printed, for `jaxbuffer report`
+ARRAYS = "sweep.npz"
+
 
 class Output:
     """The files of one command in a folder, or nothing at all without a folder."""

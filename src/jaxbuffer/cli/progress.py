@@ -3,11 +3,20 @@
 import concurrent.futures
 import sys
 import threading
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 if TYPE_CHECKING:
     from ..tune import Iteration
@@ -15,6 +24,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 STACK = 64 * 2**20  # bytes; compilers recurse deeply, and some systems give threads little
+PERIOD = 5.0  # s between lines of a sweep where nobody watches
 SPINNER, TEXT, CLOCK = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
 COMPILING = "compiling (first run only)…"
 
@@ -49,6 +59,42 @@ def tuning(iterations: int, work: "Callable[[Callable[[Iteration], None]], T]") 
             progress.update(task, completed=it.number + 1, description=text)
 
         return _interruptible(lambda: work(advance))
+
+
+def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
+    """Run ``work``, which reports captures done of ``count``: a bar with captures a second on a terminal, a plain line
+    every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""
+    console = Console(stderr=True)
+    begin = None  # the first report comes after the compilation, which is no part of the rate
+    first = 0
+
+    def rate(done: int) -> str:
+        nonlocal begin, first
+        if begin is None:
+            begin, first = time.monotonic(), done
+        seconds = time.monotonic() - begin
+        return f"{(done - first) / seconds:.0f} captures/s" if seconds > 0.0 and done > first else ""
+
+    if not console.is_terminal:
+        print(f"sweeping {count} captures; {COMPILING}", file=sys.stderr, flush=True)
+        due = time.monotonic() + PERIOD
+
+        def line(done: int, count: int) -> None:
+            nonlocal due
+            text = rate(done)
+            if done == count or time.monotonic() >= due:
+                due = time.monotonic() + PERIOD
+                print(", ".join(filter(None, (f"{done} of {count} done", text))), file=sys.stderr, flush=True)
+
+        return work(line)
+    columns = (SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(COMPILING, total=count)
+
+        def advance(done: int, count: int) -> None:
+            progress.update(task, completed=done, description=rate(done))
+
+        return work(advance)
 
 
 def _state(iteration: "Iteration") -> str:

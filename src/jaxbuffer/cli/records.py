@@ -51,7 +51,7 @@ def version() -> str:
 
 def capture_record(capture: Capture) -> dict[str, Any]:
     """Everything but the history. Impacts count from 1."""
-    hits, balance = jax.tree.map(np.asarray, capture.impacts), capture.balance
+    hits, energy, balance = jax.tree.map(np.asarray, (capture.impacts, capture.energy, capture.balance))
     peak_impact = int(capture.peak_impact)
     return {
         "outcome": capture.outcome.name,
@@ -69,7 +69,7 @@ def capture_record(capture: Capture) -> dict[str, Any]:
             }
             for k in range(int(hits.count))
         ],
-        "energy_at_end": {f"{name} [J]": _number(getattr(capture.energy, name)) for name in ENERGIES},
+        "energy_at_end": {f"{name} [J]": _number(getattr(energy, name)) for name in ENERGIES},
         "numerical_balance": {
             "energy [-]": _number(balance.energy),
             "linear_momentum [-]": _number(balance.linear_momentum),

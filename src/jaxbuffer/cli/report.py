@@ -1,0 +1,32 @@
+"""`jaxbuffer report`: what a folder of results holds, without computing it again."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import InputError
+from .exits import OK
+from .output import ARRAYS, SUMMARIES
+
+
+def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that --output named.")]) -> int:
+    """Print the summaries of the results in DIR again, and name the figures there.
+
+    \b
+    Example: jaxbuffer report results/table2
+    """
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder")
+    found = [folder / name for name in SUMMARIES if (folder / name).is_file()]
+    for file in found:
+        typer.echo(file.read_text(encoding="utf-8").rstrip("\n"))
+    if (folder / ARRAYS).is_file():
+        from .sweep_files import read
+
+        typer.echo(repr(read(folder / ARRAYS)))
+    elif not found:
+        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
+    for figure in sorted(folder.glob("*.png")):
+        typer.echo(f"figure {figure}")
+    return OK

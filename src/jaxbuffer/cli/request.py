@@ -1,0 +1,115 @@
+"""What every command takes: a study, how to simulate, and where to write."""
+
+import dataclasses
+import inspect
+import os
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .overrides import FIELDS, Command
+
+if TYPE_CHECKING:
+    from ..config import Config
+    from .output import Output
+
+SHARED = {
+    "config": Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")],
+    "solver": Annotated[
+        str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.", show_default=False)
+    ],
+    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 3e-7.")],
+    "duration": Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
+    "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
+    "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Request:
+    """One call of a command. ``fields``: design and scenario fields set on the command line, as text by dotted path."""
+
+    fields: dict[str, str]
+    config: Path | None = None
+    solver: str | None = None
+    rtol: float | None = None
+    duration: float | None = None
+    output: Path | None = None
+    force: bool = False
+
+    def study(self) -> "Config":
+        """The study with everything the command line overrides; JAX is set up on the way."""
+        from ..runtime import configure
+
+        configure(cache=cache_folder())
+        from ..config import apply_overrides, load
+
+        study = apply_overrides(load(self.config), self.fields)
+        options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
+        return dataclasses.replace(study, options=dataclasses.replace(study.options, **options))
+
+    def files(self, *names: str) -> "Output":
+        """Files to write later; everything that can go wrong with it is found now, before computing them."""
+        from .output import Output
+
+        if self.output is not None and any(name.endswith(".png") for name in names):
+            from ..plot_style import require_matplotlib
+
+            require_matplotlib()
+        return Output(self.output, names, self.force)
+
+
+def verb(app: typer.Typer, summary: str, without: Collection[str] = ()) -> Callable[[Callable[..., int]], Any]:
+    """Make a function of a `Request` and options of its own a command of ``app``, which takes the shared options too.
+
+    **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not.
+    """
+
+    def register(function: Callable[..., int]) -> Callable[..., int]:
+        shared = {
+            name: inspect.Parameter(
+                name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=False if name == "force" else None,
+                annotation=annotation,
+            )
+            for name, annotation in SHARED.items()
+            if name not in without
+        }
+        own = list(inspect.signature(function).parameters.values())[1:]
+        context = inspect.Parameter("ctx", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context)
+
+        def command(ctx: typer.Context, **options: Any) -> int:
+            request = Request(ctx.obj, **{name: options.pop(name) for name in shared})
+            return function(request, **options)
+
+        first, *others = shared.values()
+        keywords = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+        command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]
+        command.__annotations__ = {p.name: p.annotation for p in [context, first, *keywords, *others]}
+        command.__name__, command.__doc__ = function.__name__, function.__doc__
+        app.command(cls=Command, epilog=FIELDS, short_help=summary)(command)
+        return function
+
+    return register
+
+
+def given(**options: Any) -> dict[str, Any]:
+    """Those options that were given."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def wrote(paths: Sequence[Path]) -> None:
+    """Say which files were written."""
+    for path in paths:
+        typer.echo(f"wrote {path}")
+
+
+def cache_folder() -> Path:
+    """Where compiled programs are kept."""
+    chosen = os.environ.get("JAXBUFFER_CACHE")
+    if chosen:
+        return Path(chosen).expanduser()
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxbuffer"

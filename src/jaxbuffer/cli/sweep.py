@@ -1,0 +1,103 @@
+"""`jaxbuffer sweep`: captures over a grid."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..errors import InputError
+from .exits import INTERRUPTED, OK
+from .request import Request, wrote
+
+if TYPE_CHECKING:
+    from ..config import Config
+    from ..grid import Grid
+
+Over = Annotated[
+    list[str] | None,
+    typer.Option(metavar="FIELD=VALUES", help="Values of a field: FROM:TO:COUNT[:log] or A,B,…; repeatable."),
+]
+
+
+def sweep(request: Request, over: Over = None) -> int:
+    """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
+
+    The grid is that of [sweep] in CONFIG.toml, with the fields of --over added or put in their place. Without either:
+    approach speeds from 0.05 to 0.25 m/s by misalignments from -0.1 to 0.1 rad, 11 of each. A capture that fails is
+    counted and named; it does not touch the others. Ctrl-C ends the sweep and keeps what was done.
+
+    \b
+    In CONFIG.toml:
+      [sweep]
+      scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}        # m/s
+      buffer.k_A = {from = 100, to = 2000, count = 8, scale = "log"}       # N/m
+      buffer.c_A = [2, 5, 10]                                              # N s/m
+
+    \b
+    Files in DIR:
+      sweep.csv  a row for each capture: its values, outcome and results, units in the header
+      sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
+      sweep.png  over one field lines, over two heat maps, over more slices of heat maps
+
+    \b
+    Examples:
+      jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
+      jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
+    """
+    from .output import ARRAYS, csv_text
+    from .sweep_files import FIGURE, TABLE, arrays, rows
+
+    study = request.study()
+    grid = _grid(study, over or [])
+    design, scenarios = grid.applied(study.design, study.scenario)
+    files = request.files(TABLE, ARRAYS, FIGURE)
+    import numpy as np
+
+    from ..sweep import SweepInterrupted
+    from ..sweep import sweep as compute
+    from ..swept import Swept
+    from .progress import sweeping
+
+    options = study.options
+    interrupted = False
+    try:
+        found = sweeping(
+            len(grid),
+            lambda report: compute(
+                design,
+                scenarios,
+                options.duration,
+                solver=options.stepper(),
+                rtol=options.rtol,
+                progress=report,
+            ),
+        )
+        done = np.ones(len(grid), bool)
+    except SweepInterrupted as stop:
+        found, done, interrupted = stop.found, stop.done, True
+        if not done.any():
+            return INTERRUPTED
+    swept = Swept(grid, study.design, study.scenario, found, done)
+    typer.echo(repr(swept))
+    if request.output is not None:
+        from ..plot_style import png
+        from ..sweep_plot import sweep_figure
+
+        contents: dict[str, str | bytes] = {
+            TABLE: csv_text(*rows(swept)),
+            ARRAYS: arrays(swept),
+            FIGURE: png(sweep_figure(swept)),
+        }
+        wrote(files.write(contents))
+    return INTERRUPTED if interrupted else OK
+
+
+def _grid(study: "Config", over: list[str]) -> "Grid":
+    from ..grid import DEFAULT, grid, typed
+
+    asked = dict(study.sweep)
+    typed_in = [typed(text) for text in over]
+    for path, values in typed_in:
+        if sum(path == other for other, _ in typed_in) > 1:
+            raise InputError(f"--over {path} is given more than once; put its values into one")
+        asked[path] = values
+    return grid(asked or DEFAULT, study.design, study.scenario)

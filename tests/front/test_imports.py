@@ -1,0 +1,53 @@
+"""Starting quickly: nothing heavy is imported before it is needed, and no public name is lost by that."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jaxbuffer
+
+SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]
+
+
+def loaded_by(code: str) -> set[str]:
+    """Top-level modules that a fresh interpreter has after running ``code``."""
+    program = f"import sys; sys.path.insert(0, {str(SOURCE)!r}); {code}; print(*sys.modules, file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    return {name.split(".")[0] for name in done.stderr.split()}
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import jaxbuffer",
+        "from jaxbuffer import InputError",
+        "from jaxbuffer.cli.entry import run; run(['--help'])",
+        "from jaxbuffer.cli.entry import run; run(['sweep', '--help'])",
+    ],
+)
+def test_neither_the_package_nor_its_help_imports_jax_or_numpy(code):
+    assert not loaded_by(code) & {"jax", "numpy", "equinox", "diffrax", "optax", "matplotlib"}
+
+
+def test_a_capture_needs_neither_optax_nor_matplotlib():
+    modules = loaded_by("from jaxbuffer import simulate, table2, Scenario")
+    assert "jax" in modules and not modules & {"optax", "matplotlib", "scipy"}
+
+
+def test_every_public_name_is_there_and_listed():
+    assert set(jaxbuffer.__all__) <= set(dir(jaxbuffer))
+    assert jaxbuffer.__all__ == sorted(jaxbuffer.__all__)
+    for name in jaxbuffer.__all__:
+        assert callable(getattr(jaxbuffer, name))
+    with pytest.raises(AttributeError, match="has no attribute 'simulat'"):
+        jaxbuffer.simulat  # noqa: B018
+
+
+def test_functions_are_not_hidden_by_modules_of_their_name():
+    loaded_by(
+        "import jaxbuffer, jaxbuffer.tune, jaxbuffer.sweep, jaxbuffer.sensitivity; "
+        "assert all(callable(f) for f in (jaxbuffer.tune, jaxbuffer.sweep, jaxbuffer.sensitivity)); "
+        "from jaxbuffer.sweep import Sweep; assert Sweep is jaxbuffer.Sweep"
+    )

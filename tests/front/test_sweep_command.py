@@ -1,0 +1,230 @@
+"""`jaxbuffer sweep` and `report`: what they ask for, print, draw and write."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+from made_up import made_up_sweep
+
+import jaxbuffer as jb
+from jaxbuffer import InputError, Outcome
+from jaxbuffer.cli.entry import run
+from jaxbuffer.cli.sweep_files import read
+from jaxbuffer.grid import grid
+from jaxbuffer.plot_style import png
+from jaxbuffer.sweep_plot import sweep_figure
+from jaxbuffer.swept import Swept
+
+FILES = ("sweep.csv", "sweep.npz", "sweep.png")
+TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
+
+
+def swept(asked, outcomes=None, done=None) -> Swept:
+    design, scenario = jb.table2(), jb.Scenario()
+    over = grid(asked, design, scenario)
+    found = made_up_sweep(*over.applied(design, scenario), outcomes)
+    return Swept(over, design, scenario, found, np.ones(len(over), bool) if done is None else done)
+
+
+def table(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_without_a_grid_speeds_and_misalignments_are_swept(computed, capsys, tmp_path):
+    assert run(["sweep", "--rtol", "1e-5", "--solver", "explicit", "--duration", "2"]) == 0
+    command, asked = computed.calls[-1]
+    assert command == "sweep" and asked["scenarios"].approach_speed.shape == (121,)
+    assert (asked["scenarios"].misalignment.min(), asked["scenarios"].misalignment.max()) == (-0.1, 0.1)
+    assert (asked["rtol"], asked["duration"]) == (1e-5, 2.0)
+    assert type(asked["solver"]).__name__ == "ExplicitRungeKutta"
+    shown = capsys.readouterr()
+    assert "Sweep of 121 captures: 11 approach_speed × 11 misalignment" in shown.out
+    assert "sweeping 121 captures" in shown.err and "121 of 121 done" in shown.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_grid_of_the_study_and_the_command_line(computed, tmp_path):
+    (tmp_path / "study.toml").write_text(
+        "[buffer]\nc_A = 7\n[sweep]\nscenario.approach_speed = [0.1, 0.2]\nbuffer.k_A = [300, 400]"
+    )
+    assert run(["sweep", "study.toml"]) == 0
+    asked = computed.calls[-1][1]
+    assert asked["scenarios"].approach_speed.tolist() == [0.1, 0.1, 0.2, 0.2]
+    assert asked["design"].buffer.k_A.tolist() == [300.0, 400.0] * 2 and asked["design"].buffer.c_A == 7.0
+    assert run(["sweep", "study.toml", "--over", "buffer.k_A=500", "--buffer.c_A", "9"]) == 0
+    asked = computed.calls[-1][1]
+    assert asked["design"].buffer.k_A.tolist() == [500.0, 500.0] and asked["design"].buffer.c_A == 9.0
+
+
+def test_summary_counts_outcomes_and_names_the_worst_and_the_failed(computed, capsys):
+    computed.outcomes = {1: Outcome.escaped, 4: Outcome.failed_step_size}
+    assert run(["sweep", *TWO]) == 0, "a capture that fails is a result"
+    shown = capsys.readouterr().out
+    words = " ".join(shown.split())
+    for part in (
+        "Sweep of 6 captures: 3 approach_speed × 2 k_A",
+        "scenario.approach_speed 0.1, 0.2, 0.3 m/s",
+        "captured: the tip centre crossed the capture plane inwards 4 66.7 %",
+        "escaped: the tip left the cone 1 16.7 %",
+        "Quantities of the 5 captures that were solved",
+        "greatest peak force 400 N at approach_speed 0.3 m/s, k_A 1000 N/m: upper flank after 0.02 s, 3 impacts",
+        "least peak force of those captured 110 N at approach_speed 0.1 m/s, k_A 100 N/m",
+        f"approach_speed 0.3 m/s, k_A 100 N/m: {Outcome.failed_step_size.reason}",
+    ):
+        assert part in words, part
+    (peaks,) = (line.split() for line in shown.splitlines() if line.startswith(" peak_force"))
+    assert [float(x) for x in peaks[2:]] == [110.0, 146.0, 210.0, 360.0, 400.0], "of 110, 200, 210, 300 and 400 N"
+
+
+def test_files(computed, capsys, tmp_path):
+    computed.outcomes = {1: Outcome.escaped, 4: Outcome.failed_step_size}
+    assert run(["sweep", *TWO, "--probe.tip_mass", "0.05", "--output", "out"]) == 0
+    printed = capsys.readouterr().out
+    folder = tmp_path / "out"
+    assert {path.name for path in folder.iterdir()} == set(FILES)
+    rows = table((folder / "sweep.csv").read_text())
+    assert [row["outcome"] for row in rows] == [
+        "captured",
+        "escaped",
+        "captured",
+        "captured",
+        "failed_step_size",
+        "captured",
+    ]
+    assert [float(row["buffer.k_A [N/m]"]) for row in rows] == [100.0, 1000.0] * 3
+    assert [row["peak_force [N]"] for row in rows] == ["110.0", "200.0", "210.0", "300.0", "", "400.0"]
+    assert (rows[0]["peak_flank"], rows[4]["peak_flank"], rows[0]["impact_count"]) == ("upper", "", "3")
+    with np.load(folder / "sweep.npz") as stored:
+        assert stored["peak_force [N]"].shape == (3, 2) and np.isnan(stored["peak_force [N]"][2, 0])
+        assert stored["peak_force [N]"][2, 1] == pytest.approx(400.0, rel=1e-15)
+        assert stored["buffer.k_A [N/m]"].tolist() == [100.0, 1000.0]
+    back = read(folder / "sweep.npz")
+    assert back.design.probe.tip_mass == 0.05 and back.grid.shape == (3, 2)
+    assert repr(back) in printed
+    assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    assert run(["sweep", *TWO, "--output", "out"]) == 2
+    assert "sweep.csv, out/sweep.npz, out/sweep.png exist; --force overwrites" in capsys.readouterr().err
+    assert run(["sweep", "--output", "out", "--force"]) == 0
+    assert len(table((folder / "sweep.csv").read_text())) == 121
+
+
+def test_ctrl_c_keeps_what_was_done(computed, capsys, tmp_path):
+    computed.interrupt_after = 4
+    assert run(["sweep", *TWO, "--output", "out"]) == 130
+    shown = capsys.readouterr()
+    assert "interrupted, 4 of them done" in shown.out and "wrote out" in shown.out
+    assert shown.err.endswith("interrupted\n")
+    assert len(table((tmp_path / "out" / "sweep.csv").read_text())) == 4
+    assert read(tmp_path / "out" / "sweep.npz").done.tolist() == [True] * 4 + [False] * 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["scenario.aproach_speed=0.1"], "scenario.aproach_speed is unknown; did you mean scenario.approach_speed?"),
+        (["probe.free_tip=true"], "probe.free_tip is a choice"),
+        (["buffer.k_A=100:200:0"], "count = 0"),
+        (["buffer.k_A="], "expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE"),
+        (["buffer.k_A=1:2:1e12"], "TiB of memory"),
+        (["scenario.contact_distance=0.01:0.09:3"], "scenario.contact_distance = 0.09 m is out of range"),
+        (["buffer.k_A=1", "buffer.k_A=2"], "--over buffer.k_A is given more than once"),
+    ],
+)
+def test_bad_grids_are_one_line_and_exit_code_2(computed, capsys, tmp_path, words, message):
+    assert run(["sweep", "--output", "out", *(part for word in words for part in ("--over", word))]) == 2
+    shown = capsys.readouterr()
+    assert message in shown.err and shown.err.count("\n") == 1
+    assert all(name == "configure" for name, _ in computed.calls) and list(tmp_path.iterdir()) == []
+
+
+def test_help_teaches(computed, capsys):
+    assert run(["sweep", "--help"]) == 0
+    shown = capsys.readouterr().out
+    for part in (
+        *FILES,
+        "--over scenario.approach_speed=0.05:0.3:20",
+        '{from = 100, to = 2000, count = 8, scale = "log"}',
+    ):
+        assert part in shown
+
+
+SPEEDS = {"from": 0.1, "to": 0.3, "count": 5}
+SPRINGS = {"from": 100.0, "to": 1000.0, "count": 4, "scale": "log"}
+OUTCOMES = {1: Outcome.escaped, 2: Outcome.timeout, 3: Outcome.failed_not_finite}
+
+
+def test_figure_over_one_field():
+    figure = sweep_figure(swept({"buffer.k_A": SPRINGS, "buffer.c_A": 5.0}, OUTCOMES))
+    assert len(figure.axes) == 4 and {axes.get_xlabel() for axes in figure.axes} == {"k_A [N/m]"}
+    axes = figure.axes[0]
+    assert (axes.get_xscale(), axes.get_ylabel()) == ("log", "peak contact force [N]")
+    np.testing.assert_allclose(axes.lines[0].get_ydata()[:3], 100.0 + 0.1 * np.geomspace(100, 1000, 4)[:3])
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["escaped", "timeout", "failed"]
+    assert "c_A 5 N s/m" in figure.get_suptitle()
+
+
+def test_figure_over_two_fields_marks_what_was_not_captured():
+    done = np.arange(20) < 18
+    figure = sweep_figure(swept({"scenario.approach_speed": SPEEDS, "buffer.k_A": SPRINGS}, OUTCOMES, done))
+    axes = figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("approach speed [m/s]", "k_A [N/m]")
+    image, *marks = axes.collections
+    assert image.get_array().shape == (4, 5), "speed runs to the right"
+    assert image.get_array()[0, 4] == pytest.approx(310.0) and image.get_array().mask[3, 0], "a failed one is blank"
+    places = [tuple(mark.get_offsets()[0]) for mark in marks]
+    expected = [(0.1, 10 ** (7 / 3)), (0.1, 10 ** (8 / 3)), (0.1, 1000.0), (0.3, 10 ** (8 / 3))]
+    np.testing.assert_allclose(places, expected)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["escaped", "timeout", "failed", "not computed"]
+    assert png(figure).startswith(b"\x89PNG")
+
+
+def test_cells_reach_halfway_to_their_neighbours_on_the_axis_own_scale():
+    figure = sweep_figure(swept({"scenario.approach_speed": [0.3, 0.1], "buffer.k_A": SPRINGS}))
+    corners = figure.axes[0].collections[0].get_coordinates()
+    np.testing.assert_allclose(corners[0, :, 0], [0.0, 0.2, 0.4], atol=1e-15)
+    np.testing.assert_allclose(corners[:, 0, 1], 100.0 * 10.0 ** (np.arange(-1, 8, 2) / 6))
+    assert figure.axes[0].collections[0].get_array()[0, 1] == pytest.approx(310.0), "sorted, values with them"
+
+
+def test_figure_over_more_fields_is_cut_into_slices():
+    asked = {
+        "buffer.c_A": [2.0, 5.0],
+        "scenario.approach_speed": SPEEDS,
+        "buffer.k_A": SPRINGS,
+        "buffer.c_T": {"from": 1.0, "to": 2.0, "count": 3},
+        "probe.tip_mass": [0.05, 0.06, 0.07],
+    }
+    figure = sweep_figure(swept(asked))
+    assert "9 of 18 slices" in figure.get_suptitle()
+    panels = [axes for axes in figure.axes if axes.get_xlabel()]
+    assert len(panels) == 9
+    assert panels[0].get_title(loc="left") == "c_A 2 N s/m, c_T 1 N m s/rad, tip_mass 0.05 kg"
+    assert panels[-1].get_title(loc="left") == "c_A 5 N s/m, c_T 2 N m s/rad, tip_mass 0.07 kg"
+
+
+def test_report_prints_a_folder_again(computed, capsys, tmp_path):
+    for words in (["simulate"], ["sensitivity"], ["tune"], ["sweep", *TWO]):
+        assert run([*words, "--output", words[0]]) == 0
+        printed = [line for line in capsys.readouterr().out.splitlines() if not line.startswith("wrote")]
+        assert run(["report", words[0]]) == 0
+        again = capsys.readouterr().out.splitlines()
+        assert [line for line in again if not line.startswith("figure")] == printed
+        assert sum(line.startswith("figure") for line in again) == (words[0] != "sensitivity")
+
+
+def test_report_without_results(capsys, tmp_path):
+    assert run(["report", str(tmp_path / "none")]) == 2
+    assert "none: no such folder" in capsys.readouterr().err
+    assert run(["report", str(tmp_path)]) == 2
+    assert "holds no results of simulate, sensitivity, sweep or tune" in capsys.readouterr().err
+    (tmp_path / "sweep.npz").write_bytes(b"not one")
+    assert run(["report", str(tmp_path)]) == 2
+    assert "sweep.npz is not a sweep's result" in capsys.readouterr().err
+
+
+def test_arrays_of_something_else_are_refused(tmp_path):
+    np.savez(tmp_path / "sweep.npz", x=1.0)
+    with pytest.raises(InputError, match="is not a sweep's result"):
+        read(tmp_path / "sweep.npz")
