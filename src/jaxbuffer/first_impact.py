@@ -55,14 +55,17 @@ def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
     """
     damping = jnp.maximum(jnp.asarray(hysteresis, float), 1e-4)  # below, G loses its digits and the factor is 1 - 0.4 χ̂
 
-    def taken_up(w: Array) -> Array:
+    def taken_up(w: Array, damping: Array) -> Array:
         return ((1.0 - w) - jnp.log((1.0 + damping) / (1.0 + damping * w)) / damping) / damping
 
-    low, high = jnp.zeros(()), jnp.ones(())
-    for _ in range(50):
+    still = jax.lax.stop_gradient(damping)
+
+    def halved(_: Array, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
+        low, high = bracket
         middle = 0.5 * (low + high)
-        early = 0.6 * middle > damping * taken_up(middle)
-        low, high = jnp.where(early, low, middle), jnp.where(early, middle, high)
-    w = jax.lax.stop_gradient(0.5 * (low + high))  # the factor is stationary there
-    factor = (2.0 * taken_up(w)) ** 0.6 * (1.0 + damping * w)
+        early = 0.6 * middle > still * taken_up(middle, still)
+        return jnp.where(early, low, middle), jnp.where(early, middle, high)
+
+    w, _ = jax.lax.fori_loop(0, 50, halved, (jnp.zeros(()), jnp.ones(())))  # the factor is stationary there
+    factor = (2.0 * taken_up(w, damping)) ** 0.6 * (1.0 + damping * w)
     return jnp.where(hysteresis < 1e-4, 1.0 - 0.4 * hysteresis, factor)

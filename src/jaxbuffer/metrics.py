@@ -42,9 +42,10 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
     """
 
-    def observe(slot: Array) -> Array:
+    def observe(slot: Array) -> tuple[Array, Array]:
         state, active = state_at(log, slot), log.active[slot]
-        return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
+        rate = mechanism.derivative(log.time[slot], state, active)
+        return mechanism.observables(state, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.
@@ -54,14 +55,16 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
     flank = jnp.argmax(log.values[slots[0], :FLANKS])
     columns = jnp.stack([flank, *map(jnp.asarray, (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))])
-    value = jax.vmap(observe)(slots)[jnp.arange(5), columns]
-    return Maxima(value[0], _peak_time(mechanism, log, slots[0], flank), flank, *value[1:])
+    seen, rates = jax.vmap(observe)(slots)
+    value = seen[jnp.arange(5), columns]
+    return Maxima(value[0], _peak_time(mechanism, log, slots[0], flank, rates[0]), flank, *value[1:])
 
 
-def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flank: Int[Array, ""]) -> Float[Array, ""]:
+def _peak_time(
+    mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flank: Int[Array, ""], rate: Float[Array, " state"]
+) -> Float[Array, ""]:
     """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
-    rate = mechanism.derivative(log.time[slot], state, active)
     slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
@@ -162,8 +165,8 @@ def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) ->
     """
     last = jnp.maximum(log.count - 1, 0)
     end = state_at(log, last)
-    rate = mechanism.derivative(log.time[last], end, log.active[last])
-    before, receding = jax.jvp(mechanism.throat_distance, (end,), (rate,))
+    motion = jnp.zeros_like(end).at[:N].set(end[N : 2 * N])  # all that a distance sees of the state's rate
+    before, receding = jax.jvp(mechanism.throat_distance, (end,), (motion,))
     return before, -(before + receding * (duration - log.time[last]))
 
 

@@ -108,10 +108,3 @@ def value_of(capture: "Capture", name: str) -> float:
         return float(QUANTITIES[name].of(capture))
     present = asked.slot < int(capture.impact_count) and not capture.outcome.failed
     return float(asked.of(capture)) if present else float("nan")
-
-
-def list_of_quantities() -> str:
-    """A line each, for help texts."""
-    lines = [f"  {name:<21}{q.unit:<5}{q.description}" for name, q in QUANTITIES.items()]
-    fields = ", ".join(f"{name} [{unit}]" for name, unit in IMPACT_UNITS.items())
-    return "\n".join([*lines, f"  impact.N.FIELD       of impact N: {fields}"])

@@ -7,6 +7,7 @@ from made_up import made_up_capture, made_up_sensitivity, made_up_tuning
 
 import jaxbuffer.runtime
 from jaxbuffer import Outcome
+from jaxbuffer.certificate import Verdict
 
 
 class Computed:
@@ -15,6 +16,7 @@ class Computed:
     def __init__(self) -> None:
         self.calls = []
         self.outcome = Outcome.captured
+        self.verdict = Verdict.trusted
         self.error = None
 
     def simulate(self, design, scenario, duration, **options):
@@ -23,7 +25,8 @@ class Computed:
 
     def sensitivity(self, design, scenario, wrt, duration, **options):
         self._note("sensitivity", design=design, scenario=scenario, wrt=wrt, duration=duration, **options)
-        return made_up_sensitivity(made_up_capture(scenario, outcome=self.outcome, design=design), wrt)
+        capture = made_up_capture(scenario, outcome=self.outcome, design=design)
+        return made_up_sensitivity(capture, wrt, options["quantities"], verdict=self.verdict)
 
     def tune(self, problem, *, iterations, report):
         self._note("tune", problem=problem, iterations=iterations)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .exits import OK, fail
-from .overrides import FIELDS, Command
+from .overrides import FIELDS, WITH_QUANTITIES, Command
 
 if TYPE_CHECKING:
     from ..config import Config
@@ -129,7 +129,7 @@ def simulate(
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS, short_help="One capture's gradients and elasticities, verified.")
+@app.command(cls=Command, epilog=WITH_QUANTITIES, short_help="One capture's gradients and elasticities, certified.")
 def sensitivity(
     ctx: typer.Context,
     config: ConfigFile = None,
@@ -137,30 +137,44 @@ def sensitivity(
         list[str] | None,
         typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),
     ] = None,
+    of: Annotated[
+        list[str] | None,
+        typer.Option(metavar="QUANTITY", help="Differentiate QUANTITY; repeatable; default: the first five below."),
+    ] = None,
+    certify: Annotated[
+        str, typer.Option(metavar="HOW", help="quick (default), thorough (a difference a parameter) or none.")
+    ] = "quick",
     solver: Solver = None,
     rtol: Rtol = None,
     duration: Duration = None,
     output: OutputFolder = None,
     force: Force = False,
 ) -> int:
-    """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time.
+    """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
+    quantity below.
 
-    The peak force's gradient is verified against differences of tight simulations.
+    They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
+    the active peak and its runner-up, and a verdict: trusted, check or refused.
 
     \b
     Files in DIR:
       sensitivity.json, sensitivity.csv  values, gradients, elasticities, units
 
     \b
-    Example: jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
+    Examples:
+      jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
+      jaxbuffer sensitivity --of peak_force --of impact.1.peak_force --of capture_margin --certify thorough
     """
     study = _study(ctx, config, solver=solver, rtol=rtol, duration=duration)
     files = _output(output, ("sensitivity.json", "sensitivity.csv"), force)
-    from ..sensitivity import PARAMETERS
+    from ..errors import check_choice
+    from ..quantities import check_quantities
+    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES
     from ..sensitivity import sensitivity as compute
     from .progress import COMPILING, working
 
-    options = study.options
+    check_choice("certify", certify, CERTIFICATES)
+    options, names = study.options, check_quantities(tuple(of or QUANTITIES))
     result = working(
         f"differentiating; {COMPILING}",
         lambda: compute(
@@ -168,8 +182,10 @@ def sensitivity(
             study.scenario,
             tuple(wrt or PARAMETERS),
             options.duration,
+            quantities=names,
             rtol=options.rtol,
             solver=options.stepper(),
+            certify=certify,
         ),
     )
     if result.capture.outcome.failed:
