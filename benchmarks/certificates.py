@@ -40,11 +40,11 @@ EVERY = 5  # so many random designs hold one with a free tip
 
 
 def cases(designs: int) -> Iterator[tuple[str, jb.Design, jb.Scenario]]:
-    """Name, design, scenario."""
-    for name, case in CASES.items():
-        yield name, case.design, case.scenario
+    """Name, design, scenario; free tips, another program to compile, come last."""
+    found = [(name, case.design, case.scenario) for name, case in CASES.items()]
     for seed in range(designs):
-        yield f"design {seed}", *random_case(seed, free_tip=seed % EVERY == EVERY - 1)
+        found.append((f"design {seed}", *random_case(seed, free_tip=seed % EVERY == EVERY - 1)))
+    yield from sorted(found, key=lambda case: case[1].probe.free_tip)
 
 
 def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:

@@ -132,9 +132,8 @@ def test_a_single_impact_has_no_runner_up():
 
 @pytest.mark.slow
 def test_a_parameter_at_its_bound_is_differenced_from_one_side():
-    """Without friction only more of it is possible."""
-    design = jb.replace(jb.table2(), {"contact.friction": 0.0})
-    wrt = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "contact.friction", "probe.tip_mass")
-    found = jb.sensitivity(design, jb.Scenario(), wrt, certify="thorough", quantities=("peak_force",))
+    """Without an axial damper only more of it is possible."""
+    design = jb.replace(jb.table2(), {"buffer.c_A": 0.0})
+    found = jb.sensitivity(design, certify="thorough", quantities=("peak_force", "stroke"))
     assert found.certificate.verdict == Verdict.trusted
-    assert abs(found.gradients[0, 3]) > 1.0 and np.isfinite(found.certificate.error).all()
+    assert np.all(np.isfinite(found.certificate.error)) and np.all(np.abs(found.gradients[:, 1]) > 1e-5)

@@ -83,14 +83,30 @@ def moving_events(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, "
     guard = guard.at[last].set(jnp.where(by_guard, terminal, guard[last]))
     time = jax.vmap(_shifted)(log.time, guard, log.guard_rate)
     rate = mechanism.derivative(log.time[last], end, active)
-    carried = end + rate * (time[last] - jax.lax.stop_gradient(time[last]))
-    return dataclasses.replace(log, time=time, rows=log.rows.at[last, 0].set(carried))
+    return dataclasses.replace(log, time=time, rows=log.rows.at[last, 0].set(_carried(end, rate, time[last])))
 
 
+@jax.custom_jvp
 def _shifted(time: Array, guard: Array, rate: Array) -> Float[Array, ""]:
     """An event's time: the located one, with the derivative of where the guard crosses zero."""
-    move = -guard / rate
-    return time + move - jax.lax.stop_gradient(move)
+    return time
+
+
+@_shifted.defjvp
+def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    (time, _, rate), (time_moves, guard_moves, _) = primals, tangents
+    return time, time_moves - guard_moves / rate
+
+
+@jax.custom_jvp
+def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
+    """A state whose time moves: the same one, with the derivative at the moving time."""
+    return state
+
+
+@_carried.defjvp
+def _carried_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    return primals[0], tangents[0] + primals[1] * tangents[2]
 
 
 class Impacts(eqx.Module):

@@ -88,6 +88,7 @@ def sensitivity(
     linear, gradients = gradients_at(rtol)
     capture = linear.capture
     results = np.array([value_of(capture, name) for name in names])
+    gradients = np.where(np.isfinite(results)[:, None], gradients, np.nan)
     nonzero = np.where(np.abs(results) < ZERO, np.nan, results)[:, None]
     found = Sensitivity(capture, paths, values, names, results, gradients, gradients * values / nonzero, None)
     if certify == "none":
