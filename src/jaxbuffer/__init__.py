@@ -2,7 +2,11 @@
 
 from .capture import Capture as Capture
 from .capture import simulate as simulate
+from .certificate import Certificate as Certificate
+from .certificate import Verdict as Verdict
 from .errors import InputError as InputError
+from .first_impact import FirstImpact as FirstImpact
+from .first_impact import first_impact as first_impact
 from .mechanisms import (
     Design as Design,
 )

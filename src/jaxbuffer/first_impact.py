@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._types import Scalar
-from .mechanisms import CaptureMechanism
+from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.assembly import LOWER
 from .multibody import Kinematics
 
@@ -27,6 +27,21 @@ class FirstImpact(eqx.Module):
     effective_energy: Float[Array, ""]
     elastic_peak: Float[Array, ""]
     predicted_peak: Float[Array, ""]
+
+
+def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:
+    """The first impact of a capture, without simulating it: a starting guess, and what no buffer goes below.
+
+    **Raises:** `InputError` where scenario and design don't fit.
+    """
+    scenario = Scenario() if scenario is None else scenario
+    check_fit(design, scenario)
+    return _first_impact(jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario)))
+
+
+@jax.jit
+def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
+    return predict(CaptureMechanism(*parameters))
 
 
 def predict(mechanism: CaptureMechanism) -> FirstImpact:
