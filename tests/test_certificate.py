@@ -7,7 +7,7 @@ import jaxbuffer as jb
 from front.made_up import made_up_capture
 from jaxbuffer import Outcome
 from jaxbuffer.certificate import HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
-from jaxbuffer.evidence import each, together
+from jaxbuffer.evidence import TightSolves, each, together
 from jaxbuffer.metrics import Impacts
 
 PATHS = ("buffer.k_A", "buffer.c_A", "probe.tip_mass")
@@ -137,3 +137,23 @@ def test_a_parameter_at_its_bound_is_differenced_from_one_side():
     found = jb.sensitivity(design, certify="thorough", quantities=("peak_force", "stroke"))
     assert found.certificate.verdict == Verdict.trusted
     assert np.all(np.isfinite(found.certificate.error)) and np.all(np.abs(found.gradients[:, 1]) > 1e-5)
+
+
+def test_a_flank_touched_and_left_at_once_is_no_landmark():
+    """Solves at two tolerances may find different numbers of impacts without force; the rest are the same ones."""
+
+    def capture(flanks, forces):
+        count = len(flanks)
+        times = np.linspace(0.0, 0.1, count)
+        hits = Impacts(times, np.array(flanks), np.zeros(count), np.array(forces), times, np.asarray(count))
+        found = made_up_capture(peak=max(forces))
+        object.__setattr__(found, "impacts", hits)
+        return found
+
+    tight = TightSolves(
+        lambda values: (jb.table2(), jb.Scenario()),
+        capture([0, 1, 1, 0], [200.0, 1e-9, 250.0, 10.0]),
+        np.ones(3), np.ones(3), NAMES, 8.0, None,
+    )  # fmt: skip
+    assert tight._seen(capture([0, 1, 0], [200.0, 251.0, 260.0]))[0] == 251.0
+    assert np.isnan(tight._seen(capture([0, 0, 1], [200.0, 20.0, 251.0]))[0])

@@ -133,7 +133,7 @@ def _judged(
     if not np.all(np.isfinite(error[k])):
         return Verdict.check, f"{name}: no differences could be taken, so only the two tolerances speak for it"
     worst = int(np.argmax(error[k]))
-    share = f"{100.0 * error[k, worst]:.2g} %"
+    share = f"{100.0 * error[k, worst]:.2g} %" if error[k, worst] < 1.0 else "more than itself"
     loudest = int(np.argmax([part[k, worst] for part in parts]))
     source = ("by its change with the tolerance", "by differences of tight solves", "as far as differences can tell")
     said = f"{name} by {paths[worst]} may be off by {share}, {source[loudest]}"

@@ -16,6 +16,7 @@ from .quantities import value_of
 CHECK_TOLERANCE = 1e-11  # of the solves that are differenced
 NOISE = 10.0 * CHECK_TOLERANCE  # relative error that such a solve leaves in a quantity
 FLOOR = 1e-3  # elasticities below count as this large when an error is made relative
+FAINT = 1e-6  # of the largest peak: impacts below are no landmarks
 SETTLED = 3e-4  # relative doubt of a difference that is small enough
 
 
@@ -53,8 +54,10 @@ class TightSolves:
     ) -> None:
         self.inputs, self.values, self.moves, self.names = inputs, values, moves, names
         self.duration, self.solver = duration, solver
-        self.active, self.code = int(capture.peak_impact), int(capture.code)
-        self.course = self._course(capture)
+        self.code = int(capture.code)
+        flanks, forces = _impacts(capture)
+        self.active = int(np.argmax(forces)) if forces.size else -1
+        self.course = flanks[: self.active + 1]
         self.known: dict[bytes, np.ndarray] = {}
 
     def inside(self, direction: np.ndarray, move: float) -> bool:
@@ -74,18 +77,23 @@ class TightSolves:
             self.known[key] = self._seen(simulate(*inputs, self.duration, rtol=CHECK_TOLERANCE, solver=self.solver))
         return self.known[key]
 
-    def _course(self, capture: Capture) -> list[int]:
-        """The flanks touched, up to the active peak's impact."""
-        return np.asarray(capture.impacts.flank)[: self.active + 1].tolist()
-
     def _seen(self, capture: Capture) -> np.ndarray:
         if int(capture.code) != self.code:
             return np.full(len(self.names), np.nan)
         found = np.array([value_of(capture, name) for name in self.names])
-        if self.active >= 0 and "peak_force" in self.names:
-            same = self._course(capture) == self.course
-            found[self.names.index("peak_force")] = capture.impacts.peak_force[self.active] if same else np.nan
+        if self.course and "peak_force" in self.names:
+            flanks, forces = _impacts(capture)
+            same = flanks[: self.active + 1] == self.course
+            found[self.names.index("peak_force")] = forces[self.active] if same else np.nan
         return found
+
+
+def _impacts(capture: Capture) -> tuple[list[int], np.ndarray]:
+    """Flanks and peak forces of all impacts but those that exert next to none: a flank touched and left at once is found
+    in one solve and missed in another."""
+    forces = np.asarray(capture.impacts.peak_force)
+    real = forces > FAINT * np.max(forces)
+    return np.asarray(capture.impacts.flank)[real].tolist(), forces[real]
 
 
 def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tolerance: np.ndarray) -> Evidence:
