@@ -89,7 +89,7 @@ class TightSolves:
 
 
 def _impacts(capture: Capture) -> tuple[list[int], np.ndarray]:
-    """Flanks and peak forces of all impacts but those that exert next to none: a flank touched and left at once is found
+    """Flanks and peak forces of all impacts that exert some: a flank touched and left at once is found
     in one solve and missed in another."""
     forces = np.asarray(capture.impacts.peak_force)
     real = forces > FAINT * np.max(forces)
