@@ -50,10 +50,9 @@ def test_one_elasticity_off_by_a_per_cent_is_found_by_either_kind(gather, parame
     claimed[0, parameter] *= 1.01
     found = certified(claimed, gather)
     assert found.verdicts == (Verdict.check, Verdict.trusted)
-    assert "peak_force by" in found.reason and "by differences of tight solves" in found.reason
+    whose = "an elasticity of peak_force" if gather is together else f"peak_force by {PATHS[parameter]}"
+    assert found.reason.startswith(f"{whose} may be off by") and found.reason.endswith("by differences of tight solves")
     assert found.error[0, parameter] > 0.9e-2
-    if gather is each:
-        assert PATHS[parameter] in found.reason and f"off by {0.99:.2g} %" in found.reason
 
 
 @pytest.mark.parametrize("gather", [together, each])

@@ -107,7 +107,10 @@ def judge(
     by_tolerance, by_differences, doubt = (part / size for part in evidence[:3])
     parts = (by_tolerance, by_differences, doubt)
     error = np.max(np.stack(parts), axis=0)  # NaN if any is
-    findings = [_judged(k, capture, names, paths, elasticities, error, parts, peaks) for k in range(len(names))]
+    findings = [
+        _judged(k, capture, names, paths, elasticities, error, parts, peaks, evidence.thorough)
+        for k in range(len(names))
+    ]
     verdicts = tuple(verdict for verdict, _ in findings)
     worst = max(verdicts)
     reason = next(said for verdict, said in findings if verdict == worst)
@@ -125,6 +128,7 @@ def _judged(
     error: np.ndarray,
     parts: Sequence[np.ndarray],
     peaks: Peaks | None,
+    thorough: bool,
 ) -> tuple[Verdict, str]:
     """The verdict on one quantity, and why."""
     name = names[k]
@@ -136,7 +140,9 @@ def _judged(
     share = f"{100.0 * error[k, worst]:.2g} %" if error[k, worst] < 1.0 else "more than itself"
     loudest = int(np.argmax([part[k, worst] for part in parts]))
     source = ("by its change with the tolerance", "by differences of tight solves", "as far as differences can tell")
-    said = f"{name} by {paths[worst]} may be off by {share}, {source[loudest]}"
+    # One difference along all parameters accuses none of them in particular.
+    whose = f"{name} by {paths[worst]}" if thorough or loudest == 0 else f"an elasticity of {name}"
+    said = f"{whose} may be off by {share}, {source[loudest]}"
     if error[k, worst] > HOPELESS:
         return Verdict.refused, said
     if error[k, worst] > TRUSTED:
