@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .capture import Capture, simulate
+    from .certificate import Certificate, Verdict
     from .errors import InputError
+    from .first_impact import FirstImpact, first_impact
     from .mechanisms import Design, Scenario, get, paths, replace, rigid_probe, table2
     from .outcome import Outcome
     from .runtime import configure
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Capture",
+    "Certificate",
     "Design",
+    "FirstImpact",
     "InputError",
     "Outcome",
     "Problem",
@@ -30,7 +34,9 @@ __all__ = [
     "Sweep",
     "Tuned",
     "Variable",
+    "Verdict",
     "configure",
+    "first_impact",
     "get",
     "paths",
     "replace",
@@ -44,7 +50,9 @@ __all__ = [
 
 _HOME = {
     "capture": ("Capture", "simulate"),
+    "certificate": ("Certificate", "Verdict"),
     "errors": ("InputError",),
+    "first_impact": ("FirstImpact", "first_impact"),
     "mechanisms": ("Design", "Scenario", "get", "paths", "replace", "rigid_probe", "table2"),
     "outcome": ("Outcome",),
     "runtime": ("configure",),
@@ -68,7 +76,7 @@ def __dir__() -> list[str]:
 
 
 class _Package(types.ModuleType):
-    """A package whose functions `sensitivity`, `sweep` and `tune` are not hidden by the modules of the same names."""
+    """A package whose functions are not hidden by the modules of the same names: `sensitivity`, `sweep` and others."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         # Python binds a submodule to its package once it is imported, by whomever

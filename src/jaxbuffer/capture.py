@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from ._types import Scalar
 from .errors import InputError, check_number
+from .first_impact import FirstImpact, predict
 from .history import History, history, trimmed
 from .integrate import Log, Options, Solver, Status, Tolerance, solve
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
@@ -21,11 +22,12 @@ from .metrics import (
     Impacts,
     balance,
     contact_time,
-    end_time,
     energy,
     impacts,
     maxima,
+    moving_events,
     state_at,
+    throat,
 )
 from .outcome import Outcome, outcome_code
 from .programs import kept
@@ -41,8 +43,10 @@ class Capture(eqx.Module):
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed capture they are NaN.
     ``peak_force`` [N] of either flank, with ``peak_time`` [s], ``peak_flank`` (0 lower, 1 upper) and ``peak_impact``
     (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force`` [N]; ``stroke`` [m]; ``hinge_angle`` [rad];
-    ``end_time`` [s]; ``contact_time`` [s]; ``impact_count``; ``energy`` at the end; ``balance``: what numerical error
-    did to conserved quantities; ``attempts``, ``accepted``: steps taken.
+    ``end_time`` [s]; ``contact_time`` [s]; ``throat_distance`` [m] of the tip from the capture plane at the end;
+    ``capture_margin`` [m]: how far beyond that plane it would be at ``duration``, coasting on from the end of the run
+    (positive for a captured one); ``impact_count``; ``first_impact``: its closed form; ``energy`` at the end;
+    ``balance``: what numerical error did to conserved quantities; ``attempts``, ``accepted``: steps taken.
     """
 
     design: Design
@@ -58,8 +62,11 @@ class Capture(eqx.Module):
     hinge_angle: Float[Array, ""]
     end_time: Float[Array, ""]
     contact_time: Float[Array, ""]
+    throat_distance: Float[Array, ""]
+    capture_margin: Float[Array, ""]
     impact_count: Int[Array, ""]
     impacts: Impacts
+    first_impact: FirstImpact
     energy: Energy
     balance: Balance
     log: Log
@@ -151,12 +158,13 @@ def _array(value: Any) -> Any:
 def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array, ""], options: Options) -> Capture:
     result = solve(CaptureMechanism, parameters, duration, options)
     mechanism = CaptureMechanism(*parameters)
-    log = result.log
+    log = moving_events(mechanism, result.log, result.status < Status.TIMEOUT)
     code = outcome_code(result.status)
     ok = code < Outcome.failed_steps
     top = maxima(mechanism, log)
     hits = impacts(mechanism, log)
     last = jnp.maximum(log.count - 1, 0)
+    throat_distance, margin = throat(mechanism, log, duration)
     slots = hits.time.shape[0]
     earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.flank == top.peak_flank)
     numbers = {
@@ -166,8 +174,10 @@ def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array,
         "peak_buffer_force": top.buffer_force,
         "stroke": top.stroke,
         "hinge_angle": top.hinge_angle,
-        "end_time": end_time(mechanism, log, result.status < Status.TIMEOUT),
+        "end_time": log.time[last],
         "contact_time": contact_time(log),
+        "throat_distance": throat_distance,
+        "capture_margin": margin,
     }
     return Capture(
         design=parameters[0],
@@ -177,6 +187,7 @@ def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array,
         peak_impact=jnp.max(jnp.where(earlier, jnp.arange(slots), -1)),
         impact_count=hits.count,
         impacts=hits,
+        first_impact=predict(mechanism),
         energy=energy(mechanism, state_at(log, last), log.active[last]),
         balance=balance(mechanism, log),
         log=log,

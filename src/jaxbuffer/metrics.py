@@ -1,6 +1,7 @@
 """From a run's log to the quantities of the model's section 7: each a plain function of located states, differentiable
 because the states carry their sensitivities."""
 
+import dataclasses
 from typing import NamedTuple
 
 import equinox as eqx
@@ -41,9 +42,10 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
     """
 
-    def observe(slot: Array) -> Array:
+    def observe(slot: Array) -> tuple[Array, Array]:
         state, active = state_at(log, slot), log.active[slot]
-        return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
+        rate = mechanism.derivative(log.time[slot], state, active)
+        return mechanism.observables(state, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.
@@ -53,30 +55,58 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
     flank = jnp.argmax(log.values[slots[0], :FLANKS])
     columns = jnp.stack([flank, *map(jnp.asarray, (HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE))])
-    value = jax.vmap(observe)(slots)[jnp.arange(5), columns]
-    return Maxima(value[0], _peak_time(mechanism, log, slots[0], flank), flank, *value[1:])
+    seen, rates = jax.vmap(observe)(slots)
+    value = seen[jnp.arange(5), columns]
+    return Maxima(value[0], _peak_time(mechanism, log, slots[0], flank, rates[0]), flank, *value[1:])
 
 
-def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flank: Int[Array, ""]) -> Float[Array, ""]:
+def _peak_time(
+    mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flank: Int[Array, ""], rate: Float[Array, " state"]
+) -> Float[Array, ""]:
     """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
-    rate = mechanism.derivative(log.time[slot], state, active)
     slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
-def end_time(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Float[Array, ""]:
-    """When the run ended; it shifts with the parameters if a guard ended it."""
+def moving_events(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Log:
+    """The same log, whose events move with the parameters: touchdowns, releases and an end by a guard at the time the
+    guard crosses zero, and the last state at the end's own time instead of a fixed one. Values stay as they are."""
     last = jnp.maximum(log.count - 1, 0)
-    guard = mechanism.terminals(state_at(log, last))[jnp.clip(log.which[last], 0, 1)]
-    return jnp.where(by_guard, _shifted(log.time[last], guard, log.guard_rate[last]), log.time[last])
+    flank = log.which % FLANKS
+    gap = jax.vmap(lambda row, flank: mechanism.gaps(row)[flank])(log.rows[:, 0], flank)
+    touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
+    guard = jnp.where(touch, -gap, jnp.where(log.kind == Kind.RELEASE, gap, 0.0))
+    end, active = state_at(log, last), log.active[last]
+    terminal = mechanism.terminals(end)[jnp.clip(log.which[last], 0, 1)]
+    guard = guard.at[last].set(jnp.where(by_guard, terminal, guard[last]))
+    time = jax.vmap(_shifted)(log.time, guard, log.guard_rate)
+    rate = mechanism.derivative(log.time[last], end, active)
+    return dataclasses.replace(log, time=time, rows=log.rows.at[last, 0].set(_carried(end, rate, time[last])))
 
 
+@jax.custom_jvp
 def _shifted(time: Array, guard: Array, rate: Array) -> Float[Array, ""]:
     """An event's time: the located one, with the derivative of where the guard crosses zero."""
-    move = -guard / rate
-    return time + move - jax.lax.stop_gradient(move)
+    return time
+
+
+@_shifted.defjvp
+def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    (time, _, rate), (time_moves, guard_moves, _) = primals, tangents
+    return time, time_moves - guard_moves / rate
+
+
+@jax.custom_jvp
+def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
+    """A state whose time moves: the same one, with the derivative at the moving time."""
+    return state
+
+
+@_carried.defjvp
+def _carried_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    return primals[0], tangents[0] + primals[1] * tangents[2]
 
 
 class Impacts(eqx.Module):
@@ -95,19 +125,14 @@ class Impacts(eqx.Module):
 
 
 def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
-    """All impacts of a run."""
+    """All impacts of a run whose log's events move (`moving_events`)."""
     touch = log.kind == Kind.TOUCHDOWN
 
     def forces(row: Array, active: Array) -> Array:
         return mechanism.contact(mechanism.kinematics(row), row, active).normal
 
-    def approach(row: Array, flank: Array) -> tuple[Array, Array]:
-        a = mechanism.approach(mechanism.kinematics(row), row)
-        return a.gap[flank], mechanism.memory(row)[flank]
-
     flank = log.which % FLANKS
-    gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
-    time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
+    speed = jax.vmap(lambda row, flank: mechanism.memory(row)[flank])(log.rows[:, 0], flank)
     top, release = _impact_ends(log)
     highest = jax.vmap(lambda slot, flank: forces(log.rows[slot, 0], log.active[slot])[flank])(top, flank)
     peak = jnp.maximum(highest, 0.0)
@@ -115,7 +140,7 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
     picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]
     return Impacts(
-        time=jnp.where(present, time[picked], 0.0),
+        time=jnp.where(present, log.time[picked], 0.0),
         flank=jnp.where(present, log.which[picked], -1),
         approach_speed=jnp.where(present, speed[picked], 0.0),
         peak_force=jnp.where(present, peak[picked], 0.0),
@@ -145,6 +170,20 @@ def _impact_ends(log: Log) -> tuple[Int[Array, " slots"], Float[Array, " slots"]
     begin = (jnp.asarray(0), jnp.full(FLANKS, slots), jnp.arange(slots), jnp.full(slots, jnp.nan))
     _, _, top, release = jax.lax.while_loop(lambda carry: carry[0] < log.count, visit, begin)
     return top, release
+
+
+def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) -> tuple[Array, Array]:
+    """How far the tip centre is before the capture plane at the end of the run [m], and the capture's margin [m]: how
+    far beyond that plane it would be at ``duration``, going on from the end as fast as it goes there.
+
+    The margin is positive exactly if the run ends captured (or would, going on). Its value and slope are continuous
+    where capture, or escape, happens just at ``duration``; grazing the plane without crossing it is a jump.
+    """
+    last = jnp.maximum(log.count - 1, 0)
+    end = state_at(log, last)
+    motion = jnp.zeros_like(end).at[:N].set(end[N : 2 * N])  # all that a distance sees of the state's rate
+    before, receding = jax.jvp(mechanism.throat_distance, (end,), (motion,))
+    return before, -(before + receding * (duration - log.time[last]))
 
 
 def contact_time(log: Log) -> Float[Array, ""]:

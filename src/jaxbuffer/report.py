@@ -8,11 +8,15 @@ import numpy as np
 
 from .mechanisms import Scenario, get, unit
 from .outcome import Outcome
+from .quantities import quantity_unit
 from .tables import table as _table
 from .tables import text as _text
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from .capture import Capture
+    from .certificate import Certificate
     from .sensitivity import Sensitivity
     from .sweep import Sweep
     from .tune import Tuned, Variable
@@ -27,6 +31,8 @@ UNITS = {
     "hinge_angle": "rad",
     "end_time": "s",
     "contact_time": "s",
+    "throat_distance": "m",
+    "capture_margin": "m",
 }
 
 
@@ -36,16 +42,22 @@ def summary(capture: "Capture") -> str:
     if outcome.failed:
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
     flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
+    first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
         f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
+        f"  first impact         {float(capture.impacts.peak_force[0]):.6g} N; closed form"
+        f" {float(first.predicted_peak):.4g} N ({float(first.elastic_peak):.4g} N without loss):"
+        f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
         f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N",
         f"  stroke               {1e3 * float(capture.stroke):.6g} mm",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
+        f"  capture margin       {1e3 * float(capture.capture_margin):.6g} mm beyond the capture plane at the duration,"
+        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time",
         f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
         f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
         f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g})",
@@ -64,6 +76,8 @@ def sweep_summary(result: "Sweep") -> str:
     for heading in ("quantity", "least", "median", "greatest"):
         table.add_column(heading, justify="left" if heading == "quantity" else "right")
     for name, its_unit in UNITS.items():
+        if not hasattr(result, name):
+            continue
         values = getattr(result, name)
         known = values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
@@ -81,23 +95,63 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
 
 
 def sensitivity_table(result: "Sensitivity") -> str:
-    """Elasticities of every quantity, and the peak force's gradient with its verified error."""
+    """Elasticities and gradients of every quantity, and the certificate."""
     units = [_parameter_unit(result.capture, path) for path in result.paths]
     elastic = _table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
     elastic.add_column("parameter")
-    elastic.add_column("value", justify="right")
     for name, value in zip(result.quantities, result.results, strict=True):
-        elastic.add_column(f"{name}\n{value:.5g} {UNITS[name]}", justify="right")
-    gradient = _table("Gradient of the peak contact force")
-    for heading in ("parameter", "gradient", "error"):
-        gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
-    peak = result.quantities.index("peak_force")
+        elastic.add_column(f"{name}\n{value:.5g} {quantity_unit(name)}", justify="right")
     for k, path in enumerate(result.paths):
-        elastic.add_row(path, f"{result.values[k]:.5g} {units[k]}", *(f"{e:+.4f}" for e in result.elasticities[:, k]))
-        error = "not verified" if result.error is None else f"{result.error[k]:.1e}"
-        gradient.add_row(path, f"{result.gradients[peak, k]:+.5g} {per('N', units[k])}", error)
-    note = "error: relative to central differences of tight solves, elasticities below 0.001 counting as 0.001"
-    return _text(f"Sensitivity; {result.capture.outcome.reason}", elastic, gradient, note)
+        elastic.add_row(path, *(f"{e:+.4f}" for e in result.elasticities[:, k]))
+    main, certificate = result.quantities[0], result.certificate
+    gradient = _table(f"Gradient of {main}")
+    for heading in ("parameter", "value", "gradient", "estimated error"):
+        gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for k, path in enumerate(result.paths):
+        error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
+        slope = f"{result.gradients[0, k]:+.5g} {per(quantity_unit(main), units[k])}"
+        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope, error)
+    parts: list[str | Table] = [f"Sensitivity; {result.capture.outcome.reason}", elastic, gradient]
+    if certificate is not None:
+        parts.append(certificate_text(certificate, result.quantities))
+    if not result.capture.outcome.failed:
+        parts.append(_first_impact(result.capture))
+    return _text(*parts)
+
+
+def certificate_text(certificate: "Certificate", quantities: Sequence[str]) -> str:
+    """Verdict, reason, active peak and runner-up, in a line each."""
+    lines = [f"Certificate: {certificate.verdict.name.upper()}: {certificate.reason}"]
+    less = [f"{n} {v.name}" for n, v in zip(quantities, certificate.verdicts, strict=True) if v]
+    if less and len(less) < len(quantities):
+        lines.append(f"  not all trusted      {', '.join(less)}; the others are")
+    if (peaks := certificate.peaks) is not None:
+        lines.append(
+            f"  active peak          {peaks.force:.6g} N at {peaks.time:.6g} s, {FLANKS[peaks.flank]} flank,"
+            f" impact {peaks.impact + 1}"
+        )
+        if peaks.runner_up_impact < 0:
+            lines.append("  runner-up            none: no other impact")
+        else:
+            swap = f"; {100.0 * peaks.swap_change:+.3g} % of {peaks.swap_path} would make it the peak (first order)"
+            lines.append(
+                f"  runner-up            {peaks.runner_up_force:.6g} N, impact {peaks.runner_up_impact + 1},"
+                f" {100.0 * peaks.margin:.3g} % below" + (swap if peaks.swap_path else "")
+            )
+    kind = "a difference for each parameter" if certificate.thorough else "one difference along all parameters together"
+    if certificate.solves:
+        lines.append(f"  evidence             gradient at another tolerance; {kind}, {certificate.solves} tight solves")
+    lines.append("  errors are relative to the elasticity, those below 0.001 counting as 0.001")
+    return "\n".join(lines)
+
+
+def _first_impact(capture: "Capture") -> str:
+    """The simulated first peak beside its closed form."""
+    first, seen = capture.first_impact, float(capture.impacts.peak_force[0])
+    return (
+        f"First impact: {seen:.6g} N; closed form {float(first.predicted_peak):.6g} N, "
+        f"{float(first.elastic_peak):.6g} N without loss (T_c {float(first.effective_energy):.5g} J)"
+    )
 
 
 def tuned_table(tuned: "Tuned") -> str:

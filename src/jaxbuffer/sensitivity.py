@@ -1,6 +1,5 @@
-"""Gradients and elasticities of a capture, with evidence of their own error."""
+"""Gradients and elasticities of a capture, with a certificate of how far to trust them."""
 
-import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,24 +11,28 @@ from jaxtyping import Array, Float
 
 from ._types import Scalar
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, Capture, simulate
-from .errors import InputError
+from .certificate import Certificate, judge, peak_report
+from .errors import InputError, check_choice
+from .evidence import CHECK_TOLERANCE as CHECK_TOLERANCE
+from .evidence import TightSolves, each, together
 from .integrate import Solver
 from .mechanisms import Design, Scenario, get, replace
+from .quantities import IMPACT_UNITS, check_quantities, of_impact, value_of
+from .quantities import QUANTITIES as CATALOGUE
 
 PARAMETERS = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "probe.tip_mass")
 QUANTITIES = ("peak_force", "peak_hinge_force", "stroke", "hinge_angle", "end_time")
-
-CHECK_TOLERANCE = 1e-10
-CHECK_STEP = 1e-4  # relative; the second, half as long, takes the differences' own error out (Richardson)
+CERTIFICATES = ("quick", "thorough", "none")
+ZERO = 1e-15  # a result below has no elasticities
 
 
 class Sensitivity(eqx.Module):
     """Gradients of a capture's quantities with respect to design parameters. Print it for a table.
 
     ``paths`` and their ``values``; ``quantities`` and their ``results``; ``gradients`` (quantities, paths) in units of
-    quantity over parameter; ``elasticities`` d ln quantity / d ln parameter [-]; ``error``: for each path, the
-    difference between the gradient of the peak force and central differences of tight solves, relative to the latter
-    (or to an elasticity of 1e-3 where it is smaller), or None if not verified.
+    quantity over parameter; ``elasticities`` d ln quantity / d ln parameter [-] (NaN where the quantity is zero);
+    ``certificate``: the estimated error of each, what the peak is and what comes next, and a verdict; None if not
+    asked for.
     """
 
     capture: Capture
@@ -39,7 +42,7 @@ class Sensitivity(eqx.Module):
     results: np.ndarray
     gradients: np.ndarray
     elasticities: np.ndarray
-    error: np.ndarray | None
+    certificate: Certificate | None
 
     def __repr__(self) -> str:
         from .report import sensitivity_table
@@ -53,35 +56,59 @@ def sensitivity(
     wrt: Sequence[str] = PARAMETERS,
     duration: Scalar = DEFAULT_DURATION,
     *,
+    quantities: Sequence[str] = QUANTITIES,
     rtol: float = DEFAULT_TOLERANCE,
     solver: Solver | None = None,
-    verify: bool = True,
+    certify: str = "quick",
 ) -> Sensitivity:
     """Simulate a capture and differentiate it.
 
     **Arguments:** as for `simulate`; ``wrt``: dotted paths of numbers in the design, or "scenario.…" of the scenario;
-    ``verify``: compare with central differences of captures solved at ``rtol`` 1e-10 (four captures a parameter).
+    ``quantities``: names in `quantities.QUANTITIES`, or of an impact as in "impact.3.peak_force"; ``certify``: "quick"
+    compares with the gradient at a tenth of the tolerance and with one difference of tight solves along all parameters
+    together, "thorough" with differences of tight solves for each parameter, "none" with nothing.
 
-    **Returns:** a `Sensitivity`. **Raises:** `InputError` for paths that are unknown or not numbers.
+    **Returns:** a `Sensitivity`. **Raises:** `InputError` for paths or names that are unknown or not numbers.
     """
     scenario = Scenario() if scenario is None else scenario
-    paths = tuple(wrt)
+    paths, names = tuple(wrt), check_quantities(tuple(quantities))
+    check_choice("certify", certify, CERTIFICATES)
+    if not paths:
+        raise InputError("wrt is empty; name at least one field to differentiate by, buffer.k_A say")
     for path in paths:
         value = _get(design, scenario, path)
         if value is None or isinstance(value, (str, bool)):
             raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
     values = np.array([float(_get(design, scenario, path)) for path in paths])
-    linear = linearised(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
-    capture, results, gradients = linear.capture, np.asarray(linear.results), np.asarray(linear.gradients)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        elasticities = gradients * values / results[:, None]
-    error = None
-    if verify and not capture.outcome.failed:
-        peak = functools.partial(_peak, design, scenario, paths, duration, solver)
-        scale = np.where(values == 0.0, 1.0, np.abs(values)) / results[0]
-        expected = np.array([_difference(peak, values, k) for k in range(len(paths))]) * scale
-        error = np.abs(gradients[0] * scale - expected) / np.maximum(np.abs(expected), 1e-3)
-    return Sensitivity(capture, paths, values, QUANTITIES, results, gradients, elasticities, error)
+
+    def gradients_at(rtol: float) -> tuple["Linearised", np.ndarray]:
+        linear = linearised(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
+        return linear, np.array([linear.gradient(name) for name in names])
+
+    linear, gradients = gradients_at(rtol)
+    capture = linear.capture
+    results = np.array([value_of(capture, name) for name in names])
+    gradients = np.where(np.isfinite(results)[:, None], gradients, np.nan)
+    nonzero = np.where(np.abs(results) < ZERO, np.nan, results)[:, None]
+    found = Sensitivity(capture, paths, values, names, results, gradients, gradients * values / nonzero, None)
+    if certify == "none":
+        return found
+    # Signed like elasticities, but finite where a parameter or a quantity is zero.
+    moves = np.where(values == 0.0, 1.0, np.abs(values))
+    sizes = np.where(np.isfinite(nonzero), np.abs(nonzero), 1.0)
+    evidence = None
+    if not capture.outcome.failed:
+        changes = np.abs(gradients - gradients_at(rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol)[1]) * moves / sizes
+
+        def inputs(values: np.ndarray) -> tuple[Design, Scenario]:
+            return _with(design, scenario, paths, list(values))
+
+        tight = TightSolves(inputs, capture, values, moves, names, duration, solver)
+        by_differences = each if certify == "thorough" else together
+        evidence = by_differences(tight, gradients * moves / sizes, sizes[:, 0], changes)
+    peaks = peak_report(capture, np.asarray(linear.impact_gradients) * moves, paths)
+    certificate = judge(capture, names, paths, gradients * moves / sizes, evidence, peaks)
+    return eqx.tree_at(lambda s: s.certificate, found, certificate, is_leaf=lambda x: x is None)
 
 
 def _split(path: str) -> tuple[bool, str]:
@@ -104,13 +131,26 @@ def _with(
 
 
 class Linearised(eqx.Module):
-    """A capture with first derivatives: ``results`` and ``gradients`` of `QUANTITIES`, and of every impact's peak force
-    (``capture.impacts.peak_force``) with respect to the paths' values."""
+    """A capture with first derivatives by the paths' values: ``results`` and ``gradients`` of all quantities in the
+    catalogue, in its order, and of each number of every impact (``by_impact``, by the names in `Impacts`)."""
 
     capture: Capture
     results: Float[Array, " quantities"]
     gradients: Float[Array, "quantities paths"]
-    impact_gradients: Float[Array, "slots paths"]
+    by_impact: dict[str, Float[Array, "slots paths"]]
+
+    @property
+    def impact_gradients(self) -> Float[Array, "slots paths"]:
+        """Gradients of every impact's peak force."""
+        return self.by_impact["peak_force"]
+
+    def gradient(self, name: str) -> np.ndarray:
+        """The gradient of one quantity; NaN for an impact that the capture does not have."""
+        asked = of_impact(name)
+        if asked is None:
+            return np.asarray(self.gradients[list(CATALOGUE).index(name)])
+        present = asked.slot < int(self.capture.impact_count)
+        return np.asarray(self.by_impact[asked.field][asked.slot]) * (1.0 if present else np.nan)
 
 
 def linearised(
@@ -124,7 +164,7 @@ def linearised(
     solver: Solver | None = None,
 ) -> Linearised:
     """A capture of the design with ``paths`` set to ``values``, and its derivatives by those: one compiled program for
-    all designs and scenarios of a kind, shared by `sensitivity` and `tune`."""
+    all designs, scenarios, tolerances and quantities, shared by `sensitivity` and `tune`."""
     inputs = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario, duration, rtol))
     return _linearised(inputs, jnp.asarray(values, float), tuple(paths), solver)
 
@@ -138,35 +178,12 @@ def _linearised(
 ) -> Linearised:
     design, scenario, duration, rtol = inputs
 
-    def outputs(values: list[Array]) -> tuple[tuple[Array, Array], Capture]:
+    def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Capture, Array]]:
         capture = simulate(*_with(design, scenario, paths, values), duration, rtol=rtol, solver=solver)
-        return (jnp.stack([getattr(capture, name) for name in QUANTITIES]), capture.impacts.peak_force), capture
+        results = jnp.stack([quantity.of(capture) for quantity in CATALOGUE.values()])
+        return (results, {name: getattr(capture.impacts, name) for name in IMPACT_UNITS}), (capture, results)
 
     separate = [values[k] for k in range(len(paths))]
-    (quantities, peaks), capture = jax.jacfwd(outputs, has_aux=True)(separate)
-    results = jnp.stack([getattr(capture, name) for name in QUANTITIES])
-    return Linearised(capture, results, jnp.stack(quantities, axis=1), jnp.stack(peaks, axis=1))
-
-
-def _peak(
-    design: Design,
-    scenario: Scenario,
-    paths: tuple[str, ...],
-    duration: Scalar,
-    solver: Solver | None,
-    values: np.ndarray,
-) -> float:
-    moved = _with(design, scenario, paths, list(values))
-    return float(simulate(*moved, duration, rtol=CHECK_TOLERANCE, solver=solver).peak_force)
-
-
-def _difference(function: "functools.partial[float]", values: np.ndarray, k: int) -> float:
-    """Central differences with two steps, extrapolated."""
-
-    def central(relative: float) -> float:
-        step = relative * (abs(values[k]) or 1.0)
-        up, down = values.copy(), values.copy()
-        up[k], down[k] = values[k] + step, values[k] - step
-        return (function(up) - function(down)) / (up[k] - down[k])
-
-    return (4.0 * central(CHECK_STEP / 2) - central(CHECK_STEP)) / 3.0
+    (gradients, by_impact), (capture, results) = jax.jacfwd(outputs, has_aux=True)(separate)
+    by_impact = {name: jnp.stack(columns, axis=1) for name, columns in by_impact.items()}
+    return Linearised(capture, results, jnp.stack(gradients, axis=1), by_impact)

@@ -8,6 +8,7 @@ from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up
 
 import jaxbuffer.runtime
 from jaxbuffer import Outcome
+from jaxbuffer.certificate import Verdict
 from jaxbuffer.sweep import SweepInterrupted
 
 
@@ -17,6 +18,7 @@ class Computed:
     def __init__(self) -> None:
         self.calls = []
         self.outcome = Outcome.captured
+        self.verdict = Verdict.trusted
         self.error = None
         self.outcomes = {}  # of a sweep, by index; captured otherwise
         self.interrupt_after = None
@@ -27,7 +29,8 @@ class Computed:
 
     def sensitivity(self, design, scenario, wrt, duration, **options):
         self._note("sensitivity", design=design, scenario=scenario, wrt=wrt, duration=duration, **options)
-        return made_up_sensitivity(made_up_capture(scenario, outcome=self.outcome, design=design), wrt)
+        capture = made_up_capture(scenario, outcome=self.outcome, design=design)
+        return made_up_sensitivity(capture, wrt, options["quantities"], verdict=self.verdict)
 
     def tune(self, problem, *, iterations, report):
         self._note("tune", problem=problem, iterations=iterations)

@@ -6,6 +6,8 @@ import numpy as np
 
 from jaxbuffer import Outcome, Scenario, get, replace, table2
 from jaxbuffer.capture import Capture
+from jaxbuffer.certificate import Certificate, Peaks, Verdict
+from jaxbuffer.first_impact import FirstImpact
 from jaxbuffer.history import History
 from jaxbuffer.integrate import Log
 from jaxbuffer.metrics import Balance, Energy, Impacts
@@ -51,11 +53,13 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         **{name: jnp.asarray(value) for name, value in {
             "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_flank": 1, "peak_impact": 0,
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
-            "end_time": END, "contact_time": PULSE, "impact_count": 1, "attempts": STEPS + 20, "accepted": STEPS,
+            "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
+            "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},
         design=design,
         scenario=scenario,
         impacts=hits,
+        first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0))),
         energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
         log=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
@@ -63,14 +67,31 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     )  # fmt: skip
 
 
-def made_up_sensitivity(capture=None, paths=PARAMETERS, verified=True) -> Sensitivity:
-    shape = (len(QUANTITIES), len(paths))
+def made_up_certificate(paths, quantities=QUANTITIES, verdict=Verdict.trusted) -> Certificate:
+    shape = (len(quantities), len(paths))
+    peaks = Peaks(250.0, 0.02, 1, 0, 2, 200.0, 0.2, "buffer.c_A", -0.3)
+    verdicts = (verdict, *(Verdict.trusted for _ in quantities[1:]))
+    return Certificate(np.full(shape, 1e-5), *(np.full(shape, x) for x in (1e-5, 1e-6, 1e-7)), peaks, verdicts, verdict,
+                       "made up in a test", False, 6)  # fmt: skip
+
+
+def made_up_sensitivity(
+    capture=None, paths=PARAMETERS, quantities=QUANTITIES, certified=True, verdict=Verdict.trusted
+) -> Sensitivity:
+    shape = (len(quantities), len(paths))
     numbers = np.arange(1.0, 1.0 + shape[0] * shape[1]).reshape(shape)
-    error = np.full(len(paths), 1e-5) if verified else None
-    results = np.array([250.0, 375.0, 0.0075, 0.004, END])
-    values = np.ones(len(paths))
-    capture = capture or made_up_capture()
-    return Sensitivity(capture, tuple(paths), values, QUANTITIES, results, numbers, numbers / 100, error)
+    results = np.array([250.0, 375.0, 0.0075, 0.004, END])[: len(quantities)]
+    certificate = made_up_certificate(paths, quantities, verdict) if certified else None
+    return Sensitivity(
+        capture or made_up_capture(),
+        tuple(paths),
+        np.ones(len(paths)),
+        tuple(quantities),
+        results,
+        numbers,
+        numbers / 100,
+        certificate,
+    )
 
 
 def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:

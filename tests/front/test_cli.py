@@ -16,10 +16,14 @@ from rich.console import Console
 
 import jaxbuffer
 from jaxbuffer import Design, InputError, Outcome, Scenario, table2
+from jaxbuffer.certificate import Verdict
 from jaxbuffer.cli.entry import run
-from jaxbuffer.cli.overrides import FIELDS, split
+from jaxbuffer.cli.overrides import FIELDS, WITH_QUANTITIES, split
 from jaxbuffer.config import load
 from jaxbuffer.mechanisms import paths, unit
+from jaxbuffer.quantities import IMPACT_UNITS
+from jaxbuffer.quantities import QUANTITIES as CATALOGUE
+from jaxbuffer.sensitivity import QUANTITIES
 
 SIMULATED = ("capture.json", "history.csv", "capture.png", "capture.txt")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
@@ -103,12 +107,49 @@ def test_sensitivity_prints_tables_and_writes_files(computed, capsys, tmp_path):
     shown = capsys.readouterr().out
     for part in ("peak_force", "buffer.k_A", "1 N/m", "+1 N/(N/m)", "1.0e-05", "+0.0100"):
         assert part in shown
-    assert computed.calls[-1][1]["wrt"] == ("buffer.k_A", "scenario.approach_speed")
+    for part in (
+        "Certificate: TRUSTED: made up in a test",
+        "250 N at 0.02 s, upper flank, impact 1",
+        "200 N, impact 3, 20 % below; -30 % of buffer.c_A would make it the peak",
+        "First impact: 250 N; closed form 143 N, 150 N without loss (T_c 0.0005 J)",
+    ):
+        assert part in shown
+    arguments = computed.calls[-1][1]
+    assert arguments["wrt"] == ("buffer.k_A", "scenario.approach_speed")
+    assert (arguments["quantities"], arguments["certify"]) == (QUANTITIES, "quick")
     record = json.loads((tmp_path / "out" / "sensitivity.json").read_text())
     assert record["peak_force [N]"] == 250.0
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "sensitivity.csv").read_text())))
     assert len(rows) == len(record["derivatives"]) == 10
-    assert rows[1]["gradient_unit"] == "N/(m/s)" and rows[0]["error [-]"] == "1e-05" and rows[2]["error [-]"] == ""
+    assert rows[1]["gradient_unit"] == "N/(m/s)"
+    assert rows[0]["estimated_error [-]"] == "1e-05" and rows[0]["verdict"] == "trusted"
+    stored = record["certificate"]
+    assert (stored["verdict"], stored["reason"]) == ("trusted", "made up in a test")
+    assert stored["estimated_error [-]"]["stroke"]["buffer.k_A"] == 1e-5
+    assert stored["active_peak"] == {"force [N]": 250.0, "time [s]": 0.02, "flank": "upper", "impact": 1}
+    assert stored["runner_up"]["impact"] == 3 and stored["runner_up"]["swapped_by"] == "buffer.c_A"
+
+
+def test_quantities_and_certificate_are_chosen_by_name(computed, capsys, tmp_path):
+    words = ["--of", "stroke", "--of", "impact.2.approach_speed", "--certify", "thorough", "--wrt", "buffer.c_A"]
+    computed.verdict = Verdict.check
+    assert run(["sensitivity", *words]) == 0
+    arguments = computed.calls[-1][1]
+    assert arguments["quantities"] == ("stroke", "impact.2.approach_speed") and arguments["certify"] == "thorough"
+    shown = capsys.readouterr().out
+    assert "CHECK: made up in a test" in shown and "stroke check; the others are" in shown
+    assert "did you mean stroke?" in refused(capsys, tmp_path, "sensitivity", "--of", "strok")
+    assert "did you mean approach_speed?" in refused(capsys, tmp_path, "sensitivity", "--of", "impact.1.aproach_speed")
+    assert "they count from 1" in refused(capsys, tmp_path, "sensitivity", "--of", "impact.0.time")
+    assert "certify = 'ful' is unknown" in refused(capsys, tmp_path, "sensitivity", "--certify", "ful")
+
+
+def test_the_quantities_in_the_help_are_those_there_are():
+    block = WITH_QUANTITIES.split("Fields (")[0]
+    listed = dict(re.findall(r"(\S+) \[(.+?)\]", block))
+    assert listed == {name: q.unit for name, q in CATALOGUE.items()} | {
+        f"impact.N.{field}": symbol for field, symbol in IMPACT_UNITS.items()
+    }
 
 
 def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_path, request):

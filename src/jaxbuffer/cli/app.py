@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from .exits import OK, fail
+from .overrides import WITH_QUANTITIES
 from .report import report
 from .request import Request, given, verb, wrote
 from .sweep import sweep
@@ -114,17 +115,26 @@ def simulate(request: Request) -> int:
     return OK
 
 
-@verb(app, "One capture's gradients and elasticities, verified.")
+@verb(app, "One capture's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
 def sensitivity(
     request: Request,
     wrt: Annotated[
         list[str] | None,
         typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),
     ] = None,
+    of: Annotated[
+        list[str] | None,
+        typer.Option(metavar="QUANTITY", help="Differentiate QUANTITY; repeatable; default: the first five below."),
+    ] = None,
+    certify: Annotated[
+        str, typer.Option(metavar="HOW", help="quick (default), thorough (a difference a parameter) or none.")
+    ] = "quick",
 ) -> int:
-    """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time.
+    """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
+    quantity below.
 
-    The peak force's gradient is verified against differences of tight simulations.
+    They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
+    the active peak and its runner-up, and a verdict: trusted, check or refused.
 
     \b
     Files in DIR:
@@ -132,15 +142,20 @@ def sensitivity(
       sensitivity.txt                    the tables
 
     \b
-    Example: jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
+    Examples:
+      jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
+      jaxbuffer sensitivity --of peak_force --of impact.1.peak_force --of capture_margin --certify thorough
     """
     study = request.study()
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
-    from ..sensitivity import PARAMETERS
+    from ..errors import check_choice
+    from ..quantities import check_quantities
+    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES
     from ..sensitivity import sensitivity as compute
     from .progress import COMPILING, working
 
-    options = study.options
+    check_choice("certify", certify, CERTIFICATES)
+    options, names = study.options, check_quantities(tuple(of or QUANTITIES))
     result = working(
         f"differentiating; {COMPILING}",
         lambda: compute(
@@ -148,8 +163,10 @@ def sensitivity(
             study.scenario,
             tuple(wrt or PARAMETERS),
             options.duration,
+            quantities=names,
             rtol=options.rtol,
             solver=options.stepper(),
+            certify=certify,
         ),
     )
     if result.capture.outcome.failed:

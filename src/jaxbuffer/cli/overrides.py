@@ -26,6 +26,22 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
             misalignment [rad], passive_rate [rad/s]
 """
 
+WITH_QUANTITIES = (
+    """\
+\b
+Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact):
+  peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], end_time [s],
+  peak_time [s], peak_buffer_force [N], contact_time [s],
+  throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
+  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end
+  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], dissipated [J]
+  effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
+  impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s]
+
+"""
+    + FIELDS
+)
+
 
 class Command(TyperCommand):
     """A command that sets dotted options aside, as text, in the context's ``obj``.

@@ -12,6 +12,7 @@ import numpy as np
 from ..capture import Capture
 from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import paths, unit
+from ..quantities import quantity_unit
 from ..report import FLANKS, UNITS, per, scenario_label
 
 if TYPE_CHECKING:
@@ -76,6 +77,12 @@ def capture_record(capture: Capture) -> dict[str, Any]:
             "angular_momentum [-]": _number(balance.angular_momentum),
             "constraint_drift [m]": _number(balance.drift),
         },
+        "first_impact": {
+            "effective_mass [kg]": _number(capture.first_impact.effective_mass),
+            "effective_energy [J]": _number(capture.first_impact.effective_energy),
+            "elastic_peak [N]": _number(capture.first_impact.elastic_peak),
+            "predicted_peak [N]": _number(capture.first_impact.predicted_peak),
+        },
         "steps_accepted": int(capture.accepted),
         "steps_attempted": int(capture.attempts),
         "design": _fields(capture.design),
@@ -104,29 +111,73 @@ def capture_history(capture: Capture) -> Table:
 
 
 def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
-    """Quantities, and for each parameter its gradients and elasticities."""
+    """Quantities, for each parameter its gradients and elasticities, and the certificate."""
     header, rows = sensitivity_rows(result)
-    capture = result.capture
+    capture, units = result.capture, [quantity_unit(name) for name in result.quantities]
     return {
         "outcome": capture.outcome.name,
-        **{f"{name} [{UNITS[name]}]": _number(x) for name, x in zip(result.quantities, result.results, strict=True)},
+        **{f"{n} [{u}]": _number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
+        "certificate": None if result.certificate is None else certificate_record(result),
         "design": _fields(capture.design),
         "scenario": _fields(capture.scenario),
         "jaxbuffer": version(),
     }
 
 
+def certificate_record(result: "Sensitivity") -> dict[str, Any]:
+    """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
+    certificate: Any = result.certificate
+    peaks = certificate.peaks
+    evidence = {
+        name: {
+            quantity: dict(zip(result.paths, map(_number, getattr(certificate, field)[k]), strict=True))
+            for k, quantity in enumerate(result.quantities)
+        }
+        for name, field in (
+            ("estimated_error [-]", "error"),
+            ("change_with_tolerance [-]", "by_tolerance"),
+            ("distance_from_differences [-]", "by_differences"),
+            ("differences_own_doubt [-]", "doubt"),
+        )
+    }
+    return {
+        "verdict": certificate.verdict.name,
+        "reason": certificate.reason,
+        "verdicts": {n: v.name for n, v in zip(result.quantities, certificate.verdicts, strict=True)},
+        "thorough": certificate.thorough,
+        "tight_solves": certificate.solves,
+        **evidence,
+        "active_peak": None
+        if peaks is None
+        else {
+            "force [N]": peaks.force,
+            "time [s]": peaks.time,
+            "flank": FLANKS[peaks.flank],
+            "impact": peaks.impact + 1,
+        },
+        "runner_up": None
+        if peaks is None or peaks.runner_up_impact < 0
+        else {
+            "force [N]": peaks.runner_up_force,
+            "impact": peaks.runner_up_impact + 1,
+            "margin [-]": peaks.margin,
+            "swapped_by": peaks.swap_path or None,
+            "swapped_by_change [-]": _number(peaks.swap_change),
+        },
+    }
+
+
 def sensitivity_rows(result: "Sensitivity") -> Table:
-    """A row for each pair of quantity and parameter; "error" belongs to the peak force's gradients."""
+    """A row for each pair of quantity and parameter."""
     header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
+    certificate = result.certificate
     rows: list[Sequence[Any]] = []
     for i, quantity in enumerate(result.quantities):
         for k, path in enumerate(result.paths):
             of_scenario = path.startswith("scenario.")
             owner = result.capture.scenario if of_scenario else result.capture.design
             symbol = unit(owner, path.removeprefix("scenario."))
-            error = result.error if quantity == "peak_force" else None
             rows.append(
                 [
                     quantity,
@@ -134,12 +185,13 @@ def sensitivity_rows(result: "Sensitivity") -> Table:
                     _number(result.values[k]),
                     symbol,
                     _number(result.gradients[i, k]),
-                    per(UNITS[quantity], symbol),
+                    per(quantity_unit(quantity), symbol),
                     _number(result.elasticities[i, k]),
-                    None if error is None else _number(error[k]),
+                    None if certificate is None else _number(certificate.error[i, k]),
+                    None if certificate is None else certificate.verdicts[i].name,
                 ]
             )
-    return [*header, "error [-]"], rows
+    return [*header, "estimated_error [-]", "verdict"], rows
 
 
 def tuning_history(tuned: "Tuned") -> Table:

@@ -20,7 +20,7 @@ SHARED = {
     "solver": Annotated[
         str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.", show_default=False)
     ],
-    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 3e-7.")],
+    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
     "duration": Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
@@ -61,10 +61,13 @@ class Request:
         return Output(self.output, names, self.force)
 
 
-def verb(app: typer.Typer, summary: str, without: Collection[str] = ()) -> Callable[[Callable[..., int]], Any]:
+def verb(
+    app: typer.Typer, summary: str, without: Collection[str] = (), epilog: str = FIELDS
+) -> Callable[[Callable[..., int]], Any]:
     """Make a function of a `Request` and options of its own a command of ``app``, which takes the shared options too.
 
-    **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not.
+    **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not;
+    ``epilog``: what its help ends with.
     """
 
     def register(function: Callable[..., int]) -> Callable[..., int]:
@@ -90,7 +93,7 @@ def verb(app: typer.Typer, summary: str, without: Collection[str] = ()) -> Calla
         command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]
         command.__annotations__ = {p.name: p.annotation for p in [context, first, *keywords, *others]}
         command.__name__, command.__doc__ = function.__name__, function.__doc__
-        app.command(cls=Command, epilog=FIELDS, short_help=summary)(command)
+        app.command(cls=Command, epilog=epilog, short_help=summary)(command)
         return function
 
     return register

@@ -1,7 +1,6 @@
 """DOP853: Dormand and Prince's explicit Runge-Kutta method of order 8 with error estimates of orders 5 and 3.
 
-Coefficients as published by Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), II.5 and II.10;
-tests check them by the order they deliver.
+Coefficients as published by Hairer, Nørsett and Wanner (Solving Ordinary Differential Equations I, 1993, II.5).
 """
 
 from collections.abc import Callable

@@ -26,7 +26,7 @@ class Linearisation(eqx.Module):
 
 
 class Rates(NamedTuple):
-    """About how fast a system's stiff motions decay (damping over mass) and ring (root of stiffness over mass) [1/s]."""
+    """How fast a system's stiff motions decay (damping over mass) and ring (root of stiffness over mass) [1/s]."""
 
     decay: Float[Array, ""]
     ringing: Float[Array, ""]

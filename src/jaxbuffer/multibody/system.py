@@ -108,6 +108,11 @@ class System(eqx.Module):
         column = lambda direction: solve_augmented(inverse_mass, jacobian, direction, rest)[0]  # noqa: E731
         return jax.vmap(column, in_axes=1, out_axes=1)(directions)
 
+    def effective_mass(self, kin: Kinematics, direction: Float[Array, " coordinates"]) -> Float[Array, ""]:
+        """(a M_c⁻¹ aᵀ)⁻¹ [kg]: the mass that a force along ``direction`` a meets, a q̇ being a speed [m/s], with the
+        mobility M_c⁻¹ = M⁻¹ - M⁻¹ Φ_qᵀ (Φ_q M⁻¹ Φ_qᵀ)⁻¹ Φ_q M⁻¹ that the joints leave."""
+        return 1.0 / jnp.sum(direction * self.response(kin, direction[:, None])[:, 0])
+
     def kinetic_energy(self, v: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """½ vᵀ M v [J]."""
         return 0.5 * jnp.sum(self.masses() * v * v)

@@ -1,0 +1,158 @@
+"""Verdicts from evidence: what is trusted, what must be checked, what is refused, and the peaks' report."""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from front.made_up import made_up_capture
+from jaxbuffer import Outcome
+from jaxbuffer.certificate import HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
+from jaxbuffer.evidence import TightSolves, each, together
+from jaxbuffer.metrics import Impacts
+
+PATHS = ("buffer.k_A", "buffer.c_A", "probe.tip_mass")
+NAMES = ("peak_force", "stroke")
+ELASTICITIES = np.array([[0.3, -0.05, 0.002], [-0.8, 0.1, 0.0]])
+FAR = Peaks(250.0, 0.02, 1, 0, 2, 200.0, 0.2, "buffer.k_A", -0.4)
+NEAR = Peaks(250.0, 0.02, 1, 0, 2, 249.9, 4e-4, "buffer.k_A", -2e-3)
+
+
+class Solves:
+    """Stands in for tight solves: powers of the parameters, with their true elasticities."""
+
+    def __init__(self, truth=ELASTICITIES):
+        self.truth, self.known = truth, {}
+
+    def inside(self, direction, move):
+        return True
+
+    def at(self, direction, move):
+        return self.known.setdefault((direction.tobytes(), move), np.exp(self.truth @ np.log1p(move * direction)))
+
+
+def certified(claimed, gather=together, changes=0.0, peaks=FAR, truth=ELASTICITIES, capture=None):
+    evidence = gather(Solves(truth), claimed, np.ones(2), np.full(claimed.shape, changes))
+    return judge(capture or made_up_capture(), NAMES, PATHS, claimed, evidence, peaks)
+
+
+@pytest.mark.parametrize("gather", [together, each])
+def test_right_gradients_are_trusted(gather):
+    found = certified(ELASTICITIES, gather)
+    assert found.verdict == Verdict.trusted and found.verdicts == (Verdict.trusted,) * 2
+    assert np.all(found.error < TRUSTED)
+    assert found.reason.startswith("two tolerances and differences of tight solves agree within")
+
+
+@pytest.mark.parametrize("gather", [together, each])
+@pytest.mark.parametrize("parameter", range(3))
+def test_one_elasticity_off_by_a_per_cent_is_found_by_either_kind(gather, parameter):
+    claimed = ELASTICITIES.copy()
+    claimed[0, parameter] *= 1.01
+    found = certified(claimed, gather)
+    assert found.verdicts == (Verdict.check, Verdict.trusted)
+    whose = "an elasticity of peak_force" if gather is together else f"peak_force by {PATHS[parameter]}"
+    assert found.reason.startswith(f"{whose} may be off by") and found.reason.endswith("by differences of tight solves")
+    assert found.error[0, parameter] > 0.9e-2
+
+
+@pytest.mark.parametrize("gather", [together, each])
+def test_a_wrong_sign_is_refused(gather):
+    found = certified(ELASTICITIES * np.array([[1.0, -1.0, 1.0], [1.0, 1.0, 1.0]]), gather)
+    assert found.verdicts[0] == Verdict.refused and np.max(found.error[0]) > HOPELESS
+
+
+def test_gradients_that_change_with_the_tolerance_must_be_checked():
+    found = certified(ELASTICITIES, changes=1e-4)
+    assert found.verdict == Verdict.check
+    assert found.reason == "peak_force by probe.tip_mass may be off by 5 %, by its change with the tolerance"
+
+
+def test_a_kink_nearby_must_be_checked_and_says_which_impact():
+    found = certified(ELASTICITIES, peaks=NEAR)
+    assert found.verdicts == (Verdict.check, Verdict.trusted) and abs(NEAR.swap_change) < KINK
+    assert found.reason == (
+        "peak_force has a kink nearby: impact 3 comes within 0.04 % of the peak, "
+        "and -0.2 % of buffer.k_A would swap them"
+    )
+
+
+def test_a_function_with_a_kink_at_the_steps_is_not_trusted():
+    class Bent(Solves):
+        def at(self, direction, move):
+            return super().at(direction, move) + 0.3 * max(move, 0.0)
+
+    evidence = each(Bent(), ELASTICITIES, np.ones(2), np.zeros(ELASTICITIES.shape))
+    assert judge(made_up_capture(), NAMES, PATHS, ELASTICITIES, evidence, FAR).verdict > Verdict.trusted
+
+
+def test_without_differences_nothing_is_trusted():
+    class Hemmed(Solves):
+        def inside(self, direction, move):
+            return False
+
+    evidence = each(Hemmed(), ELASTICITIES, np.ones(2), np.zeros(ELASTICITIES.shape))
+    found = judge(made_up_capture(), NAMES, PATHS, ELASTICITIES, evidence, FAR)
+    assert found.verdict == Verdict.check and "no differences could be taken" in found.reason
+
+
+def test_what_is_not_finite_is_refused():
+    claimed = ELASTICITIES.copy()
+    claimed[1, 2] = np.nan
+    found = certified(claimed)
+    assert found.verdicts == (Verdict.trusted, Verdict.refused)
+    assert found.reason == "stroke or its gradient is not finite; the run has 1 impacts"
+
+
+def test_a_failed_capture_is_refused_with_its_reason():
+    capture = made_up_capture(outcome=Outcome.failed_step_size)
+    found = judge(capture, NAMES, PATHS, np.full((2, 3), np.nan), None, None)
+    assert found.verdict == Verdict.refused and found.reason == Outcome.failed_step_size.reason
+    assert peak_report(capture, np.zeros((3, 3)), PATHS) is None
+
+
+def test_the_peaks_report():
+    """Impact 2 leads impact 1 by 4 %; k_A raises the one and lowers the other, so that 2 % less of it swaps them."""
+    hits = Impacts(*(np.array([0.01, 0.02, 0.0]), np.array([0, 1, -1]), np.zeros(3), np.array([240.0, 250.0, 0.0])),
+                   np.zeros(3), np.asarray(2))  # fmt: skip
+    capture = made_up_capture()
+    object.__setattr__(capture, "impacts", hits)
+    object.__setattr__(capture, "peak_impact", np.asarray(1))
+    slopes = np.array([[-240.0, 0.0, 24.0], [250.0, 0.0, 25.0], [0.0, 0.0, 0.0]])
+    peaks = peak_report(capture, slopes, PATHS)
+    assert (peaks.impact, peaks.flank, peaks.runner_up_impact, peaks.runner_up_force) == (1, 1, 0, 240.0)
+    assert peaks.margin == pytest.approx(0.04)
+    assert peaks.swap_path == "buffer.k_A" and peaks.swap_change == pytest.approx(0.5 * np.log(240.0 / 250.0))
+
+
+def test_a_single_impact_has_no_runner_up():
+    peaks = peak_report(made_up_capture(), np.ones((3, 3)), PATHS)
+    assert (peaks.runner_up_impact, peaks.margin, peaks.swap_change) == (-1, 1.0, np.inf)
+
+
+@pytest.mark.slow
+def test_a_parameter_at_its_bound_is_differenced_from_one_side():
+    """Without an axial damper only more of it is possible."""
+    design = jb.replace(jb.table2(), {"buffer.c_A": 0.0})
+    found = jb.sensitivity(design, certify="thorough", quantities=("peak_force", "stroke"))
+    assert found.certificate.verdict == Verdict.trusted
+    assert np.all(np.isfinite(found.certificate.error)) and np.all(np.abs(found.gradients[:, 1]) > 1e-5)
+
+
+def test_a_flank_touched_and_left_at_once_is_no_landmark():
+    """Solves at two tolerances may find different numbers of impacts without force; the rest are the same ones."""
+
+    def capture(flanks, forces):
+        count = len(flanks)
+        times = np.linspace(0.0, 0.1, count)
+        hits = Impacts(times, np.array(flanks), np.zeros(count), np.array(forces), times, np.asarray(count))
+        found = made_up_capture(peak=max(forces))
+        object.__setattr__(found, "impacts", hits)
+        return found
+
+    tight = TightSolves(
+        lambda values: (jb.table2(), jb.Scenario()),
+        capture([0, 1, 1, 0], [200.0, 1e-9, 250.0, 10.0]),
+        np.ones(3), np.ones(3), NAMES, 8.0, None,
+    )  # fmt: skip
+    assert tight._seen(capture([0, 1, 0], [200.0, 251.0, 260.0]))[0] == 251.0
+    assert np.isnan(tight._seen(capture([0, 0, 1], [200.0, 20.0, 251.0]))[0])

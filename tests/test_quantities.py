@@ -1,0 +1,92 @@
+"""Every quantity that can be asked for has the right derivative, events that move with the parameters included."""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.certificate import Verdict
+from jaxbuffer.quantities import IMPACT_UNITS, QUANTITIES, check_quantities, quantity_unit
+from jaxbuffer.sensitivity import PARAMETERS, linearised
+from verification.cases import CASES
+
+ESCAPING = CASES["random-1-12"]
+RUNS = {
+    "captured": (jb.table2(), jb.Scenario(), 8.0, (1, 2, 14)),
+    "escaped": (ESCAPING.design, ESCAPING.scenario, 8.0, (1, 3)),
+    "timeout": (jb.table2(), jb.Scenario(), 0.3, (1, 5)),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", RUNS)
+def test_derivatives_of_every_quantity_agree_with_differences_of_tight_solves(run):
+    """Relative to the elasticity, or to 1e-3 where it is smaller. Measured: off by 2.5e-5 at most; the differences' own
+    doubt, which says nothing of the gradients, is 4.7e-4 at most (peak buffer force)."""
+    design, scenario, duration, impacts = RUNS[run]
+    names = (*QUANTITIES, *(f"impact.{number}.{field}" for number in impacts for field in IMPACT_UNITS))
+    found = jb.sensitivity(design, scenario, PARAMETERS, duration, quantities=names, rtol=1e-9, certify="thorough")
+    assert found.capture.outcome.name == run
+    off, doubt = found.certificate.by_differences, found.certificate.doubt
+    assert np.max(doubt) < 6e-4
+    assert np.max(off) < 1e-4
+    assert found.certificate.verdict == Verdict.trusted
+    moving = {name for name, row in zip(names, found.gradients, strict=True) if np.any(np.abs(row) > 1e-9)}
+    still = {"captured": {"throat_distance"}, "escaped": {"throat_distance"}, "timeout": {"end_time"}}[run]
+    assert moving == set(names) - still - {"impact.1.time", "impact.1.approach_speed"}
+
+
+@pytest.mark.slow
+def test_an_impact_that_is_not_there_is_refused():
+    """Table 2 is captured in contact: its last impact has no release, and there is no twenty-fifth."""
+    names = ("peak_force", "impact.24.release_time", "impact.25.time")
+    found = jb.sensitivity(jb.table2(), quantities=names)
+    assert found.certificate.verdicts == (Verdict.trusted, Verdict.refused, Verdict.refused)
+    assert found.certificate.verdict == Verdict.refused
+    assert found.certificate.reason == "impact.24.release_time or its gradient is not finite; the run has 24 impacts"
+
+
+@pytest.mark.slow
+def test_the_capture_margin_is_smooth_where_capture_happens_just_in_time():
+    """A run that is stopped at the very moment of capture has no margin; a little earlier or later it has
+    little, and the same slopes."""
+    design, scenario = jb.table2(), jb.Scenario()
+    values = [jb.get(design, path) for path in PARAMETERS]
+    end = float(jb.simulate(design, scenario, rtol=1e-9).end_time)
+    late, early = (
+        linearised(design, scenario, PARAMETERS, values, end * (1.0 + share), rtol=1e-9) for share in (1e-7, -1e-7)
+    )
+    assert [linear.capture.outcome.name for linear in (late, early)] == ["captured", "timeout"]
+    margins = [float(linear.capture.capture_margin) for linear in (late, early)]
+    assert 0.0 < margins[0] < 1e-8 and -1e-8 < margins[1] < 0.0
+    np.testing.assert_allclose(late.gradient("capture_margin"), early.gradient("capture_margin"), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("peak_froce", "quantity peak_froce is unknown; did you mean peak_force?"),
+        ("impact.0.time", "impact.0.time: '0' is not an impact's number; they count from 1, as in impact.1.peak_force"),
+        ("impact.one.time", "'one' is not an impact's number"),
+        ("impact.2.speed", "impact.2.speed is unknown; an impact has peak_force, approach_speed, time, release_time"),
+    ],
+)
+def test_unknown_quantities_are_refused_with_a_suggestion(name, message):
+    with pytest.raises(jb.InputError) as caught:
+        jb.sensitivity(jb.table2(), quantities=("stroke", name))
+    assert message in str(caught.value)
+
+
+def test_no_quantity_no_parameter_and_one_named_twice():
+    for call, message in (
+        (lambda: check_quantities(()), "quantities is empty"),
+        (lambda: check_quantities(("stroke", "stroke")), "one twice"),
+        (lambda: jb.sensitivity(jb.table2(), wrt=()), "wrt is empty"),
+        (lambda: jb.sensitivity(jb.table2(), certify="full"), "certify = 'full' is unknown; choose one of quick"),
+        (lambda: jb.sensitivity(jb.table2(), wrt=("buffer.damping",)), "is not a number that can be differentiated"),
+    ):
+        with pytest.raises(jb.InputError, match=message):
+            call()
+
+
+def test_units():
+    assert [quantity_unit(name) for name in ("stroke", "impact.3.release_time", "dissipated")] == ["m", "s", "J"]
