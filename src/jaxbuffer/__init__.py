@@ -30,7 +30,11 @@ from .sensitivity import Sensitivity as Sensitivity
 from .sensitivity import sensitivity as sensitivity
 from .sweep import Sweep as Sweep
 from .sweep import sweep as sweep
-from .tune import Problem as Problem
-from .tune import Tuned as Tuned
-from .tune import Variable as Variable
-from .tune import tune as tune
+from .tuning import Case as Case
+from .tuning import Limits as Limits
+from .tuning import Objective as Objective
+from .tuning import Problem as Problem
+from .tuning import Then as Then
+from .tuning import Tuned as Tuned
+from .tuning import Variable as Variable
+from .tuning import tune as tune

@@ -51,10 +51,10 @@ def root(
       [options]
       duration = 8.0            # s
       rtol = 3e-7
-      [tune]
-      stroke_limit = 0.025      # m
-      [tune.variables]
+      [problem.variables]
       buffer.k_A = [100, 2000]  # N/m, low and high bound
+      [problem.constraints]
+      stroke = 0.025            # m
 
     \b
     Exit codes: 0 done, 1 the simulation failed, 2 bad input, 130 interrupted.
@@ -190,63 +190,66 @@ def sensitivity(
     return OK
 
 
-@app.command(cls=Command, epilog=FIELDS, short_help="Smaller peak forces over all scenarios, within bounds.")
+@app.command(cls=Command, epilog=FIELDS, short_help="The best design over all scenarios, within bounds and limits.")
 def tune(
     ctx: typer.Context,
     config: ConfigFile = None,
-    iterations: Annotated[int | None, typer.Option(metavar="N", help="Iterations at most; default 40.")] = None,
-    stroke_limit: Annotated[
-        float | None, typer.Option(metavar="M", help="Largest stroke in any scenario [m]; default 0.025.")
-    ] = None,
+    iterations: Annotated[int | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
+    starts: Annotated[int | None, typer.Option(metavar="N", help="Designs tried first; default 4.")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
     rtol: Rtol = None,
     duration: Duration = None,
     output: OutputFolder = None,
     force: Force = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
 ) -> int:
-    """Tune the fields in [tune.variables] for small peak contact forces in all [[scenarios]].
+    """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
 
-    Starts from the study's design, stays within the bounds and the stroke limit, and verifies the result at tight
-    tolerance. Without variables: k_A, c_A, k_T and c_T of the buffer and the tip mass.
+    Stays within bounds and [problem.constraints]; a start that breaks them is led back first. Without a
+    [problem]: the worst peak contact force, stroke at most 25 mm, by k_A, c_A, k_T, c_T and the tip mass.
 
     \b
     Files in DIR:
       design.toml  the tuned design, a study for the other commands
-      history.csv  objective, peaks, strokes and variables of each iteration
+      tuned.json   result, floor, evidence, every scenario before and after
+      history.csv  objective, worst values and variables of each evaluation
       tune.png     contact force before and after, convergence, variables
+      log.jsonl, state.npz  kept up while running; --resume needs them
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
     """
     study = _study(ctx, config, rtol=rtol, duration=duration)
-    given = _given(iterations=iterations, stroke_limit=stroke_limit)
+    given = _given(iterations=iterations, starts=starts, seed=seed)
     study = dataclasses.replace(study, tuning=dataclasses.replace(study.tuning, **given))
     problem = study.problem()
-    files = _output(output, ("design.toml", "history.csv", "tune.png"), force)
-    from ..tune import tune as compute
+    files = _output(output, ("design.toml", "tuned.json", "history.csv", "tune.png", *_RUN_FILES), force or resume)
+    from ..tuning import tune as compute
     from .progress import tuning
 
-    limit = study.tuning.iterations
-    tuned = tuning(limit, lambda report: compute(problem, iterations=limit, report=report))
-    failed = [capture.outcome.reason for capture in tuned.after if capture.outcome.failed]
-    if failed:
-        return fail(failed[0])
+    settings = {name: getattr(study.tuning, name) for name in study.tuning.__dataclass_fields__}
+    tuned = tuning(lambda report: compute(problem, **settings, folder=output, resume=resume, report=report))
     typer.echo(repr(tuned))
     if output is not None:
         from .. import plot
         from ..config import design_toml
-        from .output import csv_text
-        from .records import tuned_comment, tuning_history
+        from .output import csv_text, json_text
+        from .records import tuned_comment, tuned_record, tuning_history
 
         _wrote(
             files.write(
                 {
-                    "design.toml": design_toml(tuned.design, problem.scenarios, tuned_comment(tuned)),
+                    "design.toml": design_toml(tuned.design, problem.meetings, tuned_comment(tuned)),
+                    "tuned.json": json_text(tuned_record(tuned)),
                     "history.csv": csv_text(*tuning_history(tuned)),
                     "tune.png": plot.png(plot.tune_figure(tuned)),
                 }
             )
         )
-    return OK
+    return OK if tuned.feasible else fail(tuned.message)
+
+
+_RUN_FILES = ("log.jsonl", "state.npz")
 
 
 def _wrote(paths: Sequence[Path]) -> None:
