@@ -135,7 +135,7 @@ def capture_figure(capture: Capture) -> "Figure":
 
 @_styled
 def tune_figure(tuned: "Tuned") -> "Figure":
-    """Peak force in every scenario before and after, convergence, variables in their bounds, quantities against limits."""
+    """Peak force in every scenario before and after, objective, variables in their bounds, worst values."""
     figure, ((cases, objective), (variables, trade)) = _figure(10.0, 7.0, 2, 2)
     problem, floor = tuned.problem, tuned.floor.simulated
     number = np.arange(1, len(problem.cases) + 1)
@@ -207,7 +207,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
         [f"{n}: {b:.3g} → {a:.3g} {QUANTITIES[n]}" for n, b, a in zip(names, before, after, strict=True)],
     )
     axes.invert_yaxis()
-    _label(axes, "Worst over the scenarios, before → after", "change [%]", "", False)
+    _label(axes, "Worst over the scenarios, before → after", "change [%]", "quantity [-]", False)
 
 
 def _line(number: int) -> dict[str, Any]:

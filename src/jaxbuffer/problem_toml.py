@@ -5,7 +5,7 @@ from typing import Any
 
 from .errors import InputError, check_number, suggest
 from .mechanisms import Design, Scenario, paths, unit
-from .mechanisms.paths import check_path
+from .mechanisms.paths import check_path, limits_of
 from .tuning.cases import KINDS, Distribution, grid, sample
 from .tuning.problem import QUANTITIES, SCALES, Case, Limits, Objective, Problem, Then, Variable, check_quantity
 
@@ -67,6 +67,8 @@ def _variable(path: str, given: Any, design: Design) -> Variable:
     if scale not in SCALES:
         raise InputError(f"{where}: scale {scale!r} is unknown; choose one of {', '.join(SCALES)}")
     low, high = map(float, parts)
+    for bound in (low, high):
+        check_number(where, bound, symbol, **limits_of(design, path))
     if not low < high:
         raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
     return Variable(path, low, high, scale)
@@ -117,10 +119,10 @@ def _distribution(where: str, given: Any) -> Distribution:
 def _objective(table: Mapping[str, Any], where: str) -> Objective:
     options = {name: table[name] for name in ("over", "level") if name in table}
     weights = {name: weight for name, weight in table.items() if name not in (*options, "slack")}
-    for name in weights:
+    for name, weight in weights.items():
         check_quantity(f"problem.{where}", name)
-        if not _is_number(weights[name]):
-            raise InputError(f"problem.{where}.{name} = {weights[name]!r} is not a number")
+        if not _is_number(weight):
+            raise InputError(f"problem.{where}.{name} = {weight!r} is not a number")
     return Objective(weights, **options) if weights else Objective(**options)
 
 

@@ -6,6 +6,7 @@ import pytest
 from made_up import made_up_capture, made_up_sensitivity, made_up_tuning
 
 import jaxbuffer.runtime
+import jaxbuffer.tuning
 from jaxbuffer import Outcome
 
 
@@ -25,11 +26,11 @@ class Computed:
         self._note("sensitivity", design=design, scenario=scenario, wrt=wrt, duration=duration, **options)
         return made_up_sensitivity(made_up_capture(scenario, outcome=self.outcome, design=design), wrt)
 
-    def tune(self, problem, *, iterations, report):
-        self._note("tune", problem=problem, iterations=iterations)
+    def tune(self, problem, *, report, **settings):
+        self._note("tune", problem=problem, **settings)
         tuned = made_up_tuning(problem)
-        for iteration in tuned.iterations:
-            report(iteration)
+        for record in tuned.records:
+            report(record)
         return tuned
 
     def _note(self, command, **arguments):
@@ -42,7 +43,8 @@ class Computed:
 def computed(monkeypatch, tmp_path):
     """The command line with made-up results, in an empty folder."""
     stand_in = Computed()
-    for name in ("capture", "sensitivity", "tune"):  # the modules: the package shows functions under the same names
+    monkeypatch.setattr(jaxbuffer.tuning, "tune", stand_in.tune)
+    for name in ("capture", "sensitivity"):  # the modules: the package shows functions under the same names
         function = "simulate" if name == "capture" else name
         monkeypatch.setattr(sys.modules[f"jaxbuffer.{name}"], function, getattr(stand_in, function))
     monkeypatch.setattr(jaxbuffer.runtime, "configure", lambda **options: stand_in.calls.append(("configure", options)))

@@ -4,10 +4,10 @@ import sys
 
 import numpy as np
 import pytest
-from tuning.analytic import Functions, problem, shifted
 
 from jaxbuffer import Limits, Objective, Then
 from jaxbuffer.tuning import tune
+from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0
 module = sys.modules["jaxbuffer.tuning.tune"]  # the package shows the function under the same name
@@ -83,7 +83,7 @@ def test_a_limit_a_bound_and_curvature_meet_in_one_corner(solve):
 
 
 def test_an_infeasible_start_is_led_back(solve):
-    """Captured only inside a circle that the start lies outside of; the minimum lies on the circle, at √2 from (2, 2)."""
+    """Captured only inside a circle that the start lies outside of; the minimum lies on it, at √2 from (2, 2)."""
     circle = lambda x: 2.0 - (x[0] - SHIFT) ** 2 - (x[1] - SHIFT) ** 2  # noqa: E731
     distance = lambda x: 1.0 + ((x[0] - SHIFT - 2) ** 2 + (x[1] - SHIFT - 2) ** 2)  # noqa: E731
     stated = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT - 4, SHIFT + 1])

@@ -5,11 +5,11 @@ import shutil
 import sys
 
 import pytest
-from tuning.analytic import Functions, problem, shifted
-from tuning.test_search import CB2, SHIFT
 
 from jaxbuffer import InputError, Objective, Then
 from jaxbuffer.tuning import tune
+from tuning.analytic import Functions, problem, shifted
+from tuning.test_search import CB2, SHIFT
 
 module = sys.modules["jaxbuffer.tuning.tune"]
 THEN = Then(Objective({"peak_hinge_force": 1.0}), slack=0.1)

@@ -213,7 +213,7 @@ def tune(
       design.toml  the tuned design, a study for the other commands
       tuned.json   result, floor, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
-      tune.png     contact force before and after, convergence, variables
+      tune.png     peaks before and after, objective, variables, worst values
       log.jsonl, state.npz  kept up while running; --resume needs them
 
     \b
@@ -227,7 +227,7 @@ def tune(
     from ..tuning import tune as compute
     from .progress import tuning
 
-    settings = {name: getattr(study.tuning, name) for name in study.tuning.__dataclass_fields__}
+    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     tuned = tuning(lambda report: compute(problem, **settings, folder=output, resume=resume, report=report))
     typer.echo(repr(tuned))
     if output is not None:

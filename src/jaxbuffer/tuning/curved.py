@@ -19,6 +19,7 @@ from .goal import Goal, Tangent
 UPDATES = 250  # of Adam in a round
 ROUNDS = 3  # of the augmented Lagrangian
 STIFFNESS = 20.0  # its penalty parameter, for an objective of about one and rows relative to their limits
+SMALLEST_SHARE = 1e-12  # of a case before levelling, which scales shares up but none from zero
 LEVELLING = 6  # passes that bring case weights below their cap
 
 
@@ -143,7 +144,7 @@ def _rows(setup: Setup, peaks: Array, rest: Array, margin: Array, width: Array) 
 def _aggregate(weights: Array, cap: Array, quantities: Array, width: Array) -> Array:
     """Max w·f over case weights up to ``cap``: weights of a softmax, levelled, and held while differentiating."""
     values = jnp.sum(quantities * weights[None], axis=1)
-    share = jax.nn.softmax(jax.lax.stop_gradient(values) / width)
+    share = jax.nn.softmax(jax.lax.stop_gradient(values) / width) + SMALLEST_SHARE
     for _ in range(LEVELLING):
         kept = jnp.minimum(share, cap)
         free = jnp.where(share < cap, share, 0.0)

@@ -15,7 +15,7 @@ from ..capture import Capture, simulate
 from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
 from ..metrics import state_at
 from ..outcome import Outcome
-from .problem import QUANTITIES, Case, Problem
+from .problem import QUANTITIES, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
 LOST = -10.0  # margin of a capture that could not be solved [-]

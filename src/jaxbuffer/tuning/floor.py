@@ -1,9 +1,9 @@
 """The floor of the peak contact force: the first impact, which no buffer softens.
 
 A Hertz impact of the effective mass that the joints leave at the tip, F = K^{2/5} (5 T/2)^{3/5} with
-T = ½ v²/(A M_c⁻¹ Aᵀ), is over before a spring or damper has moved: it sets the peak of a buffer gone soft. Friction and hysteresis lower it by
-some per cent; so the floor itself is the first impact *simulated* with the buffer taken away, the closed form stands
-beside it and says what it is made of.
+T = ½ v²/(A M_c⁻¹ Aᵀ), is over before a spring or damper has moved: it sets the peak of a buffer gone soft. Friction
+and hysteresis lower it by some per cent; so the floor itself is the first impact *simulated* with the buffer taken
+away, and the closed form stands beside it and says what it is made of.
 """
 
 import dataclasses

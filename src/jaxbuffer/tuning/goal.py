@@ -10,6 +10,7 @@ from .evaluation import Evaluation
 from .problem import QUANTITIES, Objective, Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that the result is inside, not on the edge
+NO_PEAK = -1e9  # N
 NAMES = tuple(QUANTITIES)
 
 
@@ -33,12 +34,13 @@ class Tangent(NamedTuple):
 
     @staticmethod
     def of(evaluation: Evaluation) -> "Tangent":
-        """The first-order model at an evaluated design."""
-        return Tangent(*(getattr(evaluation, name) for name in Tangent._fields))
+        """The first-order model at an evaluated design; slots without an impact never are the largest."""
+        peaks = np.where(evaluation.peaks > 0.0, evaluation.peaks, NO_PEAK)
+        return Tangent(peaks, *(getattr(evaluation, name) for name in Tangent._fields[1:]))
 
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
         """`QUANTITIES` (cases, quantities) and margins (cases,) after a step."""
-        peak = np.max(self.peaks + self.peaks_slope @ step, axis=1)
+        peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
         return np.column_stack([peak, self.rest + self.rest_slope @ step]), self.margin + self.margin_slope @ step
 
 

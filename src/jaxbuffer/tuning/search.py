@@ -5,8 +5,8 @@ Each evaluation gives every impact's peak in every case to first order, so a ste
 will meet. The step minimises that model (`linear` exactly, `curved` with smoothing and curvature; the better of both),
 is judged by the true merit, and the region within which the model is believed grows or shrinks by how true it was.
 
-Where one more bounce decides over capture, the outcome jumps, and no slope tells: a design that fell off such a cliff is
-remembered, and steps stay nearer to the present design than to it. So a search moves along a cliff instead of
+Where one more bounce decides over capture, the outcome jumps, and no slope tells: a design that fell off such a cliff
+is remembered, and steps stay nearer to the present design than to it. So a search moves along a cliff instead of
 shrinking its steps before it.
 """
 
@@ -30,6 +30,7 @@ LARGEST_PENALTY = 1e5
 WIDTH = 0.1  # of the smooth maxima, relative to the decrease that the first-order model promises
 SMALLEST_WIDTH = 1e-6
 CLIFFS = 12  # designs remembered that fell off, the latest ones
+PATIENCE = 8  # steps that together must gain more than the tolerance
 FAIR_TRIAL = 5  # steps before a search may be given up as hopeless
 RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
 
@@ -48,13 +49,17 @@ class Settings:
 
 
 class Branch(NamedTuple):
-    """One local search: its best design so far and what it has learnt; ``cliffs``: places of designs that lost a capture
-    against the model's word, NaN where none. All arrays, so that it can be stored."""
+    """One local search: its best design so far and what it has learnt. All arrays, so that it can be stored.
+
+    ``cliffs``: places of designs that lost a capture against the model's word, NaN where none; ``merits``: of the last
+    steps, the latest last.
+    """
 
     point: Evaluation
     radius: float
     curvature: Float[np.ndarray, "n n"]
     cliffs: Float[np.ndarray, "cliffs n"]
+    merits: Float[np.ndarray, " memory"]
     penalty: float
     residual: float
     status: int
@@ -82,7 +87,9 @@ class Search:
         size = len(point.places)
         radius = FIRST_RADIUS
         cliffs = np.full((CLIFFS, size), np.nan)
-        branch = Branch(point, radius, np.zeros((size, size)), cliffs, FIRST_PENALTY, np.inf, RUNNING, 0)
+        branch = Branch(
+            point, radius, np.zeros((size, size)), cliffs, np.full(PATIENCE, np.inf), FIRST_PENALTY, np.inf, RUNNING, 0
+        )
         return self._examined(branch)
 
     def merit(self, branch: Branch) -> float:
@@ -143,12 +150,18 @@ class Search:
         while left <= tolerance and not feasible and penalty < LARGEST_PENALTY:
             penalty *= 10.0  # a balance of objective and excess: the excess must weigh more
             left = best_step(self.goal, tangent, places, RESIDUAL_RADIUS, self.scale, penalty).promise
-        status = RUNNING
+        status, merit = RUNNING, self.merit(branch)
         if left <= tolerance and feasible:
             status = CONVERGED
-        elif branch.radius < SMALLEST_RADIUS or branch.steps >= self.settings.iterations or left <= 0.0:
+        elif (
+            merit > branch.merits[0] - tolerance
+            or branch.radius < SMALLEST_RADIUS
+            or branch.steps >= self.settings.iterations
+            or left <= 0.0
+        ):
             status = STALLED
-        return branch._replace(penalty=penalty, residual=left, status=status)
+        merits = np.append(branch.merits[1:], merit)
+        return branch._replace(penalty=penalty, residual=left, status=status, merits=merits)
 
     @staticmethod
     def _bend(point: Evaluation, trial: Evaluation, pull: Pull) -> np.ndarray:

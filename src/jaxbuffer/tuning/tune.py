@@ -229,4 +229,7 @@ def _message(goal: Goal, branch: Branch, after: Evaluation, settings: Settings) 
         return f"converged: first-order residual {branch.residual:.1e} within {settings.tolerance:g}"
     if branch.steps >= settings.iterations:
         return f"stopped at the limit of {settings.iterations} steps, first-order residual {branch.residual:.1e}"
-    return f"stalled: no step lowers the objective any more, though to first order {branch.residual:.1e} is left"
+    where = "stalled: steps gain less than the tolerance"
+    if np.any(np.isfinite(branch.cliffs)):
+        where = "stopped at a cliff: the designs ahead lose a capture by one bounce more or less"
+    return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"
