@@ -58,10 +58,11 @@ class Evaluation(NamedTuple):
 
 
 class Evaluator:
-    """Evaluates designs of one problem and counts the captures it took, each with its derivatives."""
+    """Evaluates designs of one problem and counts the captures it took, each with its derivatives unless ``slopes`` is
+    False: they are zero then, for methods that use none."""
 
-    def __init__(self, problem: Problem, workers: int | None = None) -> None:
-        self.problem, self.captures = problem, 0
+    def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True) -> None:
+        self.problem, self.captures, self._measure = problem, 0, measure if slopes else measure_values
         self._pool = ThreadPoolExecutor(workers or len(os.sched_getaffinity(0)))
 
     def __enter__(self) -> "Evaluator":
@@ -79,7 +80,7 @@ class Evaluator:
             for point in points
             for case in problem.cases
         ]
-        found = list(self._pool.map(lambda job: measure(*job), jobs))
+        found = list(self._pool.map(lambda job: self._measure(*job), jobs))
         self.captures += len(jobs)
         count = len(problem.cases)
         return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
@@ -107,22 +108,41 @@ def measure(design: Design, scenario: Scenario, paths: Sequence[str], duration: 
     return jax.tree.map(np.asarray, _measure(inputs, tuple(paths)))
 
 
+def measure_values(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
+    """One capture without derivatives, those of `measure` being zero; a program of its own."""
+    inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
+    peaks, rest, clear, code, count = map(np.asarray, _measure_values(inputs))
+    slots = np.argsort(-peaks, kind="stable")[:PEAKS]
+    none = [np.zeros((*shape, len(paths))) for shape in (slots.shape, rest.shape, ())]
+    return Measured(code, count, peaks[slots], slots, rest, clear, peaks[0], *none)
+
+
 @eqx.filter_jit
 def _measure(inputs: tuple[Design, Scenario, Array, Array, list[Array]], paths: tuple[str, ...]) -> Measured:
     design, scenario, duration, rtol, values = inputs
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, Array, Array], tuple[Array, ...]]:
-        capture = simulate(replace(design, dict(zip(paths, values, strict=True))), scenario, duration, rtol=rtol)
-        mechanism = CaptureMechanism(capture.design, scenario)
-        clear = margin(mechanism, capture, duration)
-        rest = jnp.stack([getattr(capture, name) for name in list(QUANTITIES)[1:]])
-        peaks = capture.impacts.peak_force
-        return (peaks, rest, clear), (peaks, rest, clear, capture.code, capture.impact_count)
+        moved = replace(design, dict(zip(paths, values, strict=True)))
+        seen = _seen(moved, scenario, duration, rtol)
+        return seen[:3], seen
 
     slopes, (peaks, rest, clear, code, count) = jax.jacfwd(outputs, has_aux=True)(values)
     peaks_slope, rest_slope, clear_slope = (jnp.stack(slope, axis=-1) for slope in slopes)
     top, slots = jax.lax.top_k(peaks, PEAKS)
     return Measured(code, count, top, slots, rest, clear, peaks[0], peaks_slope[slots], rest_slope, clear_slope)
+
+
+@eqx.filter_jit
+def _measure_values(inputs: tuple[Design, Scenario, Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
+    return _seen(*inputs)
+
+
+def _seen(design: Design, scenario: Scenario, duration: Array, rtol: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Every impact's peak, the other quantities, the margin; outcome and count of impacts."""
+    capture = simulate(design, scenario, duration, rtol=rtol)
+    clear = margin(CaptureMechanism(capture.design, scenario), capture, duration)
+    rest = jnp.stack([getattr(capture, name) for name in list(QUANTITIES)[1:]])
+    return capture.impacts.peak_force, rest, clear, capture.code, capture.impact_count
 
 
 def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array, ""]) -> Float[Array, ""]:

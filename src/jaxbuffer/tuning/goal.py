@@ -96,6 +96,10 @@ class Goal:
         above = np.maximum(self.rows(quantities, margin) + ROOM, 0.0)
         return self._value(self.objective, quantities) / scale + penalty * float(np.sum(above))
 
+    def excess_after(self, tangent: Tangent, step: Float[np.ndarray, " variables"]) -> float:
+        """By how much all rows together are above their limits after a step, to first order."""
+        return float(np.sum(np.maximum(self.rows(*tangent.after(step)) + ROOM, 0.0)))
+
     def broken(self, evaluation: Evaluation) -> list[str]:
         """One sentence for each constraint that fails, naming the case."""
         lines, limits = [], self.problem.limits

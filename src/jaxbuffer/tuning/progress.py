@@ -26,8 +26,8 @@ class Progress(NamedTuple):
         flat = {name: np.asarray(getattr(self, name)) for name in Progress._fields[:5]}
         flat |= _flat("first", self.first)
         for k, branch in enumerate(self.branches):
-            flat |= _flat(f"{k}/point", branch.point)
-            flat |= {f"{k}/{name}": np.asarray(getattr(branch, name)) for name in Branch._fields[1:]}
+            flat |= _flat(f"{k}/point", branch.point) | _flat(f"{k}/kept", branch.kept)
+            flat |= {f"{k}/{name}": np.asarray(getattr(branch, name)) for name in Branch._fields[2:]}
         return flat
 
     @staticmethod
@@ -38,8 +38,8 @@ class Progress(NamedTuple):
         branches: list[Branch] = []
         while (k := f"{len(branches)}/radius") in flat:
             k = k.removesuffix("/radius")
-            rest = {name: _plain(flat[f"{k}/{name}"]) for name in Branch._fields[1:]}
-            branches.append(Branch(_evaluation(flat, f"{k}/point"), **rest))
+            rest = {name: _plain(flat[f"{k}/{name}"]) for name in Branch._fields[2:]}
+            branches.append(Branch(_evaluation(flat, f"{k}/point"), _evaluation(flat, f"{k}/kept"), **rest))
         numbers = {name: _plain(flat[name]) for name in Progress._fields[:5]}
         return Progress(**numbers, first=_evaluation(flat, "first"), branches=tuple(branches))
 

@@ -51,11 +51,12 @@ class Settings:
 class Branch(NamedTuple):
     """One local search: its best design so far and what it has learnt. All arrays, so that it can be stored.
 
-    ``cliffs``: places of designs that lost a capture against the model's word, NaN where none; ``merits``: of the last
-    steps, the latest last.
+    ``point``: where it stands; ``kept``: the best design seen, feasible before infeasible; ``cliffs``: places of designs
+    that lost a capture against the model's word, NaN where none; ``merits``: of the last steps, the latest last.
     """
 
     point: Evaluation
+    kept: Evaluation
     radius: float
     curvature: Float[np.ndarray, "n n"]
     cliffs: Float[np.ndarray, "cliffs n"]
@@ -85,16 +86,23 @@ class Search:
     def begin(self, point: Evaluation) -> Branch:
         """A branch at an evaluated design."""
         size = len(point.places)
-        radius = FIRST_RADIUS
-        cliffs = np.full((CLIFFS, size), np.nan)
         branch = Branch(
-            point, radius, np.zeros((size, size)), cliffs, np.full(PATIENCE, np.inf), FIRST_PENALTY, np.inf, RUNNING, 0
+            point=point,
+            kept=point,
+            radius=FIRST_RADIUS,
+            curvature=np.zeros((size, size)),
+            cliffs=np.full((CLIFFS, size), np.nan),
+            merits=np.full(PATIENCE, np.inf),
+            penalty=FIRST_PENALTY,
+            residual=np.inf,
+            status=RUNNING,
+            steps=0,
         )
         return self._examined(branch)
 
-    def merit(self, branch: Branch) -> float:
-        """The branch's merit at the penalty all branches share."""
-        return self.goal.merit(branch.point, self.scale, FIRST_PENALTY)
+    def rank(self, point: Evaluation) -> tuple[bool, float]:
+        """The order of designs: feasible before infeasible, then by merit."""
+        return not self.goal.feasible(point), self.goal.merit(point, self.scale, FIRST_PENALTY)
 
     def plan(self, branch: Branch) -> Move:
         """The step to try next."""
@@ -131,7 +139,14 @@ class Search:
             radius = min(2.0 * radius, LARGEST_RADIUS)
         curvature = learnt(branch.curvature, move.step, self._bend(branch.point, trial, move.pull))
         point = trial if truth > 0.05 else branch.point
-        moved = branch._replace(point=point, radius=radius, curvature=curvature, cliffs=cliffs, steps=branch.steps + 1)
+        moved = branch._replace(
+            point=point,
+            kept=min(branch.kept, trial, key=self.rank),
+            radius=radius,
+            curvature=curvature,
+            cliffs=cliffs,
+            steps=branch.steps + 1,
+        )
         return self._examined(moved)
 
     def _fell(self, point: Evaluation, step: np.ndarray, trial: Evaluation) -> bool:
@@ -142,25 +157,29 @@ class Search:
         return bool(np.any((point.margin >= 0.0) & (expected >= 0.0) & (trial.margin < 0.0)))
 
     def _examined(self, branch: Branch) -> Branch:
-        """With its residual, and whether it goes on."""
+        """With its residual, a penalty that outweighs the objective, and whether it goes on."""
         tangent, places, penalty = Tangent.of(branch.point), branch.point.places, branch.penalty
-        left = best_step(self.goal, tangent, places, RESIDUAL_RADIUS, self.scale, penalty).promise
-        tolerance = self.settings.tolerance
-        feasible = self.goal.feasible(branch.point)
-        while left <= tolerance and not feasible and penalty < LARGEST_PENALTY:
-            penalty *= 10.0  # a balance of objective and excess: the excess must weigh more
-            left = best_step(self.goal, tangent, places, RESIDUAL_RADIUS, self.scale, penalty).promise
-        status, merit = RUNNING, self.merit(branch)
+        feasible, tolerance = self.goal.feasible(branch.point), self.settings.tolerance
+        limit = self.settings.iterations
+
+        def model(penalty: float) -> tuple[float, float]:
+            """What is promised, and what would still be above its limit."""
+            found = best_step(self.goal, tangent, places, RESIDUAL_RADIUS, self.scale, penalty)
+            return found.promise, self.goal.excess_after(tangent, found.step)
+
+        left, above = model(penalty)
+        while above > ROOM and penalty < LARGEST_PENALTY:
+            more = model(10.0 * penalty)
+            if more[1] > 0.9 * above:
+                break  # no weight helps: slopes lead no further
+            penalty, (left, above) = 10.0 * penalty, more
+        merits = branch.merits if penalty == branch.penalty else np.full(PATIENCE, np.inf)
+        merit, status = self.goal.merit(branch.point, self.scale, penalty), RUNNING
         if left <= tolerance and feasible:
             status = CONVERGED
-        elif (
-            merit > branch.merits[0] - tolerance
-            or branch.radius < SMALLEST_RADIUS
-            or branch.steps >= self.settings.iterations
-            or left <= 0.0
-        ):
+        elif merit > merits[0] - tolerance or branch.radius < SMALLEST_RADIUS or branch.steps >= limit or left <= 0.0:
             status = STALLED
-        merits = np.append(branch.merits[1:], merit)
+        merits = np.append(merits[1:], merit)
         return branch._replace(penalty=penalty, residual=left, status=status, merits=merits)
 
     @staticmethod
@@ -189,10 +208,12 @@ def _nearer(places: np.ndarray, cliffs: np.ndarray) -> Cuts:
 
 def without_hopeless(search: Search, branches: list[Branch]) -> list[Branch]:
     """Searches given up whose model promises too little, within a tenth of every range, to overtake the best one."""
-    best = min(search.merit(branch) for branch in branches if branch.status != BEHIND)
+    best = min(search.rank(branch.kept)[1] for branch in branches)
     return [
         branch._replace(status=BEHIND)
-        if branch.status == RUNNING and branch.steps >= FAIR_TRIAL and search.merit(branch) - branch.residual > best
+        if branch.status == RUNNING
+        and branch.steps >= FAIR_TRIAL
+        and search.rank(branch.point)[1] - branch.residual > best
         else branch
         for branch in branches
     ]
@@ -208,8 +229,7 @@ def first_places(start: np.ndarray, settings: Settings) -> list[np.ndarray]:
 
 def chosen(search: Search, points: list[Evaluation]) -> list[Branch]:
     """Branches from the starts of least merit."""
-    order = sorted(range(len(points)), key=lambda k: search.goal.merit(points[k], search.scale, FIRST_PENALTY))
-    return [search.begin(points[k]) for k in order[: search.settings.searches]]
+    return [search.begin(point) for point in sorted(points, key=search.rank)[: search.settings.searches]]
 
 
 def advanced(search: Search, branches: list[Branch], evaluator: Evaluator) -> list[tuple[int, Evaluation, Branch]]:

@@ -98,7 +98,7 @@ class _Run:
             if self.problem.then is None or progress.stage > 0:
                 return progress
             best = _best(search, progress.branches)
-            if not search.goal.feasible(best.point):
+            if not search.goal.feasible(best.kept):
                 return progress
             progress = self._second(progress, search, best)
             self.store.keep(progress.written())
@@ -121,10 +121,10 @@ class _Run:
     def _second(self, progress: Progress, search: Search, best: Branch) -> Progress:
         """The second stage, from the first one's best design."""
         assert self.problem.then is not None
-        ceiling = (1.0 + self.problem.then.slack) * search.goal.value(best.point)
-        scale = Goal(self.problem, self.problem.then.objective).value(best.point)
+        ceiling = (1.0 + self.problem.then.slack) * search.goal.value(best.kept)
+        scale = Goal(self.problem, self.problem.then.objective).value(best.kept)
         progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
-        return progress._replace(branches=(self._search(progress).begin(best.point),))
+        return progress._replace(branches=(self._search(progress).begin(best.kept),))
 
     def _search(self, progress: Progress) -> Search:
         goal = self._goal(progress)
@@ -167,7 +167,7 @@ class _Run:
         """The best design, judged at tight tolerance."""
         search = self._search(progress)
         branch = _best(search, progress.branches)
-        places = branch.point.places
+        places = branch.kept.places
         before, after = self.evaluator([progress.first.places, places], rtol=TIGHT)
         left = residual(search.goal, Tangent.of(after), places, search.scale, branch.penalty)
         return Tuned(
@@ -178,7 +178,7 @@ class _Run:
             before=before,
             after=after,
             residual=left,
-            gradient_error=_disagreement(search.goal, branch.point, after),
+            gradient_error=_disagreement(search.goal, branch.kept, after),
             converged=branch.status == CONVERGED,
             message=_message(search.goal, branch, after, self.settings),
             floor=floor(self.problem, places),
@@ -188,8 +188,7 @@ class _Run:
 
 
 def _best(search: Search, branches: tuple[Branch, ...]) -> Branch:
-    """Feasible before infeasible, then by merit."""
-    return min(branches, key=lambda b: (not search.goal.feasible(b.point), search.merit(b)))
+    return min(branches, key=lambda branch: search.rank(branch.kept))
 
 
 def _scale(goal: Goal, points: list[Evaluation]) -> float:
