@@ -1,9 +1,9 @@
 """`jb.tune` and its peers on four design problems: objective reached, captures spent, time.
 
-``python -m benchmarks.optimisers`` prints a table and writes JSON; ``--only`` picks problems. All minimise the same true
-objective under the same constraints. SLSQP and trust-constr get our gradients of objective and constraints and start
-where `tune` starts; differential evolution and CMA-ES see values only, of the objective plus ten times what is above the
-limits, and no gradient is computed for them. A capture with its derivatives counts as one, like one without.
+``python -m benchmarks.optimisers`` prints a table and writes JSON; ``--only`` picks problems. All minimise the same
+true objective under the same constraints. SLSQP and trust-constr get our gradients of objective and constraints and
+start where `tune` starts; differential evolution and CMA-ES see values only, of the objective plus ten times what is
+above the limits, and no gradient is computed for them. A capture with its derivatives counts as one, like one without.
 """
 
 from __future__ import annotations
@@ -275,9 +275,8 @@ def main(arguments: list[str] | None = None) -> int:
         if ours["method"] == "jb.tune" and others:
             ratio = min(row["captures"] for row in others) / ours["captures"]
             met = ours["above_best [-]"] <= CLOSE and ratio >= FEWER
-            out.print(
-                f"captures of the thriftier derivative-free method over ours: {ratio:.1f}; target {'met' if met else 'MISSED'}"
-            )
+            verdict = "met" if met else "MISSED"
+            out.print(f"captures of the thriftier derivative-free method over ours: {ratio:.1f}; target {verdict}")
             record[name] |= {"captures_ratio": ratio, "target_met": met}
         options.output.parent.mkdir(parents=True, exist_ok=True)
         options.output.write_text(json.dumps(record, indent=1, default=dataclasses.asdict) + "\n")

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from jaxbuffer import Limits, Objective, Then
+from jaxbuffer import InputError, Limits, Objective, Outcome, Then
 from jaxbuffer.tuning import tune
 from tuning.analytic import Functions, problem, shifted
 
@@ -138,3 +138,42 @@ def test_many_starts_find_the_lower_of_two_valleys(solve):
     assert far.objective[1] == pytest.approx(1.0, rel=1e-3)
     assert again.records == far.records
     assert functions.batches < len(far.records), "starts and searches share batches"
+
+
+def test_a_start_with_nothing_to_climb_is_refused(solve, monkeypatch):
+    stated = problem([SHIFT], [SHIFT + 1], [SHIFT])
+    with pytest.raises(InputError, match=r"no capture of the start succeeds \(timeout.* no variable changes that"):
+        solve(stated, [[lambda x: x[0]]], margin=lambda x: -1.0 + 0.0 * x[0])
+    lost = int(Outcome.failed_steps)
+    one = Functions.one
+    monkeypatch.setattr(Functions, "one", lambda self, z: one(self, z)._replace(code=np.array([lost])))
+    with pytest.raises(InputError, match=r"every capture of the start fails \(failed: more steps"):
+        solve(stated, [[lambda x: x[0]]])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"iterations": 0}, r"tune\.iterations = 0"),
+        ({"seed": 1.5}, r"tune\.seed = 1\.5"),
+        ({"tolerance": 0.0}, "tolerance = 0"),
+    ],
+)
+def test_bad_settings(solve, settings, message):
+    with pytest.raises(InputError, match=message):
+        solve(problem([SHIFT], [SHIFT + 1], [SHIFT]), [[lambda x: x[0]]], **settings)
+
+
+def test_too_many_impacts_reject_a_design_without_leading_back(solve, monkeypatch):
+    """Beyond x = 1 the count of impacts is above its limit: steps there are rejected, the search ends before it."""
+    stated = problem([SHIFT], [SHIFT + 3], [SHIFT], limits=Limits(impacts=5))
+    one = Functions.one
+
+    def counted(self, places):
+        found = one(self, places)
+        return found._replace(impacts=np.array([9 if self.problem.values(places)[0] > SHIFT + 1 else 5]))
+
+    monkeypatch.setattr(Functions, "one", counted)
+    tuned, _ = solve(stated, [[lambda x: 20.0 - (x[0] - SHIFT)]])
+    assert tuned.feasible and not tuned.converged
+    assert 0.9 < values(tuned)[0] <= 1.0

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -114,7 +114,8 @@ def measure_values(design: Design, scenario: Scenario, paths: Sequence[str], dur
     peaks, rest, clear, code, count = map(np.asarray, _measure_values(inputs))
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
     none = [np.zeros((*shape, len(paths))) for shape in (slots.shape, rest.shape, ())]
-    return Measured(code, count, peaks[slots], slots, rest, clear, peaks[0], *none)
+    found: list[Any] = [code, count, peaks[slots], slots, rest, clear, peaks[0], *none]
+    return Measured(*found)
 
 
 @eqx.filter_jit

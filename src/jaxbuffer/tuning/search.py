@@ -51,8 +51,8 @@ class Settings:
 class Branch(NamedTuple):
     """One local search: its best design so far and what it has learnt. All arrays, so that it can be stored.
 
-    ``point``: where it stands; ``kept``: the best design seen, feasible before infeasible; ``cliffs``: places of designs
-    that lost a capture against the model's word, NaN where none; ``merits``: of the last steps, the latest last.
+    ``point``: where it stands; ``kept``: the best design seen, feasible before infeasible; ``cliffs``: places of
+    designs that lost a capture against the model's word, NaN where none; ``merits``: of the last steps, latest last.
     """
 
     point: Evaluation
