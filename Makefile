@@ -4,10 +4,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-fast lint types bench clean
+.PHONY: run studies test test-fast lint types bench clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
+
+studies: $(READY)  ## the five studies of optimise/, into results/studies
+	$(BIN)/python -m optimise --resume
 
 test: $(READY)  ## every test, the slow ones too
 	$(BIN)/python -m pytest

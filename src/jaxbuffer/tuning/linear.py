@@ -11,8 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import linprog
-from scipy.sparse import coo_array
 
 from .goal import NAMES, ROOM, Goal, Tangent
 from .problem import Objective
@@ -42,6 +40,9 @@ class _Programme:
         self.right.append(right)
 
     def solve(self) -> np.ndarray | None:
+        from scipy.optimize import linprog
+        from scipy.sparse import coo_array
+
         rows, columns, values = zip(*self.entries, strict=True)
         matrix = coo_array((values, (rows, columns)), shape=(len(self.right), len(self.cost))).tocsr()
         found = linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
