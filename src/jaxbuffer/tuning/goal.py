@@ -9,7 +9,7 @@ from jaxtyping import Float
 from .evaluation import Evaluation
 from .problem import QUANTITIES, Objective, Problem
 
-ROOM = 1e-4  # relative distance from each limit that steps aim at, so that the result is inside, not on the edge
+ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N
 NAMES = tuple(QUANTITIES)
 
@@ -74,9 +74,9 @@ class Goal:
             parts.append(np.array([self._value(self.ceiling.objective, quantities) / self.ceiling.value - 1.0]))
         return np.concatenate([*parts, np.zeros(0)])
 
-    def excess(self, evaluation: Evaluation, room: float = 0.0) -> Float[np.ndarray, " rows"]:
-        """By how much each row, and each case's count of impacts, is above its limit, ``room`` kept to it."""
-        rows = self.rows(evaluation.quantities, evaluation.margin) + room
+    def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
+        """By how much each row, and each case's count of impacts, is above its limit."""
+        rows = self.rows(evaluation.quantities, evaluation.margin)
         most = self.problem.limits.impacts
         counted = evaluation.impacts / most - 1.0 if most is not None else np.zeros(0)
         unsolved = (~evaluation.solved).astype(float)
@@ -88,17 +88,17 @@ class Goal:
 
     def merit(self, evaluation: Evaluation, scale: float, penalty: float) -> float:
         """What a step must lower: objective over ``scale``, and ``penalty`` times all that is above its limit."""
-        return self.value(evaluation) / scale + penalty * float(np.sum(self.excess(evaluation, ROOM)))
+        return self.value(evaluation) / scale + penalty * float(np.sum(self.excess(evaluation)))
 
     def promised(self, tangent: Tangent, step: Float[np.ndarray, " variables"], scale: float, penalty: float) -> float:
         """`merit` after a step to first order."""
         quantities, margin = tangent.after(step)
-        above = np.maximum(self.rows(quantities, margin) + ROOM, 0.0)
+        above = np.maximum(self.rows(quantities, margin), 0.0)
         return self._value(self.objective, quantities) / scale + penalty * float(np.sum(above))
 
     def excess_after(self, tangent: Tangent, step: Float[np.ndarray, " variables"]) -> float:
         """By how much all rows together are above their limits after a step, to first order."""
-        return float(np.sum(np.maximum(self.rows(*tangent.after(step)) + ROOM, 0.0)))
+        return float(np.sum(np.maximum(self.rows(*tangent.after(step)), 0.0)))
 
     def broken(self, evaluation: Evaluation) -> list[str]:
         """One sentence for each constraint that fails, naming the case."""

@@ -77,8 +77,10 @@ def best_step(
     scale: float,
     penalty: float,
     cuts: Cuts | None = None,
+    room: Float[np.ndarray, " rows"] | float = 0.0,
 ) -> Linear:
-    """Minimise the merit's first-order model over steps of at most ``radius`` in each place, inside bounds and cuts."""
+    """Minimise the merit's first-order model over steps of at most ``radius`` in each place, inside bounds and cuts and
+    with ``room`` [-] to the limits (one for all, or one a row)."""
     programme = _Programme()
     low, high = np.maximum(-radius, -places), np.minimum(radius, 1.0 - places)
     steps = [programme.add(0.0, float(a), float(b)) for a, b in zip(low, high, strict=True)]
@@ -114,9 +116,11 @@ def best_step(
     for normal, offset in zip(*cuts, strict=True) if cuts is not None else ():
         programme.row(list(zip(steps, map(float, normal), strict=True)), float(offset))
     aggregate(goal.objective, 1.0 / scale)
-    for entries, right in _rows(goal, tangent, steps, weighted, aggregate):
+    rows = _rows(goal, tangent, steps, weighted, aggregate)
+    kept = np.broadcast_to(room, goal.rows(*tangent.after(np.zeros(len(places)))).shape)
+    for k, (entries, right) in enumerate(rows):
         excess = programme.add(penalty, 0.0)
-        programme.row([*entries, (excess, -1.0)], right)
+        programme.row([*entries, (excess, -1.0)], right - float(kept[k]))
     solution = programme.solve()
     still = np.zeros(len(places))
     if solution is None:
@@ -140,15 +144,19 @@ def _rows(
         one[quantity] = 1.0 / limit
         for k in cases:
             entries, constant = weighted(k, one)
-            yield entries, 1.0 - ROOM - constant
+            yield entries, 1.0 - constant
     if goal.problem.limits.captured:
         for k in cases:
             slope = zip(steps, map(float, -tangent.margin_slope[k]), strict=True)
-            yield list(slope), float(tangent.margin[k]) - ROOM
+            yield list(slope), float(tangent.margin[k])
     if goal.ceiling is not None:
-        yield [(c, a / goal.ceiling.value) for c, a in aggregate(goal.ceiling.objective, 0.0)], 1.0 - ROOM
+        yield [(c, a / goal.ceiling.value) for c, a in aggregate(goal.ceiling.objective, 0.0)], 1.0
 
 
-def residual(goal: Goal, tangent: Tangent, places: Step, scale: float, penalty: float) -> float:
-    """What the first-order model still promises within `RESIDUAL_RADIUS`, relative to the objective."""
-    return best_step(goal, tangent, places, RESIDUAL_RADIUS, scale, penalty).promise
+def residual(goal: Goal, tangent: Tangent, places: Step, scale: float, penalty: float) -> Linear:
+    """The best step within `RESIDUAL_RADIUS`, and what it still promises relative to the objective.
+
+    Limits that the design keeps to by less than `ROOM` count as met exactly.
+    """
+    slack = -goal.rows(*tangent.after(np.zeros(len(places))))
+    return best_step(goal, tangent, places, RESIDUAL_RADIUS, scale, penalty, room=np.clip(slack, 0.0, ROOM))

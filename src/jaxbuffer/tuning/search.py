@@ -20,7 +20,7 @@ from .curvature import learnt
 from .curved import Pull, Setup, curved_step
 from .evaluation import Evaluation, Evaluator
 from .goal import ROOM, Goal, Tangent
-from .linear import RESIDUAL_RADIUS, Cuts, best_step
+from .linear import Cuts, best_step, residual
 
 FIRST_RADIUS = 0.2  # of each variable's range
 LARGEST_RADIUS = 0.5
@@ -108,7 +108,8 @@ class Search:
         """The step to try next."""
         tangent, places, n = Tangent.of(branch.point), branch.point.places, len(branch.point.places)
         cuts = _nearer(places, branch.cliffs)
-        linear = best_step(self.goal, tangent, places, branch.radius, self.scale, branch.penalty, cuts)
+        arguments = (self.goal, tangent, places, branch.radius, self.scale, branch.penalty, cuts)
+        linear = best_step(*arguments, room=ROOM)
         box = np.stack([np.maximum(-branch.radius, -places), np.minimum(branch.radius, 1.0 - places)])
         width = max(SMALLEST_WIDTH, WIDTH * linear.promise)
         here = self.goal.promised(tangent, np.zeros(n), self.scale, branch.penalty)
@@ -122,6 +123,8 @@ class Search:
             step, pull = curved_step(self.setup, tangent, branch.curvature, start, box, width)
             steps.append(cuts.shortened(step))
         best = min(steps, key=model)
+        if model(best) >= here:  # standing within the room: all that is left to gain is there
+            best = best_step(*arguments, room=0.1 * ROOM).step
         return Move(best, here - model(best), pull)
 
     def judge(self, branch: Branch, move: Move, trial: Evaluation) -> Branch:
@@ -164,7 +167,7 @@ class Search:
 
         def model(penalty: float) -> tuple[float, float]:
             """What is promised, and what would still be above its limit."""
-            found = best_step(self.goal, tangent, places, RESIDUAL_RADIUS, self.scale, penalty)
+            found = residual(self.goal, tangent, places, self.scale, penalty)
             return found.promise, self.goal.excess_after(tangent, found.step)
 
         left, above = model(penalty)

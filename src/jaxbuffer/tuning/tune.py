@@ -169,7 +169,7 @@ class _Run:
         branch = _best(search, progress.branches)
         places = branch.kept.places
         before, after = self.evaluator([progress.first.places, places], rtol=TIGHT)
-        left = residual(search.goal, Tangent.of(after), places, search.scale, branch.penalty)
+        left = residual(search.goal, Tangent.of(after), places, search.scale, branch.penalty).promise
         return Tuned(
             problem=self.problem,
             settings=self.settings,
