@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import os
 import sys
 from pathlib import Path
 
@@ -17,7 +18,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     import jaxbuffer
 
-    jaxbuffer.configure(cache=Path.home() / ".cache" / "jaxbuffer")
+    jaxbuffer.configure(cache=os.environ.get("JAXBUFFER_CACHE") or Path.home() / ".cache" / "jaxbuffer")
     for name in options.studies or STUDIES:
         print(f"--- {name}", file=sys.stderr, flush=True)
         importlib.import_module(f"optimise.{name}").main(options.output / name, options.resume)

@@ -144,7 +144,7 @@ def tune_figure(tuned: "Tuned") -> "Figure":
         cases.plot(number[captured], peaks[captured], "o", color=colour, markersize=4, label=label)
         if not np.all(captured):
             cases.plot(number[~captured], peaks[~captured], "x", color=colour, label=f"{label}, not captured")
-    cases.step(number, floor, where="mid", color=GREY, linewidth=0.8, label="floor: first impact, no buffer")
+    cases.plot(number, floor, "_", color=GREY, markersize=12, label="floor: first impact, no buffer")
     _integer_axis(cases)
     _label(cases, "Peak contact force", "scenario [-]", "peak force [N]")
     _convergence(objective, tuned)
@@ -175,8 +175,8 @@ def _convergence(axes: "Axes", tuned: "Tuned") -> None:
 
 
 def _variables(axes: "Axes", tuned: "Tuned") -> None:
-    """Where the accepted designs of the search that found the result stand between the bounds."""
-    taken = [it for it in tuned.records if it["accepted"]]
+    """Where accepted designs of all searches stand between the bounds."""
+    taken = [it for it in tuned.records if it["accepted"] and it["status"] != "start"] or list(tuned.records)
     for k, variable in enumerate(tuned.problem.variables):
         place = [variable.place(it["values"][variable.path]) for it in taken]
         axes.plot([it["evaluation"] for it in taken], place, label=variable.path, marker=".", **_line(k))

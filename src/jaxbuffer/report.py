@@ -117,11 +117,12 @@ def tuned_table(tuned: "Tuned") -> str:
         summary_.add_row(text, *(f"{int(np.sum(p.captured))} of {len(p.code)}" for p in points))
     floor = tuned.floor
     facts = [
-        f"floor: without any buffer the first impact alone is {np.max(floor.simulated):.6g} N in the worst scenario"
-        f" (elastic, frictionless closed form {np.max(floor.closed_form):.6g} N,"
-        f" T_c⁻ {1e3 * np.max(floor.energy):.4g} mJ);",
-        f"       the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it,"
-        f" and within the bounds none gets below {floor.lowest:.6g} N",
+        "floor, the first impact in the worst scenario, which no buffer softens:",
+        f"  without any buffer {np.max(floor.simulated):.6g} N;"
+        f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
+        f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
+        f" from T_c⁻ {1e3 * np.max(floor.energy):.4g} mJ at the tip",
+        f"  within the bounds none gets below {floor.lowest:.6g} N",
         f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
         f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures",
     ]
