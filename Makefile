@@ -6,10 +6,13 @@ READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run test test-fast lint types bench bench-check bench-docs clean
+.PHONY: run studies test test-fast lint types bench bench-check bench-docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
+
+studies: $(READY)  ## the five studies of optimise/, into results/studies
+	$(BIN)/python -m optimise --resume
 
 test: $(READY)  ## every test, the slow ones too
 	$(BIN)/python -m pytest

@@ -19,19 +19,23 @@ if TYPE_CHECKING:
     from .runtime import configure
     from .sensitivity import Sensitivity, sensitivity
     from .sweep import Sweep, sweep
-    from .tune import Problem, Tuned, Variable, tune
+    from .tuning import Case, Limits, Objective, Problem, Then, Tuned, Variable, tune
 
 __all__ = [
     "Capture",
+    "Case",
     "Certificate",
     "Design",
     "FirstImpact",
     "InputError",
+    "Limits",
+    "Objective",
     "Outcome",
     "Problem",
     "Scenario",
     "Sensitivity",
     "Sweep",
+    "Then",
     "Tuned",
     "Variable",
     "Verdict",
@@ -58,7 +62,7 @@ _HOME = {
     "runtime": ("configure",),
     "sensitivity": ("Sensitivity", "sensitivity"),
     "sweep": ("Sweep", "sweep"),
-    "tune": ("Problem", "Tuned", "Variable", "tune"),
+    "tuning": ("Case", "Limits", "Objective", "Problem", "Then", "Tuned", "Variable", "tune"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 

@@ -13,12 +13,11 @@ from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
 from .grid import by_path, grid
 from .integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Solver
-from .mechanisms import Design, Scenario, check_fit, get, paths, replace, unit
+from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
-from .mechanisms.paths import check_path
 
 if TYPE_CHECKING:
-    from .tune import Problem
+    from .tuning import Problem
 
 T = TypeVar("T", bound=eqx.Module)
 
@@ -28,13 +27,12 @@ SOLVERS: Mapping[str, type[Solver]] = {
     "implicit": LinearlyImplicit,
     "explicit": ExplicitRungeKutta,
 }
-VARIABLES = {
-    "buffer.k_A": (100.0, 2000.0),  # N/m
-    "buffer.c_A": (1.0, 60.0),  # N s/m
-    "buffer.k_T": (50.0, 1500.0),  # N m/rad
-    "buffer.c_T": (0.2, 20.0),  # N m s/rad
-    "probe.tip_mass": (0.02, 0.2),  # kg
-}
+
+
+def whole(default: int, least: int) -> int:
+    """A static field that takes whole numbers from ``least`` up."""
+    field: int = eqx.field(default=default, static=True, metadata={"least": least})
+    return field
 
 
 class Options(Part):
@@ -51,29 +49,35 @@ class Options(Part):
 
 
 class Tuning(Part):
-    """What to tune: ``iterations``, ``stroke_limit`` [m], ``variables``: path to (low, high) in the path's unit."""
+    """How to search: see `tuning.tune`, whose arguments these are."""
 
     section = "tune"
-    iterations: int = eqx.field(default=40, static=True)
-    stroke_limit: float = number(0.025, "m", **POSITIVE)
-    variables: Mapping[str, tuple[float, float]] = eqx.field(default_factory=lambda: dict(VARIABLES), static=True)
+    iterations: int = whole(40, 1)
+    starts: int = whole(4, 1)
+    searches: int = whole(2, 1)
+    seed: int = whole(0, 0)
+    tolerance: float = number(1e-4, "-", low=0.0, high=1.0, low_open=True, high_open=True)
 
     def __check_init__(self) -> None:
-        if isinstance(self.iterations, bool) or not isinstance(self.iterations, int) or self.iterations < 1:
-            raise InputError(f"tune.iterations = {self.iterations!r} must be a whole number of at least 1")
-        if not self.variables:
-            raise InputError("tune.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
+        for field in dataclasses.fields(self):
+            value, low = getattr(self, field.name), field.metadata.get("least")
+            if low is not None and (isinstance(value, bool) or not isinstance(value, int) or value < low):
+                raise InputError(f"tune.{field.name} = {value!r} must be a whole number of at least {low}")
 
 
 @dataclasses.dataclass(frozen=True)
 class Config:
-    """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings."""
+    """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings.
+
+    ``table``: the ``[problem]`` section as read, checked when the `problem` is made.
+    """
 
     design: Design = dataclasses.field(default_factory=Design)
     scenario: Scenario = dataclasses.field(default_factory=Scenario)
     scenarios: tuple[Scenario, ...] = ()
     options: Options = dataclasses.field(default_factory=Options)
     tuning: Tuning = dataclasses.field(default_factory=Tuning)
+    table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
 
     def __post_init__(self) -> None:
@@ -87,24 +91,14 @@ class Config:
             object.__setattr__(self, "scenarios", (self.scenario,))
 
     def problem(self) -> "Problem":
-        """The tuning problem; its start must lie within the bounds."""
-        from .tune import Problem, Variable
+        """The design problem; its start must lie within the bounds."""
+        from .problem_toml import read_problem
 
-        if self.options.solver != Options.solver:
-            raise InputError(f"options.solver = {self.options.solver!r}: tuning has the {Options.solver} solver only")
-        for path, (low, high) in self.tuning.variables.items():
-            try:
-                check_number(path, get(self.design, path), unit(self.design, path), low=low, high=high)
-            except InputError as error:
-                raise InputError(f"{error} (the bounds in [tune.variables])") from None
-        return Problem(
-            design=self.design,
-            scenarios=self.scenarios,
-            variables=tuple(Variable(path, low, high) for path, (low, high) in self.tuning.variables.items()),
-            stroke_limit=self.tuning.stroke_limit,
-            duration=self.options.duration,
-            rtol=self.options.rtol,
-        )
+        options = self.options
+        if options.solver != Options.solver:
+            raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
+        listed = self.scenarios
+        return read_problem(self.table, self.design, self.scenario, listed, options.duration, options.rtol)
 
 
 def load(path: str | Path | None) -> Config:
@@ -180,7 +174,7 @@ def _lines(part: eqx.Module) -> list[str]:
 
 
 def _config(data: dict[str, Any]) -> Config:
-    known = (*SECTIONS, "scenario", "scenarios", "options", "tune", "sweep")
+    known = (*SECTIONS, "scenario", "scenarios", "options", "problem", "tune", "sweep")
     for name in data:
         if name not in known:
             raise InputError(f"[{name}] is unknown{suggest(name, known)}")
@@ -197,27 +191,12 @@ def _config(data: dict[str, Any]) -> Config:
     sweep = by_path(_table(data, "sweep"))
     if sweep:
         grid(sweep, design, scenario)  # checks it
-    return Config(design, scenario, scenarios, options, _tuning(_table(data, "tune"), design), sweep)
+    tuning = _replaced(Tuning(), _table(data, "tune"), "tune.")
+    if table := _table(data, "problem"):
+        from .problem_toml import check_table
 
-
-def _tuning(table: dict[str, Any], design: Design) -> Tuning:
-    if "variables" in table:
-        bounds = _flat(_table(table, "variables", "tune.variables"))
-        table = {**table, "variables": {path: _bounds(design, path, value) for path, value in bounds.items()}}
-    return _replaced(Tuning(), table, "tune.")
-
-
-def _bounds(design: Design, path: str, value: Any) -> tuple[float, float]:
-    check_path(design, path)
-    where, symbol = f"tune.variables.{path}", unit(design, path)
-    if not symbol:
-        raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
-    if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{where} = {value} must be two numbers, [low, high] in {symbol}")
-    low, high = (_number(where, v, symbol, **_metadata(design, path)["limits"]) for v in value)
-    if not low < high:
-        raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
-    return low, high
+        check_table(table, design, scenario)
+    return Config(design, scenario, scenarios, options, tuning, table, sweep)
 
 
 def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
@@ -257,14 +236,6 @@ def _table(data: Mapping[str, Any], name: str, path: str = "") -> dict[str, Any]
     if not isinstance(table, dict):
         raise InputError(f"{path} = {table!r} is not a table; write [{path}] and its fields below it")
     return table
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested tables as dotted paths: TOML reads an unquoted ``buffer.k_A = …`` as a table in a table."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
-    return flat
 
 
 def _metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:

@@ -11,11 +11,9 @@ from .errors import InputError
 from .plot_style import (
     BLUE,
     COLOURS,
-    COLUMNS,
     FLANK_COLOURS,
     GREEN,
     GREY,
-    ITERATION,
     ORANGE,
     PURPLE,
     RED,
@@ -28,12 +26,13 @@ from .plot_style import png as png
 from .plot_style import require_matplotlib as require_matplotlib
 from .plot_style import styled as _styled
 from .report import FLANKS, scenario_label
+from .tuning.problem import QUANTITIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .tune import Tuned
+    from .tuning import Tuned
 
 
 @_styled
@@ -91,56 +90,83 @@ def capture_figure(capture: Capture) -> "Figure":
 
 @_styled
 def tune_figure(tuned: "Tuned") -> "Figure":
-    """Contact force around the peak before and after in each scenario, convergence, and variables in their bounds."""
-    scenarios = tuned.problem.scenarios
-    rows = math.ceil(len(scenarios) / COLUMNS)
-    figure, grid = _figure(11.0, 3.2 * (rows + 1), rows + 1, COLUMNS)
-    panels = [axes for row in grid[:rows] for axes in row]
-    for axes in panels[len(scenarios) :]:
-        axes.remove()
-    for axes, scenario, *captures in zip(panels, scenarios, tuned.before, tuned.after, strict=False):
-        peaks = [float(capture.peak_force) for capture in captures]
-        for capture, colour, label, peak in zip(captures, (ORANGE, BLUE), ("before", "after"), peaks, strict=True):
-            _pulse(axes, capture, int(capture.peak_flank), colour, f"{label}, {peak:.4g} N")
-        change = 100.0 * (peaks[1] / peaks[0] - 1.0)
-        axes.set_ylim(top=1.35 * max(peaks))
-        title = f"{scenario_label(scenario, scenarios)}: {change:+.1f} %"
-        _label(axes, title, "time from the run's peak [ms]", "contact force [N]")
-    peak, objective, variables = grid[rows]
-    _convergence(peak, objective, tuned)
+    """Peak force in every scenario before and after, objective, variables in their bounds, worst values."""
+    figure, ((cases, objective), (variables, trade)) = _figure(10.0, 7.0, 2, 2)
+    problem, floor = tuned.problem, tuned.floor.simulated
+    number = np.arange(1, len(problem.cases) + 1)
+    for point, colour, label in ((tuned.before, ORANGE, "before"), (tuned.after, BLUE, "after")):
+        peaks, captured = point.quantities[:, 0], point.captured
+        cases.plot(number[captured], peaks[captured], "o", color=colour, markersize=4, label=label)
+        if not np.all(captured):
+            cases.plot(number[~captured], peaks[~captured], "x", color=colour, label=f"{label}, not captured")
+    cases.plot(number, floor, "_", color=GREY, markersize=12, label="floor: first impact, no buffer")
+    _integer_axis(cases)
+    _label(cases, "Peak contact force", "scenario [-]", "peak force [N]")
+    _convergence(objective, tuned)
     _variables(variables, tuned)
-    figure.suptitle("Tuning the buffer: the largest contact force before and after")
+    _limits(trade, tuned)
+    before, after = tuned.objective
+    figure.suptitle(f"{problem.objective}: {before:.5g} N before, {after:.5g} N after")
     return figure
 
 
-def _convergence(peak: "Axes", objective: "Axes", tuned: "Tuned") -> None:
-    iterations = tuned.iterations
-    numbers = [it.number for it in iterations]
-    scenarios = tuned.problem.scenarios
-    for k, scenario in enumerate(scenarios):
-        peak.plot(numbers, [it.peaks[k] for it in iterations], label=scenario_label(scenario, scenarios), **_line(k))
-    _label(peak, "Peak contact force", ITERATION, "peak force [N]")
-    objective.plot(numbers, [it.objective for it in iterations], color=BLUE)
-    lost = [it for it in iterations if not it.captured]
+def _convergence(axes: "Axes", tuned: "Tuned") -> None:
+    """Objective of every evaluated design; a line through each search's accepted ones."""
+    records = tuned.records
+    searches = sorted({(it["stage"], it["search"]) for it in records if it["status"] != "start"})
+    starts = [it for it in records if it["status"] == "start"]
+    axes.plot([it["evaluation"] for it in starts], [it["objective"] for it in starts], ".", color=GREY, label="starts")
+    for k, key in enumerate(searches):
+        mine = [it for it in records if (it["stage"], it["search"]) == key and it["status"] != "start"]
+        taken = [it for it in mine if it["accepted"]]
+        name = f"search {key[1] + 1}" if key[0] == 0 else "then"
+        axes.plot([it["evaluation"] for it in taken], [it["objective"] for it in taken], label=name, **_line(k))
+    lost = [it for it in records if not it["feasible"]]
     if lost:
-        points = [it.number for it in lost], [it.objective for it in lost]
-        objective.plot(*points, "x", color=RED, label="not captured")
-    _label(objective, "Objective", ITERATION, "objective, relative to the start [-]", bool(lost))
+        axes.plot(
+            [it["evaluation"] for it in lost], [it["objective"] for it in lost], "x", color=RED, label="infeasible"
+        )
+    _label(axes, "Objective of every design tried", "evaluation [-]", "objective [N]")
+
+
+def _variables(axes: "Axes", tuned: "Tuned") -> None:
+    """Where accepted designs of all searches stand between the bounds."""
+    taken = [it for it in tuned.records if it["accepted"] and it["status"] != "start"] or list(tuned.records)
+    for k, variable in enumerate(tuned.problem.variables):
+        place = [variable.place(it["values"][variable.path]) for it in taken]
+        axes.plot([it["evaluation"] for it in taken], place, label=variable.path, marker=".", **_line(k))
+        axes.plot(
+            taken[-1]["evaluation"] + 1, variable.place(_value(tuned, variable.path)), "D", color=_line(k)["color"]
+        )
+    axes.set_ylim(-0.03, 1.5)  # room for the legend
+    axes.set_yticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
+    _label(axes, "Accepted designs, and the result (◆)", "evaluation [-]", "place between bounds [-]", columns=2)
+
+
+def _value(tuned: "Tuned", path: str) -> float:
+    value: Any = tuned.design
+    for name in path.split("."):
+        value = getattr(value, name)
+    return float(value)
+
+
+def _limits(axes: "Axes", tuned: "Tuned") -> None:
+    """The largest stroke, hinge angle, end time and hinge force over the scenarios, relative to before."""
+    before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
+    names = list(QUANTITIES)
+    share = 100.0 * (after / before - 1.0)
+    axes.barh(range(len(names)), share, color=[BLUE if x <= 0.0 else ORANGE for x in share])
+    axes.axvline(0.0, color="black", linewidth=0.6)
+    axes.set_yticks(
+        range(len(names)),
+        [f"{n}: {b:.3g} → {a:.3g} {QUANTITIES[n]}" for n, b, a in zip(names, before, after, strict=True)],
+    )
+    axes.invert_yaxis()
+    _label(axes, "Worst over the scenarios, before → after", "change [%]", "quantity [-]", False)
 
 
 def _line(number: int) -> dict[str, Any]:
     return {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)]}
-
-
-def _variables(axes: "Axes", tuned: "Tuned") -> None:
-    numbers = [it.number for it in tuned.iterations]
-    for k, variable in enumerate(tuned.problem.variables):
-        values = np.array([it.values[variable.path] for it in tuned.iterations])
-        place = np.log(values / variable.low) / math.log(variable.high / variable.low)
-        axes.plot(numbers, place, label=variable.path, **_line(k))
-    axes.set_ylim(-0.03, 1.5)  # room for the legend
-    axes.set_yticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
-    _label(axes, "Variables within their bounds", ITERATION, "place between bounds, log scale [-]", columns=2)
 
 
 def _pulse(axes: "Axes", capture: Capture, flank: int, colour: str, label: str = "", marker: str = "") -> None:
@@ -169,3 +195,9 @@ def _history(capture: Capture) -> Any:
     if capture.history is None:
         raise InputError("this capture has no history to plot; simulate it with history=True")
     return jax.tree.map(np.asarray, capture.history)
+
+
+def _integer_axis(axes: "Axes") -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -67,7 +67,7 @@ def _values(values: np.ndarray) -> str:
 def _spread(swept: Swept):
     solved = swept.solved
     spread = table(f"Quantities of the {int(solved.sum())} captures that were solved", ("quantity",), tuple(QUANTILES))
-    for name, symbol in UNITS.items():
+    for name, symbol in ((name, symbol) for name, symbol in UNITS.items() if name in Sweep._fields):
         values = getattr(swept.found, name)[solved]
         known = values[np.isfinite(values)]
         if known.size:

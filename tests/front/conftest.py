@@ -7,6 +7,7 @@ import pytest
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 
 import jaxbuffer.runtime
+import jaxbuffer.tuning
 from jaxbuffer import Outcome
 from jaxbuffer.certificate import Verdict
 from jaxbuffer.sweep import SweepInterrupted
@@ -32,11 +33,11 @@ class Computed:
         capture = made_up_capture(scenario, outcome=self.outcome, design=design)
         return made_up_sensitivity(capture, wrt, options["quantities"], verdict=self.verdict)
 
-    def tune(self, problem, *, iterations, report):
-        self._note("tune", problem=problem, iterations=iterations)
+    def tune(self, problem, *, report, **settings):
+        self._note("tune", problem=problem, **settings)
         tuned = made_up_tuning(problem)
-        for iteration in tuned.iterations:
-            report(iteration)
+        for record in tuned.records:
+            report(record)
         return tuned
 
     def sweep(self, design, scenarios, duration, *, progress, **options):
@@ -58,12 +59,8 @@ class Computed:
 def computed(monkeypatch, tmp_path):
     """The command line with made-up results, in an empty folder."""
     stand_in = Computed()
-    for name in (
-        "capture",
-        "sensitivity",
-        "sweep",
-        "tune",
-    ):  # the modules: the package shows functions under the same names
+    monkeypatch.setattr(jaxbuffer.tuning, "tune", stand_in.tune)
+    for name in ("capture", "sensitivity", "sweep"):  # the modules: the package shows functions under the same names
         function = "simulate" if name == "capture" else name
         monkeypatch.setattr(sys.modules[f"jaxbuffer.{name}"], function, getattr(stand_in, function))
     monkeypatch.setattr(jaxbuffer.runtime, "configure", lambda **options: stand_in.calls.append(("configure", options)))

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxbuffer import Outcome, Scenario, get, replace, table2
+from jaxbuffer import Outcome, Scenario, get, table2
 from jaxbuffer.capture import Capture
 from jaxbuffer.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.first_impact import FirstImpact
@@ -13,7 +13,12 @@ from jaxbuffer.integrate import Log
 from jaxbuffer.metrics import Balance, Energy, Impacts
 from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES, Sensitivity
 from jaxbuffer.sweep import Sweep
-from jaxbuffer.tune import Iteration, Problem, Tuned
+from jaxbuffer.tuning import Problem, Tuned
+from jaxbuffer.tuning import problem as problem_module
+from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
+from jaxbuffer.tuning.floor import Floor
+from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.search import Settings
 
 STEPS = 400
 END = 0.04  # s
@@ -94,24 +99,61 @@ def made_up_sensitivity(
     )
 
 
+def made_up_evaluation(problem: Problem, places, share: float = 1.0) -> Evaluation:
+    """Peaks of 250 N, 300 N, … times ``share``, strokes of 10 mm, all captured."""
+    cases, n = len(problem.cases), len(problem.variables)
+    peaks = np.zeros((cases, PEAKS))
+    peaks[:, 0] = share * (250.0 + 50.0 * np.arange(cases))
+    rest = np.column_stack([1.5 * peaks[:, 0], peaks[:, 0] / 50.0, np.full(cases, 0.01), np.full(cases, 0.004)])
+    return Evaluation(
+        places=np.asarray(places),
+        code=np.full(cases, int(Outcome.captured)),
+        impacts=np.full(cases, 9),
+        peaks=peaks,
+        slots=np.tile(np.arange(PEAKS), (cases, 1)),
+        rest=np.column_stack([rest, np.full(cases, END)]),
+        margin=np.ones(cases),
+        first=0.5 * peaks[:, 0],
+        peaks_slope=np.zeros((cases, PEAKS, n)),
+        rest_slope=np.zeros((cases, len(problem_module.QUANTITIES) - 1, n)),
+        margin_slope=np.zeros((cases, n)),
+    )
+
+
 def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
     """Every peak falls by a fifth and every variable goes half of the way to its low bound."""
-    halfway = {v.path: 0.5 * (v.low + float(get(problem.design, v.path))) for v in problem.variables}
-    design = replace(problem.design, halfway)
-    peaks = [250.0 + 50.0 * k for k in range(len(problem.scenarios))]
-    iterations = []
+    start = problem.start()
+    halfway = np.array([v.place(0.5 * (v.low + float(get(problem.design, v.path)))) for v in problem.variables])
+    goal, records = Goal(problem, problem.objective), []
     for number in range(count):
         share = number / (count - 1)
-        now = tuple((1 - 0.2 * share) * peak for peak in peaks)
-        values = {p: (1 - share) * float(get(problem.design, p)) + share * x for p, x in halfway.items()}
-        strokes = tuple(0.01 for _ in peaks)
-        iterations.append(Iteration(number, 1 - 0.2 * share, max(now), now, strokes, number != 2, values, 0.1))
-    pairs = list(zip(problem.scenarios, peaks, strict=True))
-    before = tuple(made_up_capture(s, peak, design=problem.design) for s, peak in pairs)
-    after = tuple(made_up_capture(s, 0.8 * peak, at=0.025, design=design) for s, peak in pairs)
-    paths = tuple(v.path for v in problem.variables)
-    check = made_up_sensitivity(after[-1], paths)
-    return Tuned(problem, design, iterations, before, after, check, True, "converged: in a test")
+        point = made_up_evaluation(problem, start + share * (halfway - start), 1 - 0.2 * share)
+        values = dict(zip(problem.paths, map(float, problem.values(point.places)), strict=True))
+        records.append(
+            {
+                **{"evaluation": number, "stage": 0, "search": 0, "step": number, "accepted": number != 2},
+                **{"objective": goal.value(point), "feasible": number != 2, "excess": 0.0, "captures": number},
+                **{"radius": 0.1, "residual": 0.02, "status": "running" if number else "start", "values": values},
+                "outcome": ["captured" if number != 2 else "timeout"] * len(problem.cases),
+                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem_module.QUANTITIES)},
+            }
+        )
+    before, after = (made_up_evaluation(problem, z, share) for z, share in ((start, 1.0), (halfway, 0.8)))
+    return Tuned(
+        problem=problem,
+        settings=Settings(),
+        goal=goal,
+        design=problem.built(halfway),
+        before=before,
+        after=after,
+        residual=1.5e-5,
+        gradient_error=2e-6,
+        converged=True,
+        message="converged: in a test",
+        floor=Floor(0.4 * after.peaks[:, 0], 0.45 * after.peaks[:, 0], after.peaks[:, 0] / 1e5, 90.0, {}),
+        records=tuple(records),
+        captures=123,
+    )
 
 
 def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:

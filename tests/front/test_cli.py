@@ -27,7 +27,7 @@ from jaxbuffer.sensitivity import QUANTITIES
 
 SIMULATED = ("capture.json", "history.csv", "capture.png", "capture.txt")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
-TUNED = ("design.toml", "history.csv", "tune.png", "tune.txt")
+TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
 PNG = b"\x89PNG"
 
 
@@ -50,7 +50,7 @@ def test_simulate_prints_a_summary_and_writes_nothing(computed, capsys, tmp_path
     (configured, _), (command, arguments) = computed.calls
     assert (configured, command) == ("configure", "simulate"), "JAX is set up first"
     assert (arguments["design"], arguments["scenario"], arguments["duration"]) == (table2(), Scenario(), 8.0)
-    assert (arguments["rtol"], arguments["history"]) == (3e-7, False)
+    assert (arguments["rtol"], arguments["history"]) == (1e-6, False)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -154,31 +154,48 @@ def test_the_quantities_in_the_help_are_those_there_are():
 
 def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_path, request):
     study = str(request.config.rootpath / "optimise" / "table2.toml")
-    assert run(["tune", study, "--iterations", "9", "--stroke-limit", "0.02", "--output", "out"]) == 0
+    words = ["--iterations", "9", "--starts", "3", "--seed", "5", "--output", "out"]
+    assert run(["tune", study, *words]) == 0
     shown = capsys.readouterr()
     for part in (
+        "peak_force, worst over the cases [N]",
         "250 → 200",
         "-20.0 %",
         "0.15 m/s",
         "350 → 280",
-        "stroke limit 20 mm",
         "converged: in a test",
-        "1.0e-05",
+        "first-order residual 1.5e-05",
+        "+150.000 % above it",
+        "none gets below 90 N",
     ):
         assert part in shown.out
-    assert (
-        "iteration 5 of 9: worst peak 280 N" in shown.err
-        and "iteration 3 of 9: worst peak 315 N, not captured" in shown.err
-    )
+    assert "start: 350 N, residual 2.0e-02" in shown.err
+    assert "search 1, step 2: 315 N, 0 of 3 captured, limits broken" in shown.err
     arguments = computed.calls[-1][1]
-    assert arguments["iterations"] == 9 and arguments["problem"].stroke_limit == 0.02
+    assert {name: arguments[name] for name in ("iterations", "starts", "searches", "seed", "resume")} == {
+        **{"iterations": 9, "starts": 3, "searches": 2, "seed": 5, "resume": False}
+    }
+    assert arguments["problem"].limits.at_most == {"stroke": 0.025} and str(arguments["folder"]) == "out"
     written = load(tmp_path / "out" / "design.toml")
-    assert written.design.buffer.k_A == 300.0 and [s.approach_speed for s in written.scenarios] == [0.1, 0.15, 0.2]
+    assert written.design.buffer.k_A == pytest.approx(300.0) and [s.approach_speed for s in written.scenarios] == [
+        0.1,
+        0.15,
+        0.2,
+    ]
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "history.csv").read_text())))
-    assert (
-        len(rows) == 5 and rows[-1]["buffer.k_A [N/m]"] == "300.0" and rows[0]["peak_force at 0.2 m/s [N]"] == "350.0"
-    )
+    assert len(rows) == 5 and float(rows[-1]["buffer.k_A [N/m]"]) == pytest.approx(300.0)
+    assert rows[0]["worst peak_force [N]"] == "350.0"
+    record = json.loads((tmp_path / "out" / "tuned.json").read_text())
+    assert record["objective_after [N]"] == 280.0 and record["scenarios"][1]["after"]["peak_force [N]"] == 240.0
     assert (tmp_path / "out" / "tune.png").read_bytes().startswith(PNG)
+
+
+def test_resuming_takes_the_folder_as_it_is(computed, tmp_path):
+    (tmp_path / "out").mkdir()
+    for name in ("log.jsonl", "state.npz"):
+        (tmp_path / "out" / name).write_text("")
+    assert run(["tune", "--output", "out"]) == 2
+    assert run(["tune", "--output", "out", "--resume"]) == 0 and computed.calls[-1][1]["resume"] is True
 
 
 def test_on_a_terminal_progress_is_drawn_and_removed(computed, capsys, monkeypatch):

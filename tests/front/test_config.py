@@ -1,10 +1,12 @@
 """Studies: what TOML may say, what it may not, and that a written design reads back as it was."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import pytest
 
-from jaxbuffer import InputError, Scenario, get, replace, table2
-from jaxbuffer.config import VARIABLES, Config, apply_overrides, design_toml, load, write_design
+from jaxbuffer import InputError, Limits, Objective, Scenario, Then, Variable, get, replace, table2
+from jaxbuffer.config import Config, Options, apply_overrides, design_toml, load, write_design
 from jaxbuffer.mechanisms import paths
 
 TABLE2 = "optimise/table2.toml"
@@ -20,7 +22,7 @@ def test_without_a_file_everything_is_table_2s():
     config = load(None)
     assert config.design == table2()
     assert config.scenarios == (config.scenario,) == (Scenario(),)
-    assert (config.options.duration, config.options.rtol, config.options.solver) == (8.0, 3e-7, "automatic")
+    assert (config.options.duration, config.options.rtol, config.options.solver) == (8.0, 1e-6, "automatic")
 
 
 def test_the_shipped_study_is_table_2_at_three_speeds(request):
@@ -28,9 +30,10 @@ def test_the_shipped_study_is_table_2_at_three_speeds(request):
     assert config.design == table2()
     assert [s.approach_speed for s in config.scenarios] == [0.1, 0.15, 0.2]
     assert config.scenario == config.scenarios[0]
-    assert dict(config.tuning.variables) == VARIABLES
-    assert config.tuning.stroke_limit == 0.025
-    assert len(config.problem().variables) == len(VARIABLES)
+    problem, default = config.problem(), Config().problem()
+    assert problem.variables == default.variables and len(problem.variables) == 5
+    assert problem.limits == default.limits and problem.limits.at_most == {"stroke": 0.025}
+    assert problem.then is not None and problem.then.slack == 0.01
 
 
 def test_every_section_is_read(tmp_path):
@@ -55,10 +58,19 @@ def test_every_section_is_read(tmp_path):
         solver = "explicit"
         [tune]
         iterations = 7
-        stroke_limit = 0.02
-        [tune.variables]
+        [problem.variables]
         buffer.k_A = [100, 2000]
-        "probe.tip_mass" = [0.02, 0.2]
+        "probe.tip_mass" = [0.02, 0.2, "linear"]
+        [problem.objective]
+        peak_force = 1
+        stroke = 1e4
+        over = "cvar"
+        level = 0.5
+        [problem.constraints]
+        impacts = 30
+        stroke = 0.02
+        [problem.then]
+        end_time = 1
         """,
     )
     assert isinstance(config.design.buffer.k_A, float) and config.design.buffer.k_A == 800.0
@@ -69,8 +81,18 @@ def test_every_section_is_read(tmp_path):
     assert config.scenario.approach_speed == 0.1
     assert (config.options.duration, config.options.rtol) == (3.0, 1e-9)
     assert type(config.options.stepper()).__name__ == "ExplicitRungeKutta"
-    assert config.tuning.iterations == 7 and config.tuning.stroke_limit == 0.02
-    assert config.tuning.variables == {"buffer.k_A": (100.0, 2000.0), "probe.tip_mass": (0.02, 0.2)}
+    assert config.tuning.iterations == 7
+    with pytest.raises(InputError, match="tuning has the automatic solver only"):
+        config.problem()
+    problem = dataclasses.replace(config, options=Options(duration=3.0)).problem()
+    assert problem.variables == (
+        Variable("buffer.k_A", 100.0, 2000.0),
+        Variable("probe.tip_mass", 0.02, 0.2, "linear"),
+    )
+    assert problem.objective == Objective({"peak_force": 1, "stroke": 1e4}, "cvar", 0.5)
+    assert problem.limits == Limits(True, {"stroke": 0.02}, 30)
+    assert problem.then == Then(Objective({"end_time": 1}))
+    assert problem.duration == 3.0 and problem.meetings == config.scenarios
 
 
 BAD = [
@@ -102,7 +124,7 @@ BAD = [
     ("[[scenarios]]\nspeed = 1", ("scenarios[1].speed is unknown",)),
     ("[options]\nrtoll = 1", ("options.rtoll is unknown", "did you mean options.rtol?")),
     ("[tune]\niteration = 1", ("tune.iteration is unknown", "did you mean tune.iterations?")),
-    ("[tune.variables]\nbuffer.kA = [1, 2]", ("buffer.kA is unknown", "did you mean buffer.k_A?")),
+    ("[problem.variables]\nbuffer.kA = [1, 2]", ("buffer.kA is unknown", "did you mean buffer.k_A?")),
     ("[buffer]\ndamping = 'phisical'", ("buffer.damping = 'phisical' is unknown", "did you mean physical?")),
     ("[options]\nsolver = 'implicid'", ("options.solver = 'implicid' is unknown", "did you mean implicit?")),
     # TOML types
@@ -116,16 +138,35 @@ BAD = [
     ("[tune]\niterations = true", ("tune.iterations = True must be a whole number",)),
     ("buffer = 3", ("buffer = 3 is not a table", "[buffer]")),
     ("[scenarios]\napproach_speed = 1", ("scenarios is not a list of tables", "[[scenarios]]")),
-    ("[tune]\nvariables = 1", ("tune.variables = 1 is not a table",)),
+    ("[problem]\nvariables = 1", ("problem.variables = 1 is not a table",)),
+    ("[problem]\nobjectiv = 1", ("problem.objectiv is unknown", "did you mean objective?")),
+    ("[problem.objective]\npeak_forc = 1", ("problem.objective.peak_forc is unknown", "did you mean peak_force?")),
+    ("[problem.objective]\npeak_force = -1", ("objective.peak_force = -1 N/N", "(0, inf)")),
+    ("[problem.objective]\nover = 'wurst'", ("objective.over = 'wurst' is unknown", "did you mean worst?")),
+    ("[problem.objective]\nlevel = 1", ("objective.level = 1", "[0, 1)")),
+    ("[problem.constraints]\nstrok = 1", ("problem.constraints.strok is unknown", "did you mean stroke?")),
+    ("[problem.constraints]\nstroke = -0.1", ("problem.constraints.stroke = -0.1 m", "(0, inf) m")),
+    ("[problem.constraints]\nimpacts = 2.5", ("constraints.impacts = 2.5 must be a whole number of at least 1",)),
+    ("[problem.constraints]\ncaptured = 1", ("constraints.captured = 1 must be true or false",)),
+    ("[problem.then]\nslack = 0.1", ("problem.then names no quantity",)),
+    ("[problem.then]\nstroke = 1\nslack = 0", ("then.slack = 0", "(0, 1]")),
+    ("[problem.grid]\napproach_speed = []", ("problem.grid.approach_speed = []", "list of numbers in m/s")),
+    ("[problem.grid]\nspeed = [1]", ("problem.grid.speed is unknown",)),
+    ("[problem.grid]\n[problem.sample]", ("problem.grid and problem.sample are both given",)),
+    ("[problem.sample]\ncount = 0\nscenario.approach_speed = {uniform = [1, 2]}", ("sample.count = 0",)),
+    ("[problem.sample]\ncount = 4", ("nothing scatters",)),
+    ("[problem.sample]\nscenario.approach_speed = 1", ("approach_speed = 1", "{ uniform = [low, high] }")),
+    ("[problem.sample]\nfactors.buffer.kA = {uniform = [1, 2]}", ("factors.buffer.kA is unknown", "buffer.k_A?")),
     # settings
     ("[options]\nduration = 0", ("options.duration = 0 s", "(0, inf) s")),
     ("[options]\nrtol = 0.1", ("options.rtol = 0.1", "[1e-13, 0.01]")),
-    ("[tune]\nstroke_limit = -0.1", ("tune.stroke_limit = -0.1 m", "(0, inf) m")),
-    ("[tune.variables]", ("tune.variables is empty",)),
-    ("[tune.variables]\nbuffer.k_A = [100]", ("tune.variables.buffer.k_A = [100]", "[low, high] in N/m")),
-    ("[tune.variables]\nbuffer.k_A = [2e3, 1e2]", ("[2000, 100] N/m", "low bound must be below")),
-    ("[tune.variables]\nbuffer.k_A = [-1, 1e3]", ("tune.variables.buffer.k_A = -1 N/m", "(0, inf) N/m")),
-    ("[tune.variables]\nbuffer.damping = [1, 2]", ("buffer.damping is a choice",)),
+    ("[tune]\ntolerance = 0", ("tune.tolerance = 0", "(0, 1)")),
+    ("[problem.variables]", ("problem.variables is empty",)),
+    ("[problem.variables]\nbuffer.k_A = [100]", ("problem.variables.buffer.k_A = [100]", "[low, high] in N/m")),
+    ("[problem.variables]\nbuffer.k_A = [1, 2, 'cubic']", ("scale 'cubic' is unknown", "log, linear")),
+    ("[problem.variables]\nbuffer.k_A = [2e3, 1e2]", ("[2000, 100] N/m", "low bound must be below")),
+    ("[problem.variables]\nbuffer.k_A = [-1, 1e3]", ("problem.variables.buffer.k_A = -1 N/m", "(0, inf) N/m")),
+    ("[problem.variables]\nbuffer.damping = [1, 2]", ("buffer.damping is a choice",)),
     # syntax
     ("[buffer\nk_A = 1", ("study.toml is not valid TOML", "line 1")),
     ("[buffer]\nk_A = \n", ("study.toml is not valid TOML", "line 2")),
@@ -153,8 +194,8 @@ def test_files_that_can_not_be_read(tmp_path):
 
 
 def test_the_start_must_lie_within_the_bounds_of_tuning(tmp_path):
-    config = read(tmp_path, "[tune.variables]\nbuffer.k_A = [600, 2000]")
-    with pytest.raises(InputError, match=r"buffer\.k_A = 500 N/m is out of range; allowed: \[600, 2000\] N/m .*bounds"):
+    config = read(tmp_path, "[problem.variables]\nbuffer.k_A = [600, 2000]")
+    with pytest.raises(InputError, match=r"buffer\.k_A = 500 N/m is out of range; allowed: \[600, 2000\] N/m"):
         config.problem()
     assert apply_overrides(config, {"buffer.k_A": "700"}).problem().design.buffer.k_A == 700.0
 

@@ -13,7 +13,7 @@ from jaxbuffer import InputError, Scenario
 from jaxbuffer.config import Config
 from jaxbuffer.plot import capture_figure, png, tune_figure
 
-UNIT = re.compile(r"\[(s|ms|N|mm|mJ|deg|-)\]$")
+UNIT = re.compile(r"\[(s|ms|N|mm|mJ|deg|%|-)\]$")
 
 
 def labelled(figure):
@@ -55,16 +55,19 @@ def test_tune_figure():
     figure = tune_figure(tuned)
     axes = labelled(figure)
     assert list(axes) == [
-        *(f"{speed} m/s: -20.0 %" for speed in (0.1, 0.15, 0.2, 0.25)),
         "Peak contact force",
-        "Objective",
-        "Variables within their bounds",
+        "Objective of every design tried",
+        "Accepted designs, and the result (◆)",
+        "Worst over the scenarios, before → after",
     ]
-    labels = [text.get_text() for text in axes["0.1 m/s: -20.0 %"].get_legend().get_texts()]
-    assert labels == ["before, 250 N", "after, 200 N"]
-    assert [text.get_text() for text in axes["Objective"].get_legend().get_texts()] == ["not captured"]
-    for line in axes["Variables within their bounds"].lines:
-        assert 0.0 <= line.get_ydata().min() < line.get_ydata().max() <= 1.0
+    labels = [text.get_text() for text in axes["Peak contact force"].get_legend().get_texts()]
+    assert labels == ["before", "after", "floor: first impact, no buffer"]
+    objective = axes["Objective of every design tried"]
+    assert [text.get_text() for text in objective.get_legend().get_texts()] == ["starts", "search 1", "infeasible"]
+    for line in axes["Accepted designs, and the result (◆)"].lines:
+        assert 0.0 <= line.get_ydata().min() <= line.get_ydata().max() <= 1.0
+    ticks = [text.get_text() for text in axes["Worst over the scenarios, before → after"].get_yticklabels()]
+    assert ticks[0] == "peak_force: 400 → 320 N"
     assert png(figure).startswith(b"\x89PNG")
 
 

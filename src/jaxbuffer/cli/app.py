@@ -40,11 +40,11 @@ def root(
       approach_speed = 0.2      # m/s
       [options]
       duration = 8.0            # s
-      rtol = 3e-7
-      [tune]
-      stroke_limit = 0.025      # m
-      [tune.variables]
+      rtol = 1e-6
+      [problem.variables]
       buffer.k_A = [100, 2000]  # N/m, low and high bound
+      [problem.constraints]
+      stroke = 0.025            # m
       [sweep]
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
@@ -188,60 +188,64 @@ def sensitivity(
     return OK
 
 
-@verb(app, "Smaller peak forces over all scenarios, within bounds.", without=("solver",))
+@verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))
 def tune(
     request: Request,
-    iterations: Annotated[int | None, typer.Option(metavar="N", help="Iterations at most; default 40.")] = None,
-    stroke_limit: Annotated[
-        float | None, typer.Option(metavar="M", help="Largest stroke in any scenario [m]; default 0.025.")
-    ] = None,
+    iterations: Annotated[int | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
+    starts: Annotated[int | None, typer.Option(metavar="N", help="Designs tried first; default 4.")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
 ) -> int:
-    """Tune the fields in [tune.variables] for small peak contact forces in all [[scenarios]].
+    """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
 
-    Starts from the study's design, stays within the bounds and the stroke limit, and verifies the result at tight
-    tolerance. Without variables: k_A, c_A, k_T and c_T of the buffer and the tip mass.
+    Stays within bounds and [problem.constraints]; a start that breaks them is led back first. Without a
+    [problem]: the worst peak contact force, stroke at most 25 mm, by k_A, c_A, k_T, c_T and the tip mass.
 
     \b
     Files in DIR:
       design.toml  the tuned design, a study for the other commands
-      history.csv  objective, peaks, strokes and variables of each iteration
-      tune.png     contact force before and after, convergence, variables
+      tuned.json   result, floor, evidence, every scenario before and after
+      history.csv  objective, worst values and variables of each evaluation
+      tune.png     peaks before and after, objective, variables, worst values
       tune.txt     the tables
+      log.jsonl, state.npz  kept up while running; --resume needs them
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
     """
     study = request.study()
-    chosen = given(iterations=iterations, stroke_limit=stroke_limit)
+    chosen = given(iterations=iterations, starts=starts, seed=seed)
     study = dataclasses.replace(study, tuning=dataclasses.replace(study.tuning, **chosen))
     problem = study.problem()
-    files = request.files("design.toml", "history.csv", "tune.png", "tune.txt")
-    from ..tune import tune as compute
+    names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt", *_RUN_FILES)
+    files = dataclasses.replace(request, force=request.force or resume).files(*names)
+    from ..tuning import tune as compute
     from .progress import tuning
 
-    limit = study.tuning.iterations
-    tuned = tuning(limit, lambda report: compute(problem, iterations=limit, report=report))
-    failed = [capture.outcome.reason for capture in tuned.after if capture.outcome.failed]
-    if failed:
-        return fail(failed[0])
+    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    tuned = tuning(lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report))
     typer.echo(repr(tuned))
     if request.output is not None:
         from .. import plot
         from ..config import design_toml
-        from .output import csv_text
-        from .records import tuned_comment, tuning_history
+        from .output import csv_text, json_text
+        from .records import tuned_comment, tuned_record, tuning_history
 
         wrote(
             files.write(
                 {
-                    "design.toml": design_toml(tuned.design, problem.scenarios, tuned_comment(tuned)),
+                    "design.toml": design_toml(tuned.design, problem.meetings, tuned_comment(tuned)),
+                    "tuned.json": json_text(tuned_record(tuned)),
                     "history.csv": csv_text(*tuning_history(tuned)),
                     "tune.png": plot.png(plot.tune_figure(tuned)),
                     "tune.txt": f"{tuned!r}\n",
                 }
             )
         )
-    return OK
+    return OK if tuned.feasible else fail(tuned.message)
+
+
+_RUN_FILES = ("log.jsonl", "state.npz")
 
 
 verb(app, "Many captures: every combination of values of some fields.")(sweep)

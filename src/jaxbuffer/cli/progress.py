@@ -19,7 +19,7 @@ from rich.progress import (
 )
 
 if TYPE_CHECKING:
-    from ..tune import Iteration
+    from ..tuning import Record
 
 T = TypeVar("T")
 
@@ -40,25 +40,15 @@ def working(text: str, work: Callable[[], T]) -> T:
         return _interruptible(work)
 
 
-def tuning(iterations: int, work: "Callable[[Callable[[Iteration], None]], T]") -> T:
-    """Run ``work``, which reports each iteration: a bar on a terminal, a plain line each elsewhere."""
+def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
+    """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each elsewhere."""
     console = Console(stderr=True)
     if not console.is_terminal:
         print(COMPILING, file=sys.stderr, flush=True)
-
-        def line(it: "Iteration") -> None:
-            print(f"iteration {it.number + 1} of {iterations}: {_state(it)}", file=sys.stderr, flush=True)
-
-        return _interruptible(lambda: work(line))
-    with Progress(SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task(COMPILING, total=iterations)
-
-        def advance(it: "Iteration") -> None:
-            last = it.number + 1 == iterations
-            text = "verifying the tuned design…" if last else _state(it)
-            progress.update(task, completed=it.number + 1, description=text)
-
-        return _interruptible(lambda: work(advance))
+        return _interruptible(lambda: work(lambda it: print(_state(it), file=sys.stderr, flush=True)))
+    with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
+        task = progress.add_task(COMPILING, total=None)
+        return _interruptible(lambda: work(lambda it: progress.update(task, description=_state(it))))
 
 
 def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
@@ -97,8 +87,13 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
         return work(advance)
 
 
-def _state(iteration: "Iteration") -> str:
-    return f"worst peak {iteration.worst_peak:.4g} N" + ("" if iteration.captured else ", not captured")
+def _state(it: "Record") -> str:
+    where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
+    stage = "then, " if it["stage"] else ""
+    text = f"{stage}{where}: {it['objective']:.5g} N"
+    if not it["feasible"]:
+        text += f", {it['outcome'].count('captured')} of {len(it['outcome'])} captured, limits broken"
+    return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")
 
 
 def _interruptible(work: Callable[[], T]) -> T:

@@ -1,5 +1,6 @@
 """Results as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
 
+import dataclasses
 import importlib.metadata
 import math
 from collections.abc import Sequence
@@ -11,13 +12,16 @@ import numpy as np
 
 from ..capture import Capture
 from ..history import BODIES, MULTIPLIERS
-from ..mechanisms import paths, unit
+from ..mechanisms import get, paths, unit
+from ..outcome import Outcome
 from ..quantities import quantity_unit
-from ..report import FLANKS, UNITS, per, scenario_label
+from ..report import FLANKS, SHOWN, UNITS, per, scenario_label
+from ..tuning.problem import QUANTITIES
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
-    from ..tune import Tuned
+    from ..tuning import Tuned
+    from ..tuning.evaluation import Evaluation
 
 Table = tuple[list[str], list[Sequence[Any]]]
 
@@ -195,32 +199,87 @@ def sensitivity_rows(result: "Sensitivity") -> Table:
 
 
 def tuning_history(tuned: "Tuned") -> Table:
-    """A row for each iteration."""
+    """A row for each evaluated design; worst values over the scenarios."""
     problem = tuned.problem
-    labels = [scenario_label(s, problem.scenarios) for s in problem.scenarios]
-    header = ["iteration", "objective [-]", "worst_peak_force [N]"]
-    header += [f"peak_force at {label} [N]" for label in labels] + [f"stroke at {label} [m]" for label in labels]
-    header += ["captured", "step_norm [-]"]
+    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
+    numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
+    worst = {"peak_force": "N", "peak_hinge_force": "N", "stroke": "m", "hinge_angle": "rad", "end_time": "s"}
+    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
+    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
     rows: list[Sequence[Any]] = []
-    for it in tuned.iterations:
-        numbers = [it.number, it.objective, it.worst_peak, *map(float, it.peaks), *map(float, it.strokes)]
-        rows.append([*numbers, it.captured, it.step_norm, *(it.values[v.path] for v in problem.variables)])
+    for it in tuned.records:
+        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
+        rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
     return header, rows
+
+
+def tuned_record(tuned: "Tuned") -> dict[str, Any]:
+    """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    scenarios = zip(problem.cases, _cases(tuned.before), _cases(tuned.after), strict=True)
+    return {
+        "message": tuned.message,
+        "converged": tuned.converged,
+        "feasible": tuned.feasible,
+        "broken": tuned.goal.broken(tuned.after),
+        "objective": str(problem.objective),
+        "objective_before [N]": _number(start),
+        "objective_after [N]": _number(end),
+        "first_order_residual [-]": _number(tuned.residual),
+        "gradient_error [-]": _number(tuned.gradient_error),
+        "above_floor [-]": _number(tuned.above_floor),
+        "lowest_first_impact_within_bounds [N]": _number(tuned.floor.lowest),
+        "captures": tuned.captures,
+        "settings": dataclasses.asdict(tuned.settings),
+        "variables": [
+            {"path": v.path, "low": v.low, "high": v.high, "scale": v.scale, "value": get(tuned.design, v.path)}
+            for v in problem.variables
+        ],
+        "limits": {name: limit for name, limit in problem.limits.at_most.items()},
+        "scenarios": [
+            {
+                **_fields(case.scenario),
+                "factors": dict(case.factors),
+                "floor [N]": _number(floor),
+                "closed_form_first_peak [N]": _number(closed),
+                "T_c [J]": _number(energy),
+                "before": before,
+                "after": after,
+            }
+            for (case, before, after), floor, closed, energy in zip(
+                scenarios, tuned.floor.simulated, tuned.floor.closed_form, tuned.floor.energy, strict=True
+            )
+        ],
+        "design": _fields(tuned.design),
+        "jaxbuffer": version(),
+    }
+
+
+def _cases(point: "Evaluation") -> list[dict[str, Any]]:
+    return [
+        {
+            "outcome": Outcome(int(code)).name,
+            "impacts": int(impacts),
+            "first_peak [N]": _number(first),
+            **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(QUANTITIES.items(), row, strict=True)},
+        }
+        for code, impacts, first, row in zip(point.code, point.impacts, point.first, point.quantities, strict=True)
+    ]
 
 
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
-    problem = tuned.problem
-    peaks = zip(problem.scenarios, tuned.before, tuned.after, strict=True)
+    problem, (start, end) = tuned.problem, tuned.objective
+    limits = [f"{name} ≤ {limit:g} {QUANTITIES[name]}" for name, limit in problem.limits.at_most.items()]
     lines = [
-        f"Tuned by jaxbuffer {version()} in {len(tuned.iterations)} iterations: {tuned.message}.",
-        f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}, stroke limit {problem.stroke_limit:g} m.",
-        "Peak contact force, before and after:",
+        f"Tuned by jaxbuffer {version()} with {tuned.captures} captures: {tuned.message}.",
+        f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
+        f"{problem.objective}, before and after: {start:.6g} N, {end:.6g} N.",
     ]
-    for scenario, before, after in peaks:
-        label = scenario_label(scenario, problem.scenarios)
-        lines.append(f"  {label}: {float(before.peak_force):.6g} N, {float(after.peak_force):.6g} N")
+    for k, scenario in enumerate(problem.meetings[:SHOWN]):
+        peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"
+        lines.append(f"  peak at {scenario_label(scenario, problem.meetings)}: {peaks}")
     return "\n".join(lines)
 
 

@@ -38,6 +38,15 @@ def get(module: eqx.Module, path: str) -> Any:
     return module
 
 
+def limits_of(module: eqx.Module, path: str) -> Mapping[str, Any]:
+    """The declared range of a path's numbers, as keywords of `check_number`."""
+    *owners, name = path.split(".")
+    for owner in owners:
+        module = getattr(module, owner)
+    limits: Mapping[str, Any] = {f.name: f.metadata for f in dataclasses.fields(module)}[name].get("limits", {})
+    return limits
+
+
 def unit(module: eqx.Module, path: str) -> str:
     """The unit of a path, "" for a choice."""
     *owners, name = path.split(".")

@@ -1,0 +1,70 @@
+"""Time per gradient and memory for 1 to 1000 scenarios in one design problem: ``python -m benchmarks.gradients``.
+
+A gradient here is every quantity of every scenario with its derivatives by five variables (one `Evaluator` call), and
+then the step the search makes of it. Memory is the process's peak so far, of which most is the compiled program.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+
+import jaxbuffer.runtime
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.gradients", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--counts", default="1,10,100,1000", metavar="N,…")
+    parser.add_argument("--output", type=Path, default=Path("benchmarks/results/gradients.json"))
+    options = parser.parse_args(arguments)
+    jaxbuffer.runtime.configure()
+    from rich.console import Console
+    from rich.table import Table
+
+    from jaxbuffer import Limits, Objective, Problem, Variable, table2
+    from jaxbuffer.problem_toml import VARIABLES
+    from jaxbuffer.tuning import Distribution, sample
+    from jaxbuffer.tuning.evaluation import Evaluator
+    from jaxbuffer.tuning.goal import Goal
+    from jaxbuffer.tuning.search import Search, Settings
+
+    variables = [Variable(path, *bounds) for path, bounds in VARIABLES.items()]
+    spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}
+    table, rows = Table(title="One gradient of a design problem, five variables"), []
+    headings = ("scenarios", "gradient [s]", "a scenario [ms]", "step [s]", "captured", "memory [MiB]")
+    for heading in headings:
+        table.add_column(heading, justify="right")
+    for count in map(int, options.counts.split(",")):
+        cases = sample(count, spread, seed=1)
+        problem = Problem(table2(), cases, variables, Objective(), Limits(at_most={"stroke": 0.025}))
+        goal = Goal(problem, problem.objective)
+        with Evaluator(problem) as evaluate:
+            if not rows:
+                evaluate([problem.start()])  # compiles
+            begin = time.perf_counter()
+            (point,) = evaluate([problem.start()])
+            seconds = time.perf_counter() - begin
+        search = Search(goal, (goal.value(point), goal.value(point)), Settings())
+        branch = search.begin(point)
+        search.plan(branch)  # compiles the model for this count
+        begin = time.perf_counter()
+        search.plan(branch)
+        step = time.perf_counter() - begin
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        numbers = (count, seconds, 1e3 * seconds / count, step, int(point.captured.sum()), memory)
+        rows.append(dict(zip(headings, numbers, strict=True)))
+        table.add_row(*(f"{x:.4g}" for x in numbers))
+    Console(width=None if sys.stdout.isatty() else 120).print(table)
+    options.output.parent.mkdir(parents=True, exist_ok=True)
+    options.output.write_text(json.dumps(rows, indent=1) + "\n")
+    print(f"wrote {options.output}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

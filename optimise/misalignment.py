@@ -1,0 +1,10 @@
+"""(b) Misalignment of the vehicles and rotation of the passive one."""
+
+from pathlib import Path
+
+from .study import config, tuned
+
+
+def main(folder: Path, resume: bool = False) -> None:
+    """One tuning; its figure says it all."""
+    tuned(config("misalignment"), folder, resume)

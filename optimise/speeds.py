@@ -1,0 +1,10 @@
+"""(a) Table 2, worst case over approach speeds."""
+
+from pathlib import Path
+
+from .study import config, tuned
+
+
+def main(folder: Path, resume: bool = False) -> None:
+    """One tuning; its figure says it all."""
+    tuned(config("speeds"), folder, resume)

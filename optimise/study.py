@@ -1,0 +1,59 @@
+"""What every study does: read its TOML, tune, write the result beside the log."""
+
+import dataclasses
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from jaxbuffer import Problem, Tuned, tune
+from jaxbuffer.cli.output import csv_text, json_text
+from jaxbuffer.cli.progress import _state
+from jaxbuffer.cli.records import tuned_comment, tuned_record, tuning_history
+from jaxbuffer.config import Config, design_toml, load
+from jaxbuffer.plot import png, tune_figure
+
+HERE = Path(__file__).parent
+
+
+def config(name: str) -> Config:
+    """The study's TOML."""
+    return load(HERE / f"{name}.toml")
+
+
+def tuned(study: Config, folder: Path, resume: bool, problem: Problem | None = None) -> Tuned:
+    """Tune its problem (or a variant of it) and write result, history and figure; go on where a log is, if asked."""
+    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    problem = problem or study.problem()
+    resume = resume and (folder / "log.jsonl").exists()
+    found = tune(problem, **settings, folder=folder, resume=resume, report=_told)
+    print(found, flush=True)
+    write(folder, "design.toml", design_toml(found.design, problem.meetings, tuned_comment(found)))
+    write(folder, "tuned.json", json_text(tuned_record(found)))
+    write(folder, "history.csv", csv_text(*tuning_history(found)))
+    write(folder, "tune.png", png(tune_figure(found)))
+    return found
+
+
+def write(folder: Path, name: str, content: str | bytes) -> None:
+    """Write one result, over an earlier one."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    print(f"wrote {folder / name}", flush=True)
+
+
+def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 1) -> None:
+    """A figure of its own: ``draw`` gets its axes, an array if there are several columns."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    from jaxbuffer.plot import STYLE
+
+    with matplotlib.rc_context(STYLE):
+        drawn = Figure(figsize=(5.0 * columns, 3.6), layout="constrained")
+        draw(drawn.subplots(1, columns))
+        write(folder, name, png(drawn))
+
+
+def _told(record: dict[str, Any]) -> None:
+    print(_state(record), file=sys.stderr, flush=True)

@@ -1,0 +1,54 @@
+"""(d) Tip mass, welded or free to spin: what it does to the peak, and what the effective kinetic energy predicts."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxbuffer import Design, replace, sweep
+from jaxbuffer.cli.output import csv_text
+from jaxbuffer.tuning.floor import first_impact
+
+from .study import config, figure, write
+
+MASSES = np.geomspace(0.02, 0.2, 25)  # kg
+
+
+def main(folder: Path, resume: bool = False) -> None:
+    """Sweeps of the tip's mass at every scenario of the study, welded and free, as table and figure."""
+    study = config("tip")
+    rows = []
+    for free in (False, True):
+        for scenario in study.scenarios:
+            design: Design = replace(study.design, {"probe.free_tip": free, "probe.tip_mass": MASSES})
+            found = sweep(design, scenario, study.options.duration, rtol=study.options.rtol)
+            first = sweep(design, scenario, FIRST, rtol=study.options.rtol)
+            for mass, peak, begin, code in zip(MASSES, found.peak_force, first.peak_force, found.code, strict=True):
+                closed = first_impact(replace(design, {"probe.tip_mass": float(mass)}), scenario)
+                numbers = [float(x) for x in (mass, peak, begin, closed.peak, closed.energy)]
+                rows.append([free, float(scenario.approach_speed), *numbers, int(code)])
+    header = ["free_tip", "approach_speed [m/s]", "tip_mass [kg]", "peak_force [N]", "first_peak [N]"]
+    write(folder, "tip.csv", csv_text([*header, "closed_form [N]", "T_c [J]", "outcome"], rows))
+
+    def draw(axes: Any) -> None:
+        for k, scenario in enumerate(study.scenarios):
+            speed = float(scenario.approach_speed)
+            for free, style in ((False, "-"), (True, "--")):
+                mine = np.array([row[2:] for row in rows if row[0] == free and row[1] == speed])
+                label = f"{speed:g} m/s, {'free' if free else 'welded'}"
+                axes[0].plot(1e3 * mine[:, 0], mine[:, 1], style, color=f"C{k}", label=label)
+                axes[1].plot(1e3 * mine[:, 0], mine[:, 2] / mine[:, 3], style, color=f"C{k}", label=label)
+                axes[2].plot(1e3 * mine[:, 0], mine[:, 1] / mine[:, 3], style, color=f"C{k}", label=label)
+        for one, title, y in zip(
+            axes,
+            ("Peak of the whole capture", "First impact over its closed form", "Peak over the first's closed form"),
+            ("peak force [N]", "ratio [-]", "ratio [-]"),
+            strict=True,
+        ):
+            one.set(title=title, xlabel="tip mass [g]", ylabel=y, xscale="log")
+        axes[0].legend()
+
+    figure(folder, "tip.png", draw, columns=3)
+
+
+FIRST = 1e-3  # s, longer than a first impact and shorter than the time until the second

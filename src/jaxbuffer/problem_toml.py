@@ -1,0 +1,174 @@
+"""The ``[problem]`` section of a study: from TOML tables to a `Problem`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from .errors import InputError, check_number, suggest
+from .mechanisms import Design, Scenario, paths, unit
+from .mechanisms.paths import check_path, limits_of
+from .tuning.cases import KINDS, Distribution, grid, sample
+from .tuning.problem import QUANTITIES, SCALES, Case, Limits, Objective, Problem, Then, Variable, check_quantity
+
+SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then")
+VARIABLES = {  # tuned where a study names none
+    "buffer.k_A": [100.0, 2000.0],  # N/m
+    "buffer.c_A": [1.0, 60.0],  # N s/m
+    "buffer.k_T": [50.0, 1500.0],  # N m/rad
+    "buffer.c_T": [0.2, 20.0],  # N m s/rad
+    "probe.tip_mass": [0.02, 0.2],  # kg
+}
+CONSTRAINTS = {"stroke": 0.025}  # m, kept to where a study names none: what fits into Table 2's cylinder
+SAMPLE = ("count", "seed", "scenario", "factors")
+
+
+def read_problem(
+    table: Mapping[str, Any], design: Design, base: Scenario, listed: tuple[Scenario, ...], duration: float, rtol: float
+) -> Problem:
+    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces."""
+    _known(table, SECTIONS, "problem")
+    return Problem(
+        design=design,
+        scenarios=_cases(table, design, base, listed),
+        variables=_variables(_flat(_table(table, "variables", VARIABLES)), design),
+        objective=_objective(_table(table, "objective", {}), "objective"),
+        limits=_limits(_table(table, "constraints", CONSTRAINTS)),
+        then=_then(_table(table, "then", {})) if "then" in table else None,
+        duration=duration,
+        rtol=rtol,
+    )
+
+
+def check_table(table: Mapping[str, Any], design: Design, base: Scenario) -> None:
+    """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
+    _known(table, SECTIONS, "problem")
+    _variables(_flat(_table(table, "variables", VARIABLES)), design)
+    _cases(table, design, base, ())
+    _objective(_table(table, "objective", {}), "objective")
+    _limits(_table(table, "constraints", CONSTRAINTS))
+    if "then" in table:
+        _then(_table(table, "then", {}))
+
+
+def _variables(table: Mapping[str, Any], design: Design) -> tuple[Variable, ...]:
+    if not table:
+        raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
+    return tuple(_variable(path, given, design) for path, given in table.items())
+
+
+def _variable(path: str, given: Any, design: Design) -> Variable:
+    check_path(design, path)
+    where, symbol = f"problem.variables.{path}", unit(design, path)
+    if not symbol:
+        raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
+    parts = list(given) if isinstance(given, list) else []
+    scale = parts.pop() if len(parts) == 3 else SCALES[0]
+    if len(parts) != 2 or not all(_is_number(x) for x in parts):
+        raise InputError(f'{where} = {given} must be [low, high] in {symbol}, or [low, high, "linear"]')
+    if scale not in SCALES:
+        raise InputError(f"{where}: scale {scale!r} is unknown; choose one of {', '.join(SCALES)}")
+    low, high = map(float, parts)
+    for bound in (low, high):
+        check_number(where, bound, symbol, **limits_of(design, path))
+    if not low < high:
+        raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
+    return Variable(path, low, high, scale)
+
+
+def _cases(table: Mapping[str, Any], design: Design, base: Scenario, listed: tuple[Scenario, ...]) -> tuple[Case, ...]:
+    if "grid" in table and "sample" in table:
+        raise InputError("problem.grid and problem.sample are both given; choose one")
+    if "grid" in table:
+        fields = _table(table, "grid", {})
+        _known(fields, tuple(paths(base)), "problem.grid")
+        for name, values in fields.items():
+            if not isinstance(values, list) or not values or not all(_is_number(x) for x in values):
+                raise InputError(f"problem.grid.{name} = {values} must be a list of numbers in {unit(base, name)}")
+        return grid(fields, base)
+    if "sample" in table:
+        return _sampled(_table(table, "sample", {}), design, base)
+    return tuple(Case(scenario) for scenario in listed)
+
+
+def _sampled(table: Mapping[str, Any], design: Design, base: Scenario) -> tuple[Case, ...]:
+    _known(table, SAMPLE, "problem.sample")
+    fields, factors = (_flat_distributions(_table(table, name, {})) for name in ("scenario", "factors"))
+    _known(fields, tuple(paths(base)), "problem.sample.scenario")
+    _known(factors, tuple(paths(design)), "problem.sample.factors")
+    seed = table.get("seed", 0)
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise InputError(f"problem.sample.seed = {seed!r} must be a whole number of at least 0")
+    read = lambda name, given: _distribution(f"problem.sample.{name}", given)  # noqa: E731
+    return sample(
+        table.get("count", 16),
+        {name: read(f"scenario.{name}", given) for name, given in fields.items()},
+        {path: read(f"factors.{path}", given) for path, given in factors.items()},
+        seed=seed,
+        base=base,
+        design=design,
+    )
+
+
+def _distribution(where: str, given: Any) -> Distribution:
+    if isinstance(given, dict) and len(given) == 1:
+        ((kind, numbers),) = given.items()
+        if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
+            return Distribution(kind, float(numbers[0]), float(numbers[1]))
+    raise InputError(f"{where} = {given} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}")
+
+
+def _objective(table: Mapping[str, Any], where: str) -> Objective:
+    options = {name: table[name] for name in ("over", "level") if name in table}
+    weights = {name: weight for name, weight in table.items() if name not in (*options, "slack")}
+    for name, weight in weights.items():
+        check_quantity(f"problem.{where}", name)
+        if not _is_number(weight):
+            raise InputError(f"problem.{where}.{name} = {weight!r} is not a number")
+    return Objective(weights, **options) if weights else Objective(**options)
+
+
+def _limits(table: Mapping[str, Any]) -> Limits:
+    _known(table, ("captured", "impacts", *QUANTITIES), "problem.constraints")
+    limits = {name: value for name, value in table.items() if name in QUANTITIES}
+    for name, value in limits.items():
+        check_number(f"problem.constraints.{name}", value, QUANTITIES[name], low=0.0, low_open=True)
+    return Limits(table.get("captured", True), limits, table.get("impacts"))
+
+
+def _then(table: Mapping[str, Any]) -> Then:
+    if not set(table) & set(QUANTITIES):
+        raise InputError(f"problem.then names no quantity; choose some of {', '.join(QUANTITIES)}")
+    return Then(_objective(table, "then"), table.get("slack", Then.slack))
+
+
+def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    for name in table:
+        if name not in known:
+            raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
+
+
+def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:
+    table = data.get(name, default)
+    if not isinstance(table, dict):
+        raise InputError(f"problem.{name} = {table!r} is not a table; write [problem.{name}] and its fields below it")
+    return table
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested tables as dotted paths: TOML reads an unquoted ``buffer.k_A = …`` as a table in a table."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+    return flat
+
+
+def _flat_distributions(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """The same, where a distribution is itself a table."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        deeper = isinstance(value, dict) and not set(value) & set(KINDS)
+        flat |= _flat_distributions(value, f"{prefix}{name}.") if deeper else {prefix + name: value}
+    return flat
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,91 @@
+"""Many cases from few words: a grid over scenario fields, or a sample of an envelope with distributions."""
+
+import dataclasses
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, check_choice, check_number
+from ..mechanisms import Design, Scenario, get, unit
+from ..mechanisms.paths import check_path
+from .problem import Case
+
+KINDS = ("uniform", "normal")
+
+
+@dataclasses.dataclass(frozen=True)
+class Distribution:
+    """How a number scatters: "uniform" between ``first`` and ``second``, or "normal" with mean and deviation."""
+
+    kind: str
+    first: float
+    second: float
+
+    def __post_init__(self) -> None:
+        check_choice("distribution", self.kind, KINDS)
+        check_number(f"{self.kind}, first number", self.first, "-")
+        low: dict[str, Any] = {"low": self.first} if self.kind == "uniform" else {"low": 0.0}
+        check_number(f"{self.kind}, second number", self.second, "-", **low, low_open=True)
+
+    def at(self, share: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+        """Quantiles."""
+        from scipy.stats import norm
+
+        if self.kind == "uniform":
+            return self.first + share * (self.second - self.first)
+        return np.asarray(norm.ppf(share, self.first, self.second))
+
+
+def grid(fields: Mapping[str, Sequence[float]], base: Scenario | None = None) -> tuple[Case, ...]:
+    """Every combination of the listed values of scenario fields; the others are ``base``'s."""
+    base = Scenario() if base is None else base
+    for name, values in fields.items():
+        check_path(base, name)
+        if not len(values):
+            raise InputError(f"grid.{name} is empty; list at least one value in {unit(base, name)}")
+    return tuple(
+        Case(dataclasses.replace(base, **dict(zip(fields, map(float, values), strict=True))))
+        for values in itertools.product(*fields.values())
+    )
+
+
+def sample(
+    count: int,
+    fields: Mapping[str, Distribution],
+    factors: Mapping[str, Distribution] | None = None,
+    *,
+    seed: int = 0,
+    base: Scenario | None = None,
+    design: Design | None = None,
+) -> tuple[Case, ...]:
+    """Cases drawn from distributions of scenario ``fields`` and of ``factors`` on design numbers (1 is as drawn).
+
+    A Latin hypercube: each distribution is met evenly even by few cases; the same ``seed`` draws the same ones.
+    ``design``: to check the paths of ``factors`` with.
+    """
+    from scipy.stats import qmc
+
+    base, factors = Scenario() if base is None else base, factors or {}
+    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+        raise InputError(f"sample.count = {count!r} must be a whole number of at least 1")
+    if not fields and not factors:
+        raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
+    for name in fields:
+        check_path(base, name)
+    for path in factors:
+        value = get(Design() if design is None else design, path)
+        if value is None or isinstance(value, (str, bool)):
+            raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
+    shares = qmc.LatinHypercube(len(fields) + len(factors), rng=seed).random(count).T
+    spread = [d.at(s) for d, s in zip((*fields.values(), *factors.values()), shares, strict=True)]
+    split = len(fields)
+    return tuple(
+        Case(
+            dataclasses.replace(base, **{name: float(x[k]) for name, x in zip(fields, spread[:split], strict=True)}),
+            tuple((path, float(x[k])) for path, x in zip(factors, spread[split:], strict=True)),
+        )
+        for k in range(count)
+    )

@@ -1,0 +1,122 @@
+"""One stage of a tuning: an objective, the constraints as rows g ≤ 0, and what both are to first order."""
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from .evaluation import Evaluation
+from .problem import QUANTITIES, Objective, Problem
+
+ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
+NO_PEAK = -1e9  # N
+NAMES = tuple(QUANTITIES)
+
+
+@dataclasses.dataclass(frozen=True)
+class Ceiling:
+    """An objective that must not rise above ``value`` [N] while another one is lowered."""
+
+    objective: Objective
+    value: float
+
+
+class Tangent(NamedTuple):
+    """Quantities of every case to first order in a step of the places: at a step d, ``peaks + peaks_slope @ d`` …"""
+
+    peaks: Float[np.ndarray, "cases peaks"]
+    rest: Float[np.ndarray, "cases rest"]
+    margin: Float[np.ndarray, " cases"]
+    peaks_slope: Float[np.ndarray, "cases peaks variables"]
+    rest_slope: Float[np.ndarray, "cases rest variables"]
+    margin_slope: Float[np.ndarray, "cases variables"]
+
+    @staticmethod
+    def of(evaluation: Evaluation) -> "Tangent":
+        """The first-order model at an evaluated design; slots without an impact never are the largest."""
+        peaks = np.where(evaluation.peaks > 0.0, evaluation.peaks, NO_PEAK)
+        return Tangent(peaks, *(getattr(evaluation, name) for name in Tangent._fields[1:]))
+
+    def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
+        """`QUANTITIES` (cases, quantities) and margins (cases,) after a step."""
+        peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
+        return np.column_stack([peak, self.rest + self.rest_slope @ step]), self.margin + self.margin_slope @ step
+
+
+@dataclasses.dataclass(frozen=True)
+class Goal:
+    """What a stage lowers and keeps to. Rows are relative: 0 on the limit, 0.1 ten per cent above it."""
+
+    problem: Problem
+    objective: Objective
+    ceiling: Ceiling | None = None
+
+    def value(self, evaluation: Evaluation) -> float:
+        """The true objective [N]: largest peaks, no smoothing."""
+        return self._value(self.objective, evaluation.quantities)
+
+    def _value(self, objective: Objective, quantities: np.ndarray) -> float:
+        return objective.aggregate(quantities @ objective.vector())
+
+    def limited(self) -> list[tuple[int, float]]:
+        """Index into `QUANTITIES` and limit of every limited quantity."""
+        return [(NAMES.index(name), float(limit)) for name, limit in self.problem.limits.at_most.items()]
+
+    def rows(
+        self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
+    ) -> Float[np.ndarray, " rows"]:
+        """All constraints that have slopes: limits by quantity, then captures, then the ceiling."""
+        parts = [quantities[:, q] / limit - 1.0 for q, limit in self.limited()]
+        if self.problem.limits.captured:
+            parts.append(-margin)
+        if self.ceiling is not None:
+            parts.append(np.array([self._value(self.ceiling.objective, quantities) / self.ceiling.value - 1.0]))
+        return np.concatenate([*parts, np.zeros(0)])
+
+    def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
+        """By how much each row, and each case's count of impacts, is above its limit."""
+        rows = self.rows(evaluation.quantities, evaluation.margin)
+        most = self.problem.limits.impacts
+        counted = evaluation.impacts / most - 1.0 if most is not None else np.zeros(0)
+        unsolved = (~evaluation.solved).astype(float)
+        return np.maximum(np.concatenate([rows, counted, unsolved]), 0.0)
+
+    def feasible(self, evaluation: Evaluation) -> bool:
+        """Whether every constraint holds in every case."""
+        return not np.any(self.excess(evaluation))
+
+    def merit(self, evaluation: Evaluation, scale: float, penalty: float) -> float:
+        """What a step must lower: objective over ``scale``, and ``penalty`` times all that is above its limit."""
+        return self.value(evaluation) / scale + penalty * float(np.sum(self.excess(evaluation)))
+
+    def promised(self, tangent: Tangent, step: Float[np.ndarray, " variables"], scale: float, penalty: float) -> float:
+        """`merit` after a step to first order."""
+        quantities, margin = tangent.after(step)
+        above = np.maximum(self.rows(quantities, margin), 0.0)
+        return self._value(self.objective, quantities) / scale + penalty * float(np.sum(above))
+
+    def excess_after(self, tangent: Tangent, step: Float[np.ndarray, " variables"]) -> float:
+        """By how much all rows together are above their limits after a step, to first order."""
+        return float(np.sum(np.maximum(self.rows(*tangent.after(step)), 0.0)))
+
+    def broken(self, evaluation: Evaluation) -> list[str]:
+        """One sentence for each constraint that fails, naming the case."""
+        lines, limits = [], self.problem.limits
+        for k, (quantities, margin) in enumerate(zip(evaluation.quantities, evaluation.margin, strict=True)):
+            where = f"scenario {k + 1}"
+            if not evaluation.solved[k]:
+                lines.append(f"{where}: the simulation failed")
+            elif limits.captured and margin < 0.0:
+                lines.append(f"{where}: not captured (margin {margin:.3g})")
+            for name, limit in limits.at_most.items():
+                value, symbol = quantities[NAMES.index(name)], QUANTITIES[name]
+                if value > limit:
+                    lines.append(f"{where}: {name} {value:.4g} {symbol} is above {limit:g} {symbol}")
+            if limits.impacts is not None and evaluation.impacts[k] > limits.impacts:
+                lines.append(f"{where}: {evaluation.impacts[k]} impacts, above {limits.impacts}")
+        if self.ceiling is not None and (now := self._value(self.ceiling.objective, evaluation.quantities)) > (
+            self.ceiling.value
+        ):
+            lines.append(f"{self.ceiling.objective}: {now:.5g} N is above {self.ceiling.value:.5g} N")
+        return lines

@@ -1,0 +1,103 @@
+"""What the tuner sees of real captures, against the independent reference, closed forms and differences."""
+
+import numpy as np
+import pytest
+
+from jaxbuffer import Case, Outcome, Problem, Scenario, Variable, get, replace, table2, tune
+from jaxbuffer.problem_toml import VARIABLES
+from jaxbuffer.tuning.evaluation import Evaluator
+from jaxbuffer.tuning.floor import first_impact, floor
+from verification.cases import CASES, PARAMETERS
+from verification.cases import PATHS as NAMES
+from verification.test_first_impact import closed_form
+from verification.test_first_impact import design as lossless
+
+REFERENCE = CASES["table2"]
+
+
+def stated(scenarios, design=None, **fields):
+    variables = [Variable(path, *bounds) for path, bounds in VARIABLES.items()]
+    return Problem(design or table2(), scenarios, variables, **fields)
+
+
+def test_an_evaluation_agrees_with_the_independent_reference():
+    """Values and elasticities of Table 2; a factor of a built mechanism moves both as the chain rule says."""
+    spread = Case(Scenario(), (("buffer.k_A", 1.25),))
+    softer = replace(table2(), {"buffer.k_A": 400.0})  # times 1.25 is Table 2
+    with Evaluator(stated([Scenario()])) as nominal, Evaluator(stated([spread], softer)) as built:
+        (point,), (scattered,) = (e([e.problem.start()]) for e in (nominal, built))
+    expected = REFERENCE.values
+    assert point.code[0] == Outcome.captured and point.impacts[0] == expected["impacts"]
+    assert point.quantities[0, 0] == pytest.approx(expected["peak_force"], rel=1e-4)
+    assert point.quantities[0, 3] == pytest.approx(expected["stroke"], rel=1e-4)
+    assert point.quantities[0, 5] == pytest.approx(expected["end_time"], rel=1e-3)
+    assert point.margin[0] == pytest.approx(8.0 / expected["end_time"] - 1.0, rel=1e-3)
+    width = {path: np.log(high / low) for path, (low, high) in VARIABLES.items()}
+    for k, path in enumerate(VARIABLES):
+        (name,) = (short for short in PARAMETERS if NAMES[short] == path)
+        elasticity = point.peaks_slope[0, 0, k] / width[path] / point.peaks[0, 0]
+        assert elasticity == pytest.approx(expected["elasticity"][name], rel=1e-3, abs=1e-6)
+    # the spring differs in its last digit, and every impact passes on more of that than it got
+    np.testing.assert_allclose(scattered.peaks, point.peaks, rtol=1e-7)
+    np.testing.assert_allclose(scattered.peaks_slope, point.peaks_slope, rtol=1e-4, atol=1e-3)
+
+
+@pytest.mark.parametrize(("duration", "outcome"), [(8.0, Outcome.captured), (0.6, Outcome.timeout)])
+def test_the_margin_has_the_right_slope_and_no_jump_between_outcomes(duration, outcome):
+    """Table 2 is captured after 0.719 s. Against central differences of tight solves, step 1e-5 of each range."""
+    problem = stated([Scenario()], duration=duration)
+    start, step = problem.start(), 1e-5 * np.eye(5)
+    with Evaluator(problem) as evaluate:
+        (point,) = evaluate([start], rtol=1e-9)
+        around = evaluate([*(start + step), *(start - step)], rtol=1e-9)
+    assert point.code[0] == outcome
+    margins = np.array([other.margin[0] for other in around])
+    differences = (margins[:5] - margins[5:]) / 2e-5
+    np.testing.assert_allclose(point.margin_slope[0], differences, rtol=2e-3, atol=1e-4 * np.max(np.abs(differences)))
+
+
+def test_the_margin_is_continuous_where_time_runs_out():
+    time = REFERENCE.values["end_time"]
+    margins = []
+    for duration in (time * (1 - 1e-4), time * (1 + 1e-4)):
+        problem = stated([Scenario()], duration=duration)
+        with Evaluator(problem) as evaluate:
+            (point,) = evaluate([problem.start()])
+        margins.append((int(point.code[0]), float(point.margin[0])))
+    (before, below), (after, above) = margins
+    assert (before, after) == (Outcome.timeout, Outcome.captured)
+    assert -1e-3 < below < 0.0 < above < 1e-3
+
+
+@pytest.mark.parametrize("scenario", [Scenario(), Scenario(misalignment=0.07, passive_rate=-0.005)])
+def test_the_closed_form_of_the_first_impact(scenario):
+    """Against the same formula in NumPy, from another model's masses and joints."""
+    expected, mass = closed_form(table2(), scenario)
+    found = first_impact(table2(), scenario)
+    assert float(found.peak) == pytest.approx(expected, rel=1e-9)
+    assert float(found.mass) == pytest.approx(mass, rel=1e-9)
+
+
+def test_the_floor_without_loss_is_the_closed_form():
+    """Friction and loss taken away, the simulated floor is Hertz with T_c⁻; the lowest is that of the lightest tip."""
+    problem = stated([Scenario(), Scenario(approach_speed=0.2)], lossless(1.0))
+    found = floor(problem, problem.start())
+    np.testing.assert_allclose(found.simulated, found.closed_form, rtol=5e-6)
+    lightest, _ = closed_form(replace(lossless(1.0), {"probe.tip_mass": 0.02}), Scenario(approach_speed=0.2))
+    assert found.lowest == pytest.approx(lightest, rel=5e-6)
+    assert found.at == {"probe.tip_mass": pytest.approx(0.02)}
+
+
+def test_a_short_tuning_of_captures(tmp_path):
+    """Three steps lower the peak at 0.2 m/s; what is reported is what the result's own captures have."""
+    problem = stated([Scenario(approach_speed=0.2)])
+    tuned = tune(problem, iterations=3, starts=1, searches=1, folder=tmp_path)
+    before, after = tuned.objective
+    assert tuned.feasible and after < 0.97 * before
+    assert 0.0 <= tuned.above_floor < 0.05 and tuned.floor.lowest <= tuned.floor.simulated[0]
+    assert tuned.gradient_error < 1e-3
+    with Evaluator(problem) as evaluate:
+        (again,) = evaluate([[v.place(float(get(tuned.design, v.path))) for v in problem.variables]], rtol=1e-9)
+    assert again.quantities[0, 0] == pytest.approx(after, rel=1e-7)
+    assert "peak_force, worst over the cases" in repr(tuned) and len((tmp_path / "log.jsonl").read_text()) > 0
+    assert tuned.captures == len(tuned.records) + 2
