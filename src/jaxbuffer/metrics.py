@@ -35,6 +35,20 @@ def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
     return log.rows[slot, 0]
 
 
+def state_of_maximum(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
+    """The state at one entry of the log, with the derivative that a maximum there has.
+
+    Right after a touchdown with a jump a force may be largest without being stationary: the state's derivative then
+    goes with the touchdown.
+    """
+    state = state_at(log, slot)
+    if not mechanism.jumps:
+        return state
+    touchdown = log.kind[slot] == Kind.TOUCHDOWN
+    late = mechanism.time_to_contact(state, log.which[slot] % FLANKS)
+    return state + mechanism.derivative(log.time[slot], state, log.active[slot]) * jnp.where(touchdown, late, 0.0)
+
+
 def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     """The largest values over all located events and the end.
 
@@ -42,7 +56,7 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     """
 
     def observe(slot: Array) -> Array:
-        state, active = state_at(log, slot), log.active[slot]
+        state, active = state_of_maximum(mechanism, log, slot), log.active[slot]
         return mechanism.observables(state, mechanism.derivative(log.time[slot], state, active), active)
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
@@ -63,6 +77,10 @@ def _peak_time(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""], flan
     rate = mechanism.derivative(log.time[slot], state, active)
     slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
+    if mechanism.jumps:
+        touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.time[slot] > 0.0)
+        slope = jnp.where(touchdown, mechanism.gaps(state), slope)
+        its_own = its_own | touchdown
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
@@ -109,7 +127,9 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
     gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
     time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
     top, release = _impact_ends(log)
-    highest = jax.vmap(lambda slot, flank: forces(log.rows[slot, 0], log.active[slot])[flank])(top, flank)
+    highest = jax.vmap(
+        lambda slot, flank: forces(state_of_maximum(mechanism, log, slot), log.active[slot])[flank]
+    )(top, flank)
     peak = jnp.maximum(highest, 0.0)
 
     picked = jnp.argsort(~touch, stable=True)
