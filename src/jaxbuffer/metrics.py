@@ -127,9 +127,9 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
     gap, speed = jax.vmap(approach)(log.rows[:, 0], flank)
     time = jax.vmap(_shifted)(log.time, -gap, jnp.where(touch & (log.time > 0.0), log.guard_rate, jnp.inf))
     top, release = _impact_ends(log)
-    highest = jax.vmap(
-        lambda slot, flank: forces(state_of_maximum(mechanism, log, slot), log.active[slot])[flank]
-    )(top, flank)
+    highest = jax.vmap(lambda slot, flank: forces(state_of_maximum(mechanism, log, slot), log.active[slot])[flank])(
+        top, flank
+    )
     peak = jnp.maximum(highest, 0.0)
 
     picked = jnp.argsort(~touch, stable=True)

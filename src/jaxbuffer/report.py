@@ -14,6 +14,7 @@ from .outcome import Outcome
 
 if TYPE_CHECKING:
     from .capture import Capture
+    from .comparison import Comparison
     from .sensitivity import Sensitivity
     from .sweep import Sweep
     from .tune import Tuned, Variable
@@ -136,6 +137,31 @@ def tuned_table(tuned: "Tuned") -> str:
         "Verification in the tuned design's worst scenario",
         sensitivity_table(tuned.verification),
     )
+
+
+def laws_table(comparison: "Comparison") -> str:
+    """Each law's source, delivered restitutions and impact."""
+    from .comparison import ASKED
+
+    asked = comparison.restitution
+    restitution = _table("Restitution delivered to two free bodies, for the one asked for")
+    impact = _table(
+        f"Impact of {comparison.mass:.5g} kg at {comparison.speed:.5g} m/s, restitution {asked:g} asked for"
+    )
+    for table, right, last in (
+        (restitution, [f"{e:g}" for e in ASKED], "source"),
+        (impact, ["restitution", "penetration [µm]", "peak force [N]", "duration [ms]"], "validity"),
+    ):
+        table.add_column("law")
+        for heading in right:
+            table.add_column(heading, justify="right")
+        table.add_column(last)
+    for entry in comparison.laws:
+        restitution.add_row(entry.name, *(f"{e:.4f}" for e in entry.delivered), entry.law.source)
+        found = entry.impact
+        figures = (found.restitution, 1e6 * found.max_penetration, found.peak_force, 1e3 * found.duration)
+        impact.add_row(entry.name, *(f"{x:.5g}" for x in figures), entry.law.validity)
+    return _text(restitution, impact)
 
 
 def per(above: str, below: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .exits import OK, fail
+from .laws import laws
 from .overrides import FIELDS, Command
 
 if TYPE_CHECKING:
@@ -247,6 +248,9 @@ def tune(
             )
         )
     return OK
+
+
+app.command(cls=Command, epilog=FIELDS, short_help="The contact laws side by side: restitution and one impact.")(laws)
 
 
 def _wrote(paths: Sequence[Path]) -> None:

@@ -46,7 +46,7 @@ class HybridSystem(eqx.Module):
 
     @property
     def jumps(self) -> bool:
-        """Whether the rate of the state jumps when a contact closes. `touchdown` must then make the sensitivities jump."""
+        """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
         return False
 
     def start(self) -> tuple[State, Active]:

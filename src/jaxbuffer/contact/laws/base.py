@@ -40,13 +40,13 @@ class ContactLaw(eqx.Module):
         """Separation over approach speed [-] that two free bodies of an effective mass [kg] get at a speed [m/s]."""
         from .impact import free_impact
 
-        return free_impact(self, mass, speed).restitution
+        return free_impact(self, float(mass), float(speed)).restitution
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
         """Deepest penetration [m] of two free bodies of an effective mass [kg] meeting at a speed [m/s]."""
         from .impact import free_impact
 
-        return free_impact(self, mass, speed).max_penetration
+        return free_impact(self, float(mass), float(speed)).max_penetration
 
 
 def power(penetration: Values, exponent: Scalar) -> Values:

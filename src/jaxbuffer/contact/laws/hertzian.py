@@ -134,7 +134,7 @@ class Flores(RestitutionLaw):
     """χ̂ = 8 (1 - e)/(5 e)."""
 
     source: ClassVar[str] = "Flores, Machado, Silva & Martins 2011"
-    validity: ClassVar[str] = "all e; low by up to 0.044 (e = 0.3)"
+    validity: ClassVar[str] = "all e; low by up to 0.046 (e = 0.24)"
 
     @property
     def hysteresis(self) -> Scalar:
@@ -145,7 +145,7 @@ class HuGuo(RestitutionLaw):
     """χ̂ = 3 (1 - e)/(2 e)."""
 
     source: ClassVar[str] = "Hu & Guo 2015"
-    validity: ClassVar[str] = "all e; low by up to 0.029 (e = 0.3)"
+    validity: ClassVar[str] = "all e; low by up to 0.035 (e = 0.2)"
 
     @property
     def hysteresis(self) -> Scalar:

@@ -6,6 +6,7 @@ For laws without a closed form, and for force-penetration loops.
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from .base import ContactLaw
@@ -31,7 +32,7 @@ def free_impact(law: ContactLaw, mass: float, speed: float, points: int = 400) -
 
     # In units of the law's own time and of the touchdown speed all impacts look alike to the integrator.
     tau = float(law.time_scale(mass, speed))
-    compiled = jax.jit(lambda depth, rate: law.force(depth, rate, speed))
+    compiled = jax.jit(lambda depth, rate: law.force(depth, rate, jnp.asarray(speed)))
 
     def force(depth, rate):
         return np.asarray(compiled(depth * speed * tau, rate * speed))
