@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from .._types import Scalar, stacked
 from ..contact import Approach, Ball, BallOnSegments, Carrier
-from ..multibody import GROUND, Kinematics, Load, System, Vector, load_at
+from ..multibody import Kinematics, Load, System, Vector, load_at
 from .hybrid import HybridSystem
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s
@@ -45,7 +45,7 @@ class BallContact(eqx.Module):
     def loads(self, kin: Kinematics, memory: Scalar, active: Scalar) -> tuple[tuple[Load, ...], Scalar]:
         """Loads on both bodies at the foot, and F_n [N]."""
         a, arm = self.approach(kin)
-        normal = active * self.pair.normal_force(a, memory)
+        normal = active * self.pair.normal_force(a, jnp.asarray(memory))
         friction = self.pair.friction_force(a, normal)
         push = Vector(normal * a.normal_x + friction * a.tangent_x, normal * a.normal_y + friction * a.tangent_y)
         to_foot = Vector(arm.x - a.distance * a.normal_x, arm.y - a.distance * a.normal_y)
