@@ -1,5 +1,6 @@
 """Assembled mechanisms stepped by jaxbuffer's own integrator."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -35,8 +36,18 @@ class Ride:
 
 def ride(mechanism: Assembled, duration: float, rtol=1e-10) -> Ride:
     """Run a mechanism for ``duration`` [s]."""
-    arrays = jax.tree.map(lambda x: jnp.asarray(x, float), mechanism)
-    return Ride(arrays, solve(lambda m: m, (arrays,), duration, options(rtol)))
+    # Arrays in place of floats: mechanisms of one kind then share one compiled program.
+    arrays = jax.tree.map(lambda x: jnp.asarray(x, float), (mechanism, duration, rtol))
+    return Ride(arrays[0], _run(*arrays))
+
+
+@eqx.filter_jit
+def _run(mechanism, duration, rtol):
+    return solve(_itself, (mechanism,), duration, options(rtol))
+
+
+def _itself(mechanism):
+    return mechanism
 
 
 def floor(radius, law, friction=0.0, slip_speed=1e-3) -> BallOnSegments:

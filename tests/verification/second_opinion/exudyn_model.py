@@ -303,11 +303,13 @@ def _largest(samples, tally):
     for flank, (low, top, high) in enumerate(zip(before, middle, after, strict=True)):
         if top >= low and top > high:
             slope, bend = (high - low) / 2, high - 2 * top + low
-            force = top - slope**2 / (2 * bend) if bend < 0.0 else top
+            # Where the multipliers ring from step to step (the trapezoidal rule does not damp) there is no parabola.
+            smooth = bend < 0.0 and min(low, high) > 0.98 * top
+            force = top - slope**2 / (2 * bend) if smooth else top
             if flank == HINGE:
                 tally["hinge"] = max(tally["hinge"], force)
                 continue
             if tally["impacts"] == 1:
                 tally["first"] = max(tally["first"], force)
             if force > tally["peak"][0]:
-                tally["peak"] = (force, t1 - (t2 - t1) * slope / bend, flank)
+                tally["peak"] = (force, t1 - (t2 - t1) * slope / bend if smooth else t1, flank)
