@@ -1,6 +1,6 @@
 """The capture built in Exudyn (Gerstmayr 2023) from its own bodies, joints and spring-dampers.
 
-Only the contact is ours, a user force (see `contact`). Masses are assembled otherwise than in jaxbuffer, too: a free tip
+Only the contact is ours, a user force (see `contact`). Masses are assembled otherwise than in jaxbuffer: a free tip
 is a ball of its own on a pin.
 """
 
