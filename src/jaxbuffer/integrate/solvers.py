@@ -127,7 +127,7 @@ class ExplicitRungeKutta(Solver):
         stages = len(a)
         nodes = a.sum(axis=1)
         pace, times = step.pace(nodes), time + step.passed(nodes)
-        weights = jnp.asarray(a) * pace
+        weights = jnp.asarray(a) * pace[None]
         slopes = jnp.zeros((stages, *rows.shape)).at[0].set(rate)
 
         def stage(i, slopes_and_rows):
