@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._types import Scalar
+from .contact.laws import HystereticLaw
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.assembly import LOWER
 from .multibody import Kinematics
@@ -20,7 +21,7 @@ class FirstImpact(eqx.Module):
     """What the start of a run says of its first impact, differentiable.
 
     ``effective_mass`` m_c [kg]; ``effective_energy`` T_c⁻ [J]; ``elastic_peak`` [N]: K^{2/5} (5 T_c⁻/2)^{3/5};
-    ``predicted_peak`` [N]: the same with the loss that the contact law's restitution brings.
+    ``predicted_peak`` [N]: the same with the law's loss; NaN for laws that are not Hertz's with hysteresis.
     """
 
     effective_mass: Float[Array, ""]
@@ -53,8 +54,9 @@ def predict(mechanism: CaptureMechanism) -> FirstImpact:
     mass = mechanism.system.effective_mass(kin, jax.grad(closing)(kin.v))
     energy = 0.5 * mass * speed**2
     law = mechanism.pair.law
-    peak = hertz_peak(law.stiffness, energy)
-    return FirstImpact(mass, energy, peak, peak * loss_factor(law.hysteresis))
+    peak = hertz_peak(mechanism.design.contact_stiffness, energy)
+    factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
+    return FirstImpact(mass, energy, peak, peak * factor)
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

@@ -36,6 +36,20 @@ def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
     return log.rows[slot, 0]
 
 
+def state_of_maximum(mechanism: CaptureMechanism, log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
+    """The state at one entry of the log, with the derivative that a maximum there has.
+
+    Right after a touchdown with a jump a force may be largest without being stationary: the state's derivative then
+    goes with the touchdown.
+    """
+    state = state_at(log, slot)
+    if not mechanism.jumps:
+        return state
+    touchdown = log.kind[slot] == Kind.TOUCHDOWN
+    late = mechanism.time_to_contact(state, log.which[slot] % FLANKS)
+    return state + mechanism.derivative(log.time[slot], state, log.active[slot]) * jnp.where(touchdown, late, 0.0)
+
+
 def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     """The largest values over all located events and the end.
 
@@ -43,7 +57,7 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
     """
 
     def observe(slot: Array) -> tuple[Array, Array]:
-        state, active = state_at(log, slot), log.active[slot]
+        state, active = state_of_maximum(mechanism, log, slot), log.active[slot]
         rate = mechanism.derivative(log.time[slot], state, active)
         return mechanism.observables(state, rate, active), rate
 
@@ -67,6 +81,10 @@ def _peak_time(
     state, active = state_at(log, slot), log.active[slot]
     slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
+    if mechanism.jumps:
+        touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.time[slot] > 0.0)
+        slope = jnp.where(touchdown, mechanism.gaps(state), slope)
+        its_own = its_own | touchdown
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
@@ -134,7 +152,9 @@ def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
     flank = log.which % FLANKS
     speed = jax.vmap(lambda row, flank: mechanism.memory(row)[flank])(log.rows[:, 0], flank)
     top, release = _impact_ends(log)
-    highest = jax.vmap(lambda slot, flank: forces(log.rows[slot, 0], log.active[slot])[flank])(top, flank)
+    highest = jax.vmap(lambda slot, flank: forces(state_of_maximum(mechanism, log, slot), log.active[slot])[flank])(
+        top, flank
+    )
     peak = jnp.maximum(highest, 0.0)
 
     picked = jnp.argsort(~touch, stable=True)

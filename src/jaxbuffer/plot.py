@@ -10,7 +10,6 @@ from .capture import Capture
 from .errors import InputError
 from .plot_style import (
     BLUE,
-    COLOURS,
     FLANK_COLOURS,
     GREEN,
     GREY,
@@ -18,9 +17,9 @@ from .plot_style import (
     PURPLE,
     RED,
     SKY,
-    STYLES,
 )
 from .plot_style import label as _label
+from .plot_style import line as _line
 from .plot_style import panels as _figure
 from .plot_style import png as png
 from .plot_style import require_matplotlib as require_matplotlib
@@ -163,10 +162,6 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     )
     axes.invert_yaxis()
     _label(axes, "Worst over the scenarios, before → after", "change [%]", "quantity [-]", False)
-
-
-def _line(number: int) -> dict[str, Any]:
-    return {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)]}
 
 
 def _pulse(axes: "Axes", capture: Capture, flank: int, colour: str, label: str = "", marker: str = "") -> None:

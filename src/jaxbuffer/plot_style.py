@@ -94,3 +94,8 @@ def label(axes: "Axes", title: str, x: str, y: str, legend: bool = True, columns
     axes.set_ylabel(y)
     if legend:
         axes.legend(ncols=columns)
+
+
+def line(number: int) -> dict[str, Any]:
+    """Colour and dashes of the curve of a number, told apart by everyone."""
+    return {"color": COLOURS[number % len(COLOURS)], "linestyle": STYLES[number % len(STYLES)]}

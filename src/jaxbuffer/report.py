@@ -16,6 +16,7 @@ from .tables import text as _text
 if TYPE_CHECKING:
     from .capture import Capture
     from .certificate import Certificate
+    from .comparison import Comparison
     from .sensitivity import Sensitivity
     from .sweep import Sweep
     from .tuning import Tuned, Variable
@@ -50,7 +51,7 @@ def summary(capture: "Capture") -> str:
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
         f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
         f"  first impact         {float(capture.impacts.peak_force[0]):.6g} N; closed form"
-        f" {float(first.predicted_peak):.4g} N ({float(first.elastic_peak):.4g} N without loss):"
+        f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
         f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N",
@@ -145,11 +146,16 @@ def certificate_text(certificate: "Certificate", quantities: Sequence[str]) -> s
     return "\n".join(lines)
 
 
+def _predicted(capture: "Capture") -> str:
+    peak = float(capture.first_impact.predicted_peak)
+    return f"{peak:.4g} N" if np.isfinite(peak) else f"unknown for the law {capture.design.contact.law}"
+
+
 def _first_impact(capture: "Capture") -> str:
     """The simulated first peak beside its closed form."""
     first, seen = capture.first_impact, float(capture.impacts.peak_force[0])
     return (
-        f"First impact: {seen:.6g} N; closed form {float(first.predicted_peak):.6g} N, "
+        f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
         f"{float(first.elastic_peak):.6g} N without loss (T_c {float(first.effective_energy):.5g} J)"
     )
 
@@ -227,6 +233,31 @@ def _tuned_variables(tuned: "Tuned") -> Table:
         numbers = [f"{x:.5g}" for x in (start, value, variable.low, variable.high)]
         table.add_row(variable.path, *numbers, unit(problem.design, variable.path), _at_bound(variable, value))
     return table
+
+
+def laws_table(comparison: "Comparison") -> str:
+    """Each law's source, delivered restitutions and impact."""
+    from .comparison import ASKED
+
+    asked = comparison.restitution
+    restitution = _table("Restitution delivered to two free bodies, for the one asked for")
+    impact = _table(
+        f"Impact of {comparison.mass:.5g} kg at {comparison.speed:.5g} m/s, restitution {asked:g} asked for"
+    )
+    for table, right, last in (
+        (restitution, [f"{e:g}" for e in ASKED], "source"),
+        (impact, ["restitution", "penetration [µm]", "peak force [N]", "duration [ms]"], "validity"),
+    ):
+        table.add_column("law")
+        for heading in right:
+            table.add_column(heading, justify="right")
+        table.add_column(last)
+    for entry in comparison.laws:
+        restitution.add_row(entry.name, *(f"{e:.4f}" for e in entry.delivered), entry.law.source)
+        found = entry.impact
+        figures = (found.restitution, 1e6 * found.max_penetration, found.peak_force, 1e3 * found.duration)
+        impact.add_row(entry.name, *(f"{x:.5g}" for x in figures), entry.law.validity)
+    return _text(restitution, impact)
 
 
 def per(above: str, below: str) -> str:

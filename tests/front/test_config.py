@@ -269,5 +269,5 @@ def test_a_written_design_reads_back_to_the_same_numbers(tmp_path):
 
 
 def test_an_unset_stiffness_stays_unset(tmp_path):
-    assert "stiffness" not in design_toml(table2())
+    assert "\nstiffness" not in design_toml(table2())
     assert read(tmp_path, design_toml(table2())).design.contact.stiffness is None

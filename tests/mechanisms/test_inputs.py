@@ -81,7 +81,7 @@ def test_reading_and_writing_know_the_same_paths(reader):
 
 def test_every_number_declares_its_unit():
     numbers = [path for path in paths(table2()) if not isinstance(get(table2(), path), (str, bool))]
-    assert len(numbers) == 28
+    assert len(numbers) == 32
     assert all(unit(table2(), path) for path in numbers)
     assert unit(table2(), "buffer.c_T") == "N m s/rad"
     assert unit(table2(), "buffer.damping") == ""

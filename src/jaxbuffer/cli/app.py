@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from .exits import OK, fail
+from .laws import laws
 from .overrides import WITH_QUANTITIES
 from .report import report
 from .request import Request, given, verb, wrote
@@ -249,4 +250,5 @@ _RUN_FILES = ("log.jsonl", "state.npz")
 
 
 verb(app, "Many captures: every combination of values of some fields.")(sweep)
+verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(short_help="Print again what a folder of results holds.")(report)

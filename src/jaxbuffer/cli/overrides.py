@@ -18,10 +18,12 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
   probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
             free_tip (true, false)
   cone      half_angle [rad], offset [m], throat_radius [m], length [m]
-  contact   stiffness [N/m^1.5], restitution [-], friction [-],
+  contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
+            stiffness [N/m^1.5], restitution [-], friction [-],
             slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
-            onset_length [m], memory_time [s], memory (event, smooth),
-            arms (moving, published)
+            linear_stiffness [N/m], damping [N s/m], exponent [-],
+            ramp_depth [m], onset_length [m], memory_time [s],
+            memory (event, smooth), arms (moving, published)
   scenario  approach_speed [m/s], contact_distance [m],
             misalignment [rad], passive_rate [rad/s]
 """

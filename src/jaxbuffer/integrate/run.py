@@ -12,7 +12,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 from ..mechanisms.hybrid import HybridSystem
@@ -77,6 +77,7 @@ class _Progress(NamedTuple):
     step: Float[Array, ""]
     previous_norm: Float[Array, ""]
     landing: Landing
+    renew: Bool[Array, ""]
     status: Int[Array, ""]
     attempts: Int[Array, ""]
     log: Log
@@ -99,11 +100,11 @@ def run(
     begin = _begin(system, start, active, duration, options)
     contacts, observables = active.shape[0], begin.best.shape[0]
     rated = contacts + begin.guards.terminal.shape[0]
-    of_rate = jnp.asarray(system.rate_observables())
+    of_rate = jnp.asarray(system.rate_observables(), bool)
     each_contact, each_observable = jnp.arange(contacts), jnp.arange(observables)
 
     def body(c: _Progress) -> _Progress:
-        landing, first = c.landing.under_way, c.attempts == 0
+        landing, first = c.landing.under_way, c.renew
         stiff = Stiff(
             lambda: system.linearisation(c.time, c.rows[0], c.active),
             lambda: system.fastest_rates(c.time, c.rows[0], c.active),
@@ -141,7 +142,7 @@ def run(
             whole = lambda: options.solver.step(_field(build, lanes, c.active), stiff, c.time, c.rows, c.rate, stride)  # noqa: E731
             trial = lax.cond(accept, whole, lambda: Step(c.rows, c.rate, jnp.zeros_like(c.rows), trial.order))
             norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.rows, trial.rows, scales))
-            dropped = accept & ~(norm <= 1.0)
+            finite, dropped = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
             accept, fits = accept & ~dropped, fits & ~dropped
             next_landing = _where(dropped, Landing.none(), next_landing)
 
@@ -166,12 +167,15 @@ def run(
 
         kind = jnp.where(closing, Kind.TOUCHDOWN, jnp.where(is_contact, Kind.RELEASE, Kind.NONE))
         kind = jnp.where(is_peak, Kind.PEAK, jnp.where(is_terminal | timed_out, Kind.END, kind))
+        values = after.value
+        if system.jumps:  # what is largest right after a touchdown has no slope to be found by
+            values = lax.cond(closing, lambda: _after_touchdown(system, time, rows[0], active), lambda: values)
         log = c.log.append(
             when=accept & (kind != Kind.NONE),
             kind=kind,
             which=jnp.where(is_contact, target, jnp.where(is_terminal, target - contacts, target - rated)),
             time=time + offset,
-            values=after.value,
+            values=values,
             guard_rate=verdict.rate,
             active=active,
             rows=at_event + jump,
@@ -211,6 +215,7 @@ def run(
             step=resized,
             previous_norm=jnp.where(accept & ~landing & ~first, jnp.maximum(norm, 1e-4), c.previous_norm),
             landing=next_landing,
+            renew=closing & accept & system.jumps,
             status=status,
             attempts=attempts,
             log=log,
@@ -231,7 +236,7 @@ def _begin(
     """The loop's first state. A run may start in contact: that is its first touchdown.
 
     Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
-    compiling the right-hand side twice.
+    compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps.
     """
     zero, one = jnp.zeros(()), jnp.ones(())
     contacts = active.shape[0]
@@ -239,9 +244,10 @@ def _begin(
     none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
     guards = Guards(none, none, terminal, terminal, value, value)
     log = Log.empty(options.max_events, start, contacts, value.shape[0])
+    first = _after_touchdown(system, zero, start[0], active) if system.jumps else value
     for contact in range(contacts):
         log = log.append(
-            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, value, one, active, start
+            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, first, one, active, start
         )
     return _Progress(
         time=zero,
@@ -254,6 +260,7 @@ def _begin(
         step=jnp.minimum(system.impact_step(start[0]), duration),
         previous_norm=one,
         landing=Landing.none(),
+        renew=jnp.asarray(True),
         status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
         attempts=jnp.asarray(0),
         log=log,
@@ -266,6 +273,11 @@ def _field(build: Callable[[P], HybridSystem], lanes: Lanes[P], active: Array) -
     return lambda time, rows: lanes.lift(lambda p, y: build(p).derivative(time, y, active))(rows)
 
 
+def _after_touchdown(system: HybridSystem, time: Array, state: Array, active: Array) -> Float[Array, " observables"]:
+    """All observables of a state whose rate is not yet known."""
+    return system.observables(state, system.derivative(time, state, active), active)
+
+
 def _observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
     """Guards and observables with their rates.
 
@@ -274,7 +286,7 @@ def _observe(system: HybridSystem, time: Array, state: Array, rate: Array, activ
     """
     gap, gap_rate = jax.jvp(system.gaps, (state,), (rate,))
     terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
-    of_rate = jnp.asarray(system.rate_observables())
+    of_rate = jnp.asarray(system.rate_observables(), bool)
     near = of_rate & (system.observables(state, rate, active) > NEAR_BEST * best)
     second = lax.cond(
         jnp.any(near),

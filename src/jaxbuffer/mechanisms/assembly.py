@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..contact import BallOnSegments, LankaraniNikravesh, RegularisedCoulomb, Segment
+from ..contact import BallOnSegments, RegularisedCoulomb, Segment, contact_law
 from ..multibody import AxialSpringDamper, Body, Prismatic, Revolute, System, TorsionalSpringDamper, Vector
 from .design import Design, Scenario
 
@@ -85,12 +85,21 @@ def assemble_contact(design: Design) -> BallOnSegments:
         direction_y=-side * jnp.sin(angle),
         length=design.cone.length,
     )
+    contact = design.contact
+    numbers = {
+        "stiffness": design.contact_stiffness,
+        "restitution": contact.restitution,
+        "linear_stiffness": contact.linear_stiffness,
+        "damping": contact.damping,
+        "exponent": contact.exponent,
+        "ramp_depth": contact.ramp_depth,
+    }
     return BallOnSegments(
         radius=design.probe.tip_radius,
         segments=flanks,
         side=side,
-        law=LankaraniNikravesh(design.contact_stiffness, design.contact.restitution),
-        friction=RegularisedCoulomb(design.contact.friction, design.contact.slip_speed),
+        law=contact_law(contact.law, numbers),
+        friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
     )
 
 

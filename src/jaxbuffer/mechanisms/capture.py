@@ -206,7 +206,18 @@ class CaptureMechanism(HybridSystem):
         crossing = state + rate * self.time_to_contact(state, contact)
         speed = self.approach(self.kinematics(crossing), crossing).approach_speed
         memory = jnp.where(jnp.arange(2) == contact, jnp.maximum(speed, SLOWEST_TOUCHDOWN), self.memory(state))
-        return jnp.concatenate([state[:-2], memory])
+        closed = jnp.concatenate([state[:-2], memory])
+        return closed + self.saltation(closed, contact) if self.jumps else closed
+
+    @property
+    def jumps(self) -> bool:
+        return self.pair.law.jumps
+
+    def saltation(self, closed: Float[Array, " state"], contact: Int[Array, ""]) -> Float[Array, " state"]:
+        """What a force that jumps does to sensitivities at fixed time: (f⁻ - f⁺) dt_c, with no value worth mention."""
+        zero, alone = jnp.zeros(()), jnp.where(jnp.arange(2) == contact, 1.0, 0.0)
+        onset = self.derivative(zero, closed, alone) - self.derivative(zero, closed, jnp.zeros(2))
+        return -onset * self.time_to_contact(closed, contact)
 
     def time_to_contact(self, state: Float[Array, " state"], contact: Int[Array, ""]) -> Float[Array, ""]:
         """gap / δ̇ of one flank [s]."""
@@ -260,9 +271,8 @@ class CaptureMechanism(HybridSystem):
         return stacked(position * 4 + velocity * 4 + spin + [energy] * 4 + [speed] * 2)
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
-        """A hundredth of the duration of a Hertz impact of the probe's mass at the memorised speed [s]."""
-        mass, speed = self.probe.mass, jnp.max(self.memory(state))
-        return 0.03 * (mass**2 / (self.design.contact_stiffness**2 * speed)) ** 0.2
+        """A hundredth of the duration of an impact of the probe's mass at the memorised speed [s]."""
+        return 0.03 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, jnp.max(self.memory(state))))
 
     def linearisation(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]

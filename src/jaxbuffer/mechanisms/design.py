@@ -8,13 +8,14 @@ import equinox as eqx
 import numpy as np
 
 from .._types import Scalar
-from ..contact import hertz_stiffness
+from ..contact import LAWS, hertz_stiffness
 from ..errors import InputError, check_choice, check_number, concrete
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
 TIP_RADIUS = 0.015  # m, R_tip of Table 2
 PROBE_LENGTH = 0.2  # m, L_P of Table 2
+HERTZ_EXPONENT = 1.5  # -
 
 
 def number(default: float | None, unit: str, **limits: Any) -> Any:
@@ -106,25 +107,47 @@ class Cone(Part):
 
 
 class Contact(Part):
-    """Tip against flank: Hertz with hysteresis, regularised Coulomb friction.
+    """Tip against flank: a normal law, regularised Coulomb friction.
 
-    ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and the tip radius.
+    ``law``: one of `contact.laws.LAWS`; each takes those fields that it has. ``restitution`` is what is asked of the
+    laws with hysteresis; kelvin-voigt takes ``linear_stiffness`` and ``damping``, adams ``stiffness`` [N/m^exponent],
+    ``exponent``, ``damping`` and ``ramp_depth``. Their defaults are as stiff and as lossy as Table 2's law at the depth
+    of its first impact. ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and
+    the tip radius.
     ``memory``: "event" holds the speed of the last touchdown, located as an event (the exact model); "smooth" lets it
     follow the approach speed within ``memory_time`` while out of contact, and rounds the onset over ``onset_length``.
     ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
     """
 
     section: ClassVar[str] = "contact"
+    law: str = choice("lankarani-nikravesh", *LAWS)
     stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)
     restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
     friction: Scalar = number(0.33, "-", **NON_NEGATIVE)
     slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
     young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
     poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE)
+    damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE)
+    exponent: Scalar = number(1.5, "-", low=1.0)
+    ramp_depth: Scalar = number(1e-6, "m", **POSITIVE)
     onset_length: Scalar = number(1e-8, "m", **POSITIVE)
     memory_time: Scalar = number(2e-4, "s", **POSITIVE)
     memory: str = choice("event", "event", "smooth")
     arms: str = choice("moving", "moving", "published")
+
+    def __check_init__(self) -> None:
+        exponent = concrete(self.exponent)
+        if exponent is not None and np.any(exponent != HERTZ_EXPONENT):
+            shown = f"contact.exponent = {float(exponent.flat[0]):g}"
+            if self.law != "adams":
+                raise InputError(f"{shown}: only contact.law = 'adams' has an exponent other than {HERTZ_EXPONENT}")
+            if self.stiffness is None:
+                raise InputError(f"{shown} needs contact.stiffness in N/m^exponent: Hertz's is in N/m^{HERTZ_EXPONENT}")
+        if self.memory == "smooth" and LAWS[self.law].jumps:
+            raise InputError(
+                f"contact.law = {self.law!r}: its force jumps at touchdown; contact.memory must be 'event'"
+            )
 
 
 class Design(Part):

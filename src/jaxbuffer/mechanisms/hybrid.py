@@ -44,6 +44,11 @@ class HybridSystem(eqx.Module):
     energies). Subclasses are pytrees of the numbers sensitivities may be asked for.
     """
 
+    @property
+    def jumps(self) -> bool:
+        """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
+        return False
+
     def start(self) -> tuple[State, Active]:
         """State and open (0) or closed (1) contacts at t = 0."""
         raise NotImplementedError

@@ -1,0 +1,65 @@
+"""`jaxbuffer laws`: the contact laws side by side."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .exits import OK
+from .request import Request, wrote
+
+if TYPE_CHECKING:
+    from ..comparison import Comparison
+
+Mass = Annotated[float | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
+Speed = Annotated[float | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
+
+
+def laws(
+    request: Request,
+    mass: Mass = None,
+    speed: Speed = None,
+) -> int:
+    """Compare the contact laws: the restitution each delivers, not what it is asked for, and one impact of two bodies.
+
+    Choose a law for a capture with contact.law, here or in CONFIG.toml.
+
+    \b
+    Files in DIR:
+      laws.csv  the table: sources, restitutions, penetration, force, duration
+      laws.png  force over penetration and over time, delivered over asked restitution
+
+    \b
+    Example: jaxbuffer laws --contact.restitution 0.5 --output results/laws
+    """
+    study = request.study()
+    files = request.files("laws.csv", "laws.png")
+    from ..comparison import compare_laws
+
+    comparison = compare_laws(study.design, study.scenario, mass=mass, speed=speed)
+    typer.echo(repr(comparison))
+    if request.output is not None:
+        from ..laws_plot import laws_figure
+        from ..plot_style import png
+        from .output import csv_text
+
+        contents: dict[str, str | bytes] = {
+            "laws.csv": csv_text(*_rows(comparison)),
+            "laws.png": png(laws_figure(comparison)),
+        }
+        wrote(files.write(contents))
+    return OK
+
+
+def _rows(comparison: "Comparison") -> tuple[list[str], list[Sequence[Any]]]:
+    from ..comparison import ASKED
+
+    header = [
+        *("law", "source", "validity", "stiffness unit"),
+        *(f"delivered restitution for {e:g} [-]" for e in ASKED),
+        *("restitution [-]", "max_penetration [m]", "peak_force [N]", "duration [s]"),
+    ]
+    return header, [
+        [entry.name, entry.law.source, entry.law.validity, entry.law.unit, *entry.delivered, *entry.impact[:4]]
+        for entry in comparison.laws
+    ]

@@ -1,0 +1,86 @@
+"""Contact laws side by side: what restitution each delivers, and one impact under each."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from .contact.laws import LAWS, ContactLaw, FreeImpact, free_impact
+from .errors import check_number
+from .mechanisms import CaptureMechanism, Design, Scenario, replace
+from .mechanisms.assembly import LOWER, assemble_contact
+from .mechanisms.design import POSITIVE
+
+ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
+CURVE = tuple(np.round(np.linspace(0.02, 1.0, 50), 2))
+
+
+class ComparedLaw(NamedTuple):
+    """One law: its ``delivered`` restitutions for those `ASKED` and along `CURVE` [-], and the ``impact`` under it.
+
+    ``law`` is the one of the impact, as the design sets it.
+    """
+
+    name: str
+    law: ContactLaw
+    delivered: np.ndarray
+    curve: np.ndarray
+    impact: FreeImpact
+
+
+class Comparison(NamedTuple):
+    """All laws in one impact of an effective ``mass`` [kg] at ``speed`` [m/s]. Print it for a table."""
+
+    mass: float
+    speed: float
+    restitution: float
+    laws: tuple[ComparedLaw, ...]
+
+    def __repr__(self) -> str:
+        from .report import laws_table
+
+        return laws_table(self)
+
+
+def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
+    """Effective mass [kg] and approach speed [m/s] of the first impact, the joints holding and the springs soft.
+
+    1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed and M_c⁻¹ the mobility that the joints leave.
+    """
+    mechanism = CaptureMechanism(design, scenario)
+    state, _ = mechanism.start()
+    part = mechanism.linearisation(jnp.zeros(()), state, jnp.ones(2))
+    normal = 2 + LOWER  # after the axial and the torsional spring-damper
+    mobility = jnp.sum(part.directions[:, normal] * part.response[:, normal])
+    return float(1.0 / mobility), float(mechanism.memory(state)[LOWER])
+
+
+def compare_laws(
+    design: Design, scenario: Scenario | None = None, *, mass: float | None = None, speed: float | None = None
+) -> Comparison:
+    """Every law with the design's contact numbers.
+
+    **Arguments:** ``mass`` [kg], ``speed`` [m/s]: of the impact; default: those of the design's first contact.
+    """
+    for name, value, unit in (("mass", mass, "kg"), ("speed", speed, "m/s")):
+        if value is not None:
+            check_number(name, value, unit, **POSITIVE)
+    first = first_contact(design, Scenario() if scenario is None else scenario)
+    mass, speed = (given if given is not None else own for given, own in zip((mass, speed), first, strict=True))
+
+    def law(name: str, restitution: float) -> ContactLaw:
+        # Only Adams' law may have an exponent of its own; the others keep Hertz's.
+        own = {} if name == "adams" else {"contact.exponent": 1.5}
+        chosen = {"contact.law": name, "contact.restitution": restitution, "contact.memory": "event"} | own
+        return assemble_contact(replace(design, chosen)).law
+
+    def compared(name: str) -> ComparedLaw:
+        def delivered(values: tuple[float, ...]) -> np.ndarray:
+            if not hasattr(law(name, 1.0), "restitution"):
+                return np.full(len(values), float(law(name, 1.0).delivered_restitution(mass, speed)))
+            return np.array([float(law(name, float(e)).delivered_restitution(mass, speed)) for e in values])
+
+        here = law(name, float(design.contact.restitution))
+        return ComparedLaw(name, here, delivered(ASKED), delivered(CURVE), free_impact(here, mass, speed))
+
+    return Comparison(mass, speed, float(design.contact.restitution), tuple(compared(name) for name in LAWS))

@@ -1,0 +1,58 @@
+"""What every normal contact law offers: force from penetration, its rate and the speed at touchdown."""
+
+from typing import ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from ..._types import Scalar, Values
+
+
+class ContactLaw(eqx.Module):
+    """Base of the laws. None of them pulls: a negative sum of spring and damper counts as zero.
+
+    ``source``: where the law was published; ``validity``: what it is good for; ``unit``: of its stiffness; ``jumps``:
+    whether the force starts from zero at touchdown or with a jump.
+    """
+
+    source: ClassVar[str]
+    validity: ClassVar[str]
+    unit: ClassVar[str] = "N/m^1.5"
+    jumps: ClassVar[bool] = False
+
+    def elastic(self, penetration: Values) -> Values:
+        """What the spring in the contact exerts [N], zero for δ ≤ 0, with finite derivatives there."""
+        raise NotImplementedError
+
+    def energy(self, penetration: Values) -> Values:
+        """What the spring in the contact stores [J]."""
+        raise NotImplementedError
+
+    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
+        """F_n [N] of a closed contact from δ [m], δ̇ [m/s] and δ̇⁻ [m/s]."""
+        raise NotImplementedError
+
+    def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """About a third of the duration of an impact of an effective mass [kg] at a speed [m/s], in seconds."""
+        raise NotImplementedError
+
+    def delivered_restitution(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """Separation over approach speed [-] that two free bodies of an effective mass [kg] get at a speed [m/s]."""
+        from .impact import free_impact
+
+        return free_impact(self, float(mass), float(speed)).restitution
+
+    def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """Deepest penetration [m] of two free bodies of an effective mass [kg] meeting at a speed [m/s]."""
+        from .impact import free_impact
+
+        return free_impact(self, float(mass), float(speed)).max_penetration
+
+
+def power(penetration: Values, exponent: Scalar) -> Values:
+    """δⁿ, zero for δ ≤ 0; 3/2, the ball's exponent, by a square root."""
+    inside = penetration > 0.0
+    # A guarded argument: the untaken branch of a `where` still sends NaN into tangents.
+    depth = jnp.where(inside, penetration, 1.0)
+    raised = depth * jnp.sqrt(depth) if isinstance(exponent, float) and exponent == 1.5 else depth**exponent
+    return jnp.where(inside, raised, 0.0)

@@ -1,0 +1,171 @@
+"""Hertz's law and its relatives with hysteresis, F = K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻): they differ in χ̂ alone.
+
+n = 3/2 for a ball. χ̂(e) comes from the restitution e asked for by an energy argument, each author's own; what two free
+bodies then do follows from χ̂ exactly (see `restitution`), and is not what was asked for but with `ExactRestitution`.
+"""
+
+from typing import ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from ..._types import Scalar, Values
+from .base import ContactLaw, power
+from .restitution import damping_delivering, psi, restitution_delivered
+
+
+class HystereticLaw(ContactLaw):
+    """Base of the laws K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻).
+
+    Subclasses hold ``stiffness`` K [N/mⁿ] and give ``hysteresis`` χ̂ [-], the damping relative to the elastic force at
+    touchdown speed. ``exponent`` n [-].
+    """
+
+    stiffness: eqx.AbstractVar[Scalar]
+    exponent: float = eqx.field(default=1.5, static=True, kw_only=True)
+
+    @property
+    def hysteresis(self) -> Scalar:
+        """χ̂ [-]."""
+        raise NotImplementedError
+
+    def elastic(self, penetration: Values) -> Values:
+        """K δⁿ [N], zero for δ ≤ 0, with finite derivatives there."""
+        return self.stiffness * power(penetration, self.exponent)
+
+    def energy(self, penetration: Values) -> Values:
+        """K δⁿ⁺¹/(n + 1) [J]."""
+        return self.elastic(penetration) * penetration / (self.exponent + 1.0)
+
+    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
+        return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.hysteresis * approach_speed / touchdown_speed)
+
+    def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
+        if self.exponent == 1.5:
+            return (mass**2 / (self.stiffness**2 * speed)) ** 0.2
+        return (mass * speed ** (1.0 - self.exponent) / self.stiffness) ** (1.0 / (self.exponent + 1.0))
+
+    def delivered_restitution(self, mass: Scalar = 1.0, speed: Scalar = 1.0) -> Scalar:
+        """d (1 + e) = ln[(1 + d)/(1 - d e)], d = χ̂: the same [-] for any mass and speed."""
+        return restitution_delivered(self.hysteresis)
+
+    def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """δⁿ⁺¹ = (n + 1) (m v²/K) [1/d - ln(1 + d)/d²], d = χ̂ [m]."""
+        n = self.exponent + 1.0
+        return (-n * mass * speed**2 / self.stiffness * psi(self.hysteresis)) ** (1.0 / n)
+
+
+class Hertz(HystereticLaw):
+    """χ̂ = 0: no loss. **Arguments:** ``stiffness`` K [N/m^1.5]."""
+
+    source: ClassVar[str] = "Hertz 1881"
+    validity: ClassVar[str] = "elastic, contact small against the radii, no friction"
+    stiffness: Scalar
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 0.0
+
+
+class RestitutionLaw(HystereticLaw):
+    """Base of those that ask for a restitution. **Arguments:** ``stiffness`` K [N/m^1.5]; ``restitution`` e (0, 1]."""
+
+    stiffness: Scalar
+    restitution: Scalar
+
+
+class HuntCrossley(RestitutionLaw):
+    """χ̂ = 3 (1 - e)/2."""
+
+    source: ClassVar[str] = "Hunt & Crossley 1975"
+    validity: ClassVar[str] = "e near 1: first order in 1 - e"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 1.5 * (1.0 - self.restitution)
+
+
+class HerbertMcWhannell(RestitutionLaw):
+    """χ̂ = 6 (1 - e)/((2 e - 1)² + 3)."""
+
+    source: ClassVar[str] = "Herbert & McWhannell 1977"
+    validity: ClassVar[str] = "e near 1: first order in 1 - e"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        e = self.restitution
+        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+
+
+class LankaraniNikravesh(RestitutionLaw):
+    """χ̂ = 3 (1 - e²)/4 (Efficient buffering mechanism, eq. 1-2)."""
+
+    source: ClassVar[str] = "Lankarani & Nikravesh 1990"
+    validity: ClassVar[str] = "e near 1: first order in 1 - e"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 0.75 * (1.0 - self.restitution * self.restitution)
+
+
+class LeeWang(RestitutionLaw):
+    """χ̂ = 3 (1 - e)/4."""
+
+    source: ClassVar[str] = "Lee & Wang 1983"
+    validity: ClassVar[str] = "e = 1 only: half of the loss that is asked for"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 0.75 * (1.0 - self.restitution)
+
+
+class Gonthier(RestitutionLaw):
+    """χ̂ = (1 - e²)/e."""
+
+    source: ClassVar[str] = "Gonthier, McPhee, Lange & Piedbœuf 2004"
+    validity: ClassVar[str] = "all e, best towards 0; at e = 0.9 a quarter too much loss"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return (1.0 - self.restitution * self.restitution) / self.restitution
+
+
+class Flores(RestitutionLaw):
+    """χ̂ = 8 (1 - e)/(5 e)."""
+
+    source: ClassVar[str] = "Flores, Machado, Silva & Martins 2011"
+    validity: ClassVar[str] = "all e; low by up to 0.046 (e = 0.24)"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 1.6 * (1.0 - self.restitution) / self.restitution
+
+
+class HuGuo(RestitutionLaw):
+    """χ̂ = 3 (1 - e)/(2 e)."""
+
+    source: ClassVar[str] = "Hu & Guo 2015"
+    validity: ClassVar[str] = "all e; low by up to 0.035 (e = 0.2)"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return 1.5 * (1.0 - self.restitution) / self.restitution
+
+
+class ExactRestitution(RestitutionLaw):
+    """χ̂ solves d (1 + e) = ln[(1 + d)/(1 - d e)], so that two free bodies part at exactly e times their approach speed.
+
+    Solved once, when the law is built.
+    """
+
+    source: ClassVar[str] = "exact relation of the damped power law"
+    validity: ClassVar[str] = "all e"
+    solved: Scalar
+
+    def __init__(self, stiffness: Scalar, restitution: Scalar, *, exponent: float = 1.5):
+        self.stiffness, self.restitution, self.exponent = stiffness, restitution, exponent
+        self.solved = damping_delivering(restitution)
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return self.solved

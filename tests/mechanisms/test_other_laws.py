@@ -1,0 +1,22 @@
+"""A capture under a law that starts with a jump: the ledger balances, and the law is the one asked for."""
+
+import numpy as np
+import pytest
+
+from jaxbuffer import replace, simulate, table2
+from jaxbuffer.comparison import first_contact
+from jaxbuffer.contact.laws import free_impact
+from jaxbuffer.mechanisms import Scenario
+from jaxbuffer.mechanisms.assembly import assemble_contact
+
+
+@pytest.mark.slow
+def test_ledger_and_first_impact():
+    """The first impact is two free bodies' but for the buffer's softness: its peak within 1.5 % of the law's own."""
+    design = replace(table2(), {"contact.law": "kelvin-voigt", "contact.friction": 0.0})
+    capture = simulate(design, duration=0.2)
+    assert int(capture.impact_count) > 3
+    assert abs(float(capture.balance.energy)) < 1e-6
+    assert float(capture.energy.hysteresis) > 0.0
+    law, (mass, speed) = assemble_contact(design).law, first_contact(design, Scenario())
+    np.testing.assert_allclose(capture.impacts.peak_force[0], free_impact(law, mass, speed).peak_force, rtol=0.015)
