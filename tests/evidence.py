@@ -9,9 +9,9 @@ from typing import Any
 class Evidence:
     """Call it with what was measured: it fails the test above the tolerance and remembers the worst of each claim.
 
-    **Arguments** of a call: ``topic`` and ``claim``: where and what it stands for in the report; ``measured``: an error,
-    not negative; ``tolerance``: the most it may be; ``source``: what it is measured against; ``unit``; ``detail``: the
-    figures behind it, if they say more than the error does.
+    **Arguments** of a call: ``topic`` and ``claim``: where and what it stands for in the report; ``measured``: an
+    error, not negative; ``tolerance``: the most it may be; ``source``: what it is measured against; ``unit``;
+    ``detail``: the figures behind it, if they say more than the error does.
     """
 
     def __init__(self) -> None:
@@ -32,9 +32,10 @@ class Evidence:
         record = self.records.setdefault((topic, claim), {"measured": -1.0, "count": 0})
         record["count"] += 1
         if not measured <= record["measured"]:
-            told = {"topic": topic, "claim": claim, "measured": measured, "tolerance": tolerance, "source": source}
-            record.update(told, unit=unit, detail=detail, test=test)
-        assert 0.0 <= measured <= tolerance, f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
+            record.update(topic=topic, claim=claim, measured=measured, tolerance=tolerance, source=source)
+            record.update(unit=unit, detail=detail, test=test)
+        told = f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
+        assert 0.0 <= measured <= tolerance, told
 
     def write(self, path: Path) -> None:
         """All records as JSON."""

@@ -5,13 +5,15 @@ Each run is tight (rtol 1e-10), so that what is left is rounding and tolerance a
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
+import jaxbuffer as jb
 from properties.captures import TURNS, VECTORS, cases, difference, start_of, watch
 from properties.units import in_units
 
-some = settings(max_examples=12, deadline=None, derandomize=True)
+# Without shrinking: a failing example is a capture like any other, and finding a simpler one takes minutes.
+some = settings(max_examples=12, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
 TOPIC = "Invariants of whole captures"
 SOURCE = "the same capture, unchanged"
 
@@ -33,7 +35,7 @@ def test_frame_may_be_turned_and_moved(evidence, case, angle, x, y):
     moved[VECTORS] += [x, y]
     moved[TURNS] += angle
     off = difference(watch(*case, (moved, closed)), watch(*case))
-    evidence(TOPIC, "frame turned and moved: every impact, time and maximum is the same", off, 1e-6, SOURCE)
+    evidence(TOPIC, "frame turned and moved: every impact, time and maximum is the same", off, 1e-5, SOURCE)
 
 
 @some
@@ -42,7 +44,7 @@ def test_frame_may_travel(evidence, case, u, v):
     state, closed = start_of(*case)
     state[12 + VECTORS] += [u, v]
     off = difference(watch(*case, (state, closed)), watch(*case))
-    evidence(TOPIC, "frame travelling at a constant velocity: the same", off, 1e-6, SOURCE)
+    evidence(TOPIC, "frame travelling at a constant velocity: the same", off, 1e-5, SOURCE)
 
 
 @some
@@ -53,11 +55,23 @@ def test_mirror_image_swaps_the_flanks(evidence, case):
     state[odd] *= -1.0
     state[-2:] = state[:-3:-1]
     off = difference(watch(*case, (state, closed[::-1])), watch(*case), swapped=True)
-    evidence(TOPIC, "mirror image: the flanks swap, all else is the same", off, 1e-6, SOURCE)
+    evidence(TOPIC, "mirror image: the flanks swap, all else is the same", off, 1e-5, SOURCE)
+
+
+SOFT = {"k_A": 200.0, "c_A": 3.004, "k_T": 100.0, "c_T": 7.897788711769318}
+AT_REST = (
+    jb.replace(
+        jb.table2(),
+        {f"buffer.{name}": value for name, value in SOFT.items()}
+        | {"contact.restitution": 0.7381137044573383, "contact.friction": 0.0, "probe.tip_mass": 0.02},
+    ),
+    jb.Scenario(approach_speed=0.06, contact_distance=0.036638144011066937),
+)
 
 
 @some
 @given(cases(), st.floats(0.02, 0.06))
+@example(AT_REST, 0.04)  # where maxima of mere rounding once cost the touchdown
 def test_a_later_start_shifts_every_time(evidence, case, delay):
     """The vehicles start apart and meet as the scenario says, ``delay`` later: a touchdown that must be located."""
     _, scenario = case
@@ -65,8 +79,8 @@ def test_a_later_start_shifts_every_time(evidence, case, delay):
     state[0:9:3] -= scenario.approach_speed * delay
     state[11] -= scenario.passive_rate * delay
     state[-2:] = 1.0
-    off = difference(watch(*case, (state, np.zeros(2))), watch(*case), delay=delay)
-    evidence(TOPIC, "start moved back in time, out of contact: every time shifts by as much", off, 1e-6, SOURCE)
+    off = difference(watch(*case, (state, np.zeros(2)), duration=8.0 + delay), watch(*case), delay=delay)
+    evidence(TOPIC, "start moved back in time, out of contact: every time shifts by as much", off, 1e-5, SOURCE)
 
 
 @some
@@ -77,7 +91,7 @@ def test_units_may_be_changed(evidence, case, length, mass, time):
     design, scenario = (in_units(module, scales) for module in case)
     seen = watch(design, scenario, duration=8.0 * time, stabilisation=20.0 / time)
     off = difference(seen, watch(*case), units=(time, mass * length / time**2, length))
-    evidence(TOPIC, "other units of length, mass and time: the whole capture scales", off, 1e-6, SOURCE)
+    evidence(TOPIC, "other units of length, mass and time: the whole capture scales", off, 1e-5, SOURCE)
 
 
 @pytest.mark.parametrize("free_tip", [False, pytest.param(True, marks=pytest.mark.slow)])
