@@ -1,7 +1,7 @@
 """Orders of convergence: of every stepper on a smooth phase, of all of them through contact, and of their estimates.
 
-The contact force K δ^{3/2} has an infinite second derivative at touchdown: from there on no method keeps more than order
-5/2 in the velocities, which is why each impact starts on a small step of its own.
+The contact force K δ^{3/2} has an infinite second derivative at touchdown: from there on no method keeps more than
+order 5/2 in the velocities, which is why each impact starts on a small step of its own.
 """
 
 from functools import cache

@@ -10,6 +10,7 @@ import typer
 
 from .exits import OK, fail
 from .overrides import FIELDS, Command
+from .reproduce import reproduce
 
 if TYPE_CHECKING:
     from ..config import Config
@@ -67,6 +68,9 @@ def root(
         raise typer.Exit
     if ctx.invoked_subcommand is None:
         typer.echo(ctx.get_help())
+
+
+app.command(short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)
 
 
 @app.command(cls=Command, epilog=FIELDS, short_help="One capture: peak forces, stroke, hinge angle, energies.")

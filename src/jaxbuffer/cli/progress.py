@@ -51,6 +51,17 @@ def tuning(iterations: int, work: "Callable[[Callable[[Iteration], None]], T]") 
         return _interruptible(lambda: work(advance))
 
 
+def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
+    """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        print(COMPILING, file=sys.stderr, flush=True)
+        return _interruptible(lambda: work(lambda text: print(text, file=sys.stderr, flush=True)))
+    with Progress(SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, console=console, transient=True) as progress:
+        task = progress.add_task(COMPILING, total=total)
+        return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
+
+
 def _state(iteration: "Iteration") -> str:
     return f"worst peak {iteration.worst_peak:.4g} N" + ("" if iteration.captured else ", not captured")
 
