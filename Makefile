@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: run test test-fast lint types bench clean
+.PHONY: run test test-fast lint types bench verify clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -24,6 +24,9 @@ types: $(READY)
 
 bench: $(READY)  ## wall times of capture, gradient and compilation
 	$(BIN)/python -m benchmarks
+
+verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md, in half an hour
+	$(BIN)/python -m verify
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

@@ -8,15 +8,20 @@ from typing import NamedTuple
 
 JOINTS = "tests/multibody/test_joints.py"
 MECHANISMS = "tests/multibody/test_motion.py::test_slider_crank_follows_its_kinematics_and_keeps_its_energy"
-EQUATIONS = "tests/mechanisms/test_augmented.py::test_accelerations_and_multipliers"
-MOMENTUM = "tests/mechanisms/test_conservation.py::test_momentum_is_conserved"
-ENERGY = "tests/mechanisms/test_conservation.py::test_energy_is_balanced"
+EQUATIONS = "tests/mechanisms/test_augmented.py::test_accelerations_and_multipliers[0-welded-lower throat rim]"
+MOMENTUM = "tests/mechanisms/test_conservation.py::test_momentum_is_conserved[0-welded-lower flank]"
+ENERGY = "tests/mechanisms/test_conservation.py::test_energy_is_balanced[0-welded-lower flank]"
 ELEMENTS = "tests/multibody/test_elements.py"
-SYMMETRY = "tests/properties/test_symmetry.py"
+SYMMETRY = "tests/properties/test_symmetry.py::test_mirror_image_swaps_the_flanks"
 GEOMETRY = "tests/contact/test_geometry.py"
 IMPACT = "tests/contact/test_impact.py"
 PROBE = "tests/mechanisms/test_start.py::test_probe_is_the_composite_of_rod_and_ball"
 INVARIANTS = "tests/properties/test_invariants.py"
+NEVER = f"{INVARIANTS}::test_what_a_capture_never_does[False]"
+TURNED = f"{INVARIANTS}::test_frame_may_be_turned_and_moved"
+TRAVELLING = f"{INVARIANTS}::test_frame_may_travel"
+MIRRORED = f"{INVARIANTS}::test_mirror_image_swaps_the_flanks"
+LATER = f"{INVARIANTS}::test_a_later_start_shifts_every_time"
 REFERENCE = "tests/verification/test_reference.py::test_table_2_as_the_model_states_it"
 BALANCE = "tests/verification/test_balance.py::test_default_settings_conserve[table 2]"
 FIRST = "tests/verification/test_first_impact.py::test_peak_tends_to_the_closed_form_as_the_buffer_goes_soft"
@@ -196,6 +201,18 @@ def _stiffness() -> None:
     )
 
 
+def _inertial_damper() -> None:
+    from jaxbuffer.multibody import AxialSpringDamper, Load, Vector
+
+    loads = AxialSpringDamper.loads
+
+    def broken(self, kin):
+        speed = kin.frame(self.second).velocity.x
+        return (*loads(self, kin), Load(self.second, Vector(-self.damping * speed, 0.0), 0.0))
+
+    AxialSpringDamper.loads = broken
+
+
 def _tableau() -> None:
     from jaxbuffer.integrate import solvers
 
@@ -230,10 +247,8 @@ BREAKAGES = (
         (EQUATIONS, MOMENTUM, REFERENCE),
     ),
     Breakage("no spin term", "the tip's spin left out of the slip", _drop_spin, (GEOMETRY, EQUATIONS, ENERGY)),
-    Breakage("friction sign", "friction pushes along the slip", _friction_sign, (EQUATIONS, INVARIANTS, REFERENCE)),
-    Breakage(
-        "memory not set", "δ̇⁻ keeps its first value over later touchdowns", _memory_not_set, (REFERENCE, INVARIANTS)
-    ),
+    Breakage("friction sign", "friction pushes along the slip", _friction_sign, (EQUATIONS, NEVER, REFERENCE)),
+    Breakage("memory not set", "δ̇⁻ keeps its first value over later touchdowns", _memory_not_set, (REFERENCE, LATER)),
     Breakage("hysteresis", "χ̂ = 3(1 - e)/2 for 3(1 - e²)/4", _hysteresis, (IMPACT, EQUATIONS, REFERENCE)),
     Breakage(
         "no reaction moment", "contact turns the probe and not the cone", _no_reaction_moment, (MOMENTUM, BALANCE)
@@ -252,8 +267,14 @@ BREAKAGES = (
     ),
     Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, EQUATIONS, FIRST)),
     Breakage("one-sided spring", "the buffer pulls one end only", _one_sided_spring, (ELEMENTS, MOMENTUM)),
-    Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY, INVARIANTS)),
-    Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY, EQUATIONS)),
+    Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY, NEVER)),
+    Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY, MIRRORED)),
     Breakage("dimension", "contact stiffness with R for √R, right for Table 2's tip", _stiffness, (UNITS,)),
+    Breakage(
+        "inertial damper",
+        "the buffer's damper also drags against the inertial x axis",
+        _inertial_damper,
+        (TURNED, TRAVELLING, MOMENTUM),
+    ),
     Breakage("tableau", "one coefficient of every step method off by 1e-3", _tableau, (ORDERS,)),
 )

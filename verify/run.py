@@ -20,7 +20,7 @@ def tests(folder: Path, quick: bool) -> int:
     """Run the tests that carry the claims; evidence.json and tests.xml in ``folder``. The exit status."""
     command = [sys.executable, "-m", "pytest", *TESTS, "tests/contact", "-q", "--evidence", folder / "evidence.json"]
     command += ["--junitxml", folder / "tests.xml", *(("-m", "not slow") if quick else ())]
-    return subprocess.run([str(word) for word in command], cwd=ROOT, env=_environment(), check=False).returncode
+    return subprocess.run([str(word) for word in command], cwd=ROOT, env=environment(), check=False).returncode
 
 
 def breakages(folder: Path, jobs: int, done: Callable[[dict[str, Any]], None]) -> list[dict[str, Any]]:
@@ -43,7 +43,7 @@ def _broken(breakage: Breakage, folder: Path) -> dict[str, Any]:
     command = [sys.executable, "-m", "pytest", "-p", "verify.broken", "--broken", breakage.name]
     command += ["--broken-report", str(report), "-q", "-m", "not slow", "--tb=line", *breakage.checks]
     try:
-        subprocess.run(command, cwd=ROOT, env=_environment(), capture_output=True, timeout=LIMIT, check=False)
+        subprocess.run(command, cwd=ROOT, env=environment(), capture_output=True, timeout=LIMIT, check=False)
         heard = json.loads(report.read_text())
     except (subprocess.TimeoutExpired, FileNotFoundError):
         heard = {}
@@ -59,6 +59,7 @@ def _said(check: str, heard: dict[str, list[str]]) -> str:
     return "not run"
 
 
-def _environment() -> dict[str, str]:
+def environment() -> dict[str, str]:
+    """This process's, with the checkout on Python's path."""
     paths = [str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]
     return os.environ | {"PYTHONPATH": os.pathsep.join(path for path in paths if path)}

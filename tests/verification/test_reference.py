@@ -58,7 +58,7 @@ def test_stroke(name, evidence):
 
 @each_case
 def test_hinge_angle(name, evidence):
-    assert -1e-5 < off(name, "hinge_angle")
+    assert off(name, "hinge_angle") > -1e-5
     above, tolerance = abs(off(name, "hinge_angle")), 1e-2 if name in SHORT else 1e-4
     short = " where the reference fell between steps" if name in SHORT else ""
     evidence(TOPIC, f"hinge angle, default settings{short}", above, tolerance, SOURCE, detail=name)
