@@ -25,7 +25,7 @@ LATER = f"{INVARIANTS}::test_a_later_start_shifts_every_time"
 REFERENCE = "tests/verification/test_reference.py::test_table_2_as_the_model_states_it"
 BALANCE = "tests/verification/test_balance.py::test_default_settings_conserve[table 2]"
 FIRST = "tests/verification/test_first_impact.py::test_peak_tends_to_the_closed_form_as_the_buffer_goes_soft"
-ORDERS = "tests/integrate/test_orders.py::test_order_on_a_smooth_phase"
+ORDERS = "tests/integrate/test_orders.py::test_order_on_a_smooth_phase[Tsit5]"
 UNITS = f"{INVARIANTS}::test_units_may_be_changed"
 
 
@@ -249,9 +249,9 @@ BREAKAGES = (
     Breakage("no spin term", "the tip's spin left out of the slip", _drop_spin, (GEOMETRY, EQUATIONS, ENERGY)),
     Breakage("friction sign", "friction pushes along the slip", _friction_sign, (EQUATIONS, NEVER, REFERENCE)),
     Breakage("memory not set", "δ̇⁻ keeps its first value over later touchdowns", _memory_not_set, (REFERENCE, LATER)),
-    Breakage("hysteresis", "χ̂ = 3(1 - e)/2 for 3(1 - e²)/4", _hysteresis, (IMPACT, EQUATIONS, REFERENCE)),
+    Breakage("hysteresis", "χ̂ = 3(1 - e)/2 for 3(1 - e²)/4", _hysteresis, (IMPACT, EQUATIONS)),
     Breakage(
-        "no reaction moment", "contact turns the probe and not the cone", _no_reaction_moment, (MOMENTUM, BALANCE)
+        "no reaction moment", "contact turns the probe and not the cone", _no_reaction_moment, (MOMENTUM, EQUATIONS)
     ),
     Breakage(
         "no friction moment",
@@ -263,18 +263,18 @@ BREAKAGES = (
         "wrong inertia",
         "the probe's inertia is the rod's alone, the tip's share lost",
         _wrong_inertia,
-        (PROBE, EQUATIONS, FIRST),
+        (PROBE, EQUATIONS),
     ),
-    Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, EQUATIONS, FIRST)),
+    Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, FIRST)),
     Breakage("one-sided spring", "the buffer pulls one end only", _one_sided_spring, (ELEMENTS, MOMENTUM)),
-    Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY, NEVER)),
+    Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY,)),
     Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY, MIRRORED)),
     Breakage("dimension", "contact stiffness with R for √R, right for Table 2's tip", _stiffness, (UNITS,)),
     Breakage(
         "inertial damper",
         "the buffer's damper also drags against the inertial x axis",
         _inertial_damper,
-        (TURNED, TRAVELLING, MOMENTUM),
+        (TURNED, TRAVELLING),
     ),
     Breakage("tableau", "one coefficient of every step method off by 1e-3", _tableau, (ORDERS,)),
 )

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from .breakages import BREAKAGES
 from .gaps import GAPS
 from .run import ROOT
 
@@ -64,7 +63,7 @@ def broken(records: Sequence[Record]) -> str:
             if answer in said:
                 missed.append(f"{words} {', '.join(said[answer])}")
         rows.append((record["name"], record["what"], "; ".join([caught, *missed])))
-    order = dict.fromkeys(check for breakage in BREAKAGES for check in breakage.checks)
+    order = dict.fromkeys(check for record in records for check in record["checks"])
     back = [(f"`{_short(check)}`", ", ".join(catches.get(check, [])) or "**nothing**") for check in order]
     first = table(("broken", "how", "caught by"), rows)
     return f"{first}\n\nAnd the other way round, so that no check is one that cannot fail:\n\n" + table(
