@@ -44,7 +44,7 @@ def test_elasticities(name, rtol, evidence):
     relative, absolute = AGREED[rtol]
     worst = np.max(np.abs(ours - reference) / np.maximum(np.abs(reference), absolute / relative))
     when = "default settings" if rtol == DEFAULT_TOLERANCE else f"rtol {rtol:g}"
-    source = "differences of an independent solver, 16 captures"
+    source = "differences of an independent solver"
     evidence("Gradients", f"elasticities of the peak force, {when}", worst, relative, source, detail=name)
 
 
