@@ -25,7 +25,7 @@ types: $(READY)
 bench: $(READY)  ## wall times of capture, gradient and compilation
 	$(BIN)/python -m benchmarks
 
-verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md, in half an hour
+verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md
 	$(BIN)/python -m verify
 
 $(READY): pyproject.toml constraints.txt
