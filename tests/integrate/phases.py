@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 
 import jaxbuffer as jb
-from jaxbuffer.integrate.solvers import Stiff
+from jaxbuffer.integrate.solvers import Stiff, Stride
 from jaxbuffer.mechanisms import CaptureMechanism
 
 # Weaker dampers than Table 2's, whose 0.8 ms would hide the order of explicit steps in rounding.
@@ -38,7 +38,7 @@ def single(solver, mechanism, active, rows, rate, step):
         lambda: mechanism.linearisation(jnp.zeros(()), rows[0], active),
         lambda: mechanism.fastest_rate(jnp.zeros(()), rows[0], active),
     )
-    return solver.step(field, stiff, jnp.zeros(()), rows, rate, step)
+    return solver.step(field, stiff, jnp.zeros(()), rows, rate, Stride(step, jnp.zeros(())))
 
 
 def stepper(solver, phase):
