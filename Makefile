@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-fast lint types bench bench-check bench-docs clean
+.PHONY: run studies test test-fast lint types bench bench-check bench-docs verify clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -35,6 +35,9 @@ bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is
 
 bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
 	$(BIN)/python -m benchmarks.docs
+
+verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md
+	$(BIN)/python -m verify
 
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)

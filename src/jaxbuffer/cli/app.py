@@ -9,6 +9,7 @@ from .exits import OK, fail
 from .laws import laws
 from .overrides import WITH_QUANTITIES
 from .report import report
+from .reproduce import reproduce
 from .request import Request, given, verb, wrote
 from .sweep import sweep
 
@@ -252,3 +253,4 @@ _RUN_FILES = ("log.jsonl", "state.npz")
 verb(app, "Many captures: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(short_help="Print again what a folder of results holds.")(report)
+app.command(short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)

@@ -51,6 +51,17 @@ def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
         return _interruptible(lambda: work(lambda it: progress.update(task, description=_state(it))))
 
 
+def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
+    """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        print(COMPILING, file=sys.stderr, flush=True)
+        return _interruptible(lambda: work(lambda text: print(text, file=sys.stderr, flush=True)))
+    with Progress(SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, console=console, transient=True) as progress:
+        task = progress.add_task(COMPILING, total=total)
+        return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
+
+
 def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
     """Run ``work``, which reports captures done of ``count``: a bar with captures a second on a terminal, a plain line
     every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""

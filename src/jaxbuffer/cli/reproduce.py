@@ -1,0 +1,60 @@
+"""`jaxbuffer reproduce`: the paper's own studies, as figures and as claims that hold or don't."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .exits import OK, fail
+from .request import cache_folder, wrote
+
+
+def reproduce(
+    output: Annotated[Path, typer.Option("--output", metavar="DIR", help="Folder for figures and tables.")],
+    force: Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")] = False,
+) -> int:
+    """Run the paper's studies: rigid against buffered probe, approach speed, angular velocity, misalignment, friction,
+    welded against free tip. Prints claim by claim whether the model bears the paper's text out.
+
+    \b
+    Files in DIR:
+      claims.md     every claim and every study's numbers
+      studies.csv, studies.json  the same for machines
+      NAME.png      a figure a study
+
+    \b
+    Example: jaxbuffer reproduce --output results/paper
+    """
+    from ..plot_style import require_matplotlib
+    from ..runtime import configure
+    from .output import Output, csv_text, json_text
+
+    require_matplotlib()
+    configure(cache=cache_folder())
+    from ..reproduce import STUDIES, judged, run
+    from ..reproduce.run import COLUMNS, captures
+    from ..reproduce.tables import claims_table, markdown
+    from .progress import counting
+
+    figures = [f"{study.name}.png" for study in STUDIES]
+    files = Output(output, ["claims.md", "studies.csv", "studies.json", *figures], force)
+    studied = counting(captures(), lambda done: run(done=done))
+    failed = [row for found in studied for row in found.rows if str(row["outcome"]).startswith("failed")]
+    if failed:
+        return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
+    from ..reproduce.figures import figure
+
+    verdicts = judged(studied)
+    rows = [row for found in studied for row in found.rows]
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in COLUMNS.items()]
+    written = files.write(
+        {
+            "claims.md": markdown(studied, verdicts),
+            "studies.csv": csv_text(heads, ([row[name] for name in COLUMNS] for row in rows)),
+            "studies.json": json_text({"units": COLUMNS, "captures": rows, "claims": verdicts}),
+            **{f"{found.study.name}.png": figure(found) for found in studied},
+        }
+    )
+    typer.echo(claims_table(verdicts))
+    wrote(written)
+    return OK

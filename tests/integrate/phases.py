@@ -1,0 +1,79 @@
+"""Smooth phases of the capture mechanism stepped in equal steps, for orders of convergence."""
+
+import jax
+import jax.numpy as jnp
+
+import jaxbuffer as jb
+from jaxbuffer.integrate.solvers import Stiff, Stride
+from jaxbuffer.mechanisms import CaptureMechanism
+
+# Weaker dampers than Table 2's, whose 0.8 ms would hide the order of explicit steps in rounding.
+SWINGING = {"buffer.c_T": 0.02, "buffer.c_A": 1.0}
+
+
+def arrays(tree):
+    return jax.tree.map(lambda x: jnp.asarray(x, float), tree)
+
+
+def swing():
+    """The mechanism after a push, out of contact: mechanism, state, open contacts."""
+    mechanism = arrays(CaptureMechanism(jb.replace(jb.table2(), SWINGING), jb.Scenario()))
+    state, _ = mechanism.start()
+    return mechanism, state.at[14].set(-0.5).at[17].set(0.8).at[20].set(0.8).at[18].set(-0.1), jnp.zeros(2)
+
+
+def impact(speed=0.1):
+    """The mechanism at its first touchdown: mechanism, state, closed contacts."""
+    mechanism = arrays(CaptureMechanism(jb.table2(), jb.Scenario(approach_speed=speed)))
+    return mechanism, *mechanism.start()
+
+
+def single(solver, mechanism, active, rows, rate, stride):
+    """One step of a solver within a mode."""
+
+    def field(time, rows):
+        return mechanism.derivative(time, rows[0], active)[None]
+
+    stiff = Stiff(
+        lambda: mechanism.linearisation(jnp.zeros(()), rows[0], active),
+        lambda: mechanism.fastest_rates(jnp.zeros(()), rows[0], active),
+    )
+    return solver.step(field, stiff, jnp.zeros(()), rows, rate, stride)
+
+
+def even(step):
+    """A stride in which time passes evenly."""
+    return Stride(step, jnp.zeros(()))
+
+
+def stepper(solver, phase, rooted=False):
+    """A function (duration [s], steps) → state after steps equal in time, or in its root, compiled once for all."""
+    mechanism, state, active = phase
+
+    @jax.jit
+    def advance(duration, steps):
+        rows = state[None]
+
+        def body(i, carry):
+            begin, end = duration * (i / steps) ** 2, duration * ((i + 1) / steps) ** 2
+            stride = Stride.after(begin, end - begin) if rooted else even(duration / steps)
+            out = single(solver, mechanism, active, *carry, stride)
+            return out.rows, out.rate
+
+        rate = mechanism.derivative(jnp.zeros(()), state, active)[None]
+        return jax.lax.fori_loop(0, steps, body, (rows, rate))[0][0]
+
+    return lambda duration, steps: advance(jnp.asarray(duration, float), jnp.asarray(steps))
+
+
+def one_step(solver, phase):
+    """A function (state, step [s]) → state at the end and estimate of its local error, compiled once."""
+    mechanism, _, active = phase
+
+    @jax.jit
+    def take(state, step):
+        rate = mechanism.derivative(jnp.zeros(()), state, active)[None]
+        out = single(solver, mechanism, active, state[None], rate, even(step))
+        return out.rows[0], out.error[0]
+
+    return lambda state, step: take(state, jnp.asarray(step, float))

@@ -1,0 +1,57 @@
+"""Evidence fails its test where it must and keeps the worst; the report sees what no breakage caught."""
+
+import json
+
+import pytest
+from verify.breakages import BREAKAGES
+from verify.report import markdown, uncaught
+
+from evidence import Evidence
+
+
+def told(measured, tolerance=1e-3, claim="claim"):
+    return {"topic": "topic", "claim": claim, "measured": measured, "tolerance": tolerance, "source": "source"}
+
+
+@pytest.mark.parametrize("measured", [2e-3, float("nan"), -1e-9, float("inf")])
+def test_what_is_above_its_tolerance_or_no_number_fails(measured):
+    with pytest.raises(AssertionError, match="claim"):
+        Evidence()(**told(measured))
+
+
+def test_the_worst_of_a_claim_is_kept(tmp_path):
+    evidence = Evidence()
+    for measured in (1e-4, 5e-4, 2e-4):
+        evidence(**told(measured))
+    evidence(**told(0.0, 0.0, "another"))
+    evidence.write(tmp_path / "a" / "evidence.json")
+    first, second = json.loads((tmp_path / "a" / "evidence.json").read_text())
+    assert (first["measured"], first["count"], first["test"]) == (
+        5e-4,
+        3,
+        "tests/test_evidence.py::test_the_worst_of_a_claim_is_kept",
+    )
+    assert (second["claim"], second["measured"]) == ("another", 0.0)
+
+
+def test_what_fails_is_in_the_report_too():
+    evidence = Evidence()
+    evidence(**told(1e-4))
+    with pytest.raises(AssertionError):
+        evidence(**told(float("nan")))
+    assert "| claim | nan | 0.001 |" in markdown(list(evidence.records.values()), None, [], [])
+
+
+def test_a_breakage_nobody_noticed_and_a_check_that_cannot_fail_are_named():
+    records = [
+        {"name": "first", "what": "", "checks": {"a": "failed", "b": "passed"}},
+        {"name": "second", "what": "", "checks": {"b": "crashed"}},
+    ]
+    assert uncaught(records) == ["breakage 'second' is caught by nothing", "check b catches nothing"]
+    page = markdown([], None, records, [])
+    assert "| second |  | **none**; crashed `b` |" in page
+    assert "| `b` | **nothing** |" in page
+
+
+def test_at_least_ten_breakages_each_with_a_name_of_its_own():
+    assert len({breakage.name for breakage in BREAKAGES}) == len(BREAKAGES) >= 10

@@ -1,0 +1,72 @@
+"""Run every check, break the physics, run the paper's studies, and write docs/verification.md."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from . import report, run
+from .breakages import BREAKAGES
+
+PARTS = ("tests", "breakages", "paper")
+PAGE = run.ROOT / "docs" / "verification.md"
+
+
+def main() -> int:
+    """The exit status: 1 where a test failed, a breakage went unnoticed, or a check cannot fail."""
+    options = _parsed()
+    folder = options.output.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    status = 0
+    if "tests" in options.only:
+        status |= int(run.tests(folder, options.quick) != 0)
+    if "breakages" in options.only:
+        print(f"{len(BREAKAGES)} breakages, {options.jobs} at a time", flush=True)
+        run.breakages(folder, options.jobs, _told)
+    if "paper" in options.only:
+        command = [sys.executable, "-m", "jaxbuffer", "reproduce", "--output", str(folder / "paper"), "--force"]
+        done = subprocess.run(command, cwd=run.ROOT, env=run.environment(), stdout=subprocess.DEVNULL, check=False)
+        status |= int(done.returncode != 0)
+    broken = _read(folder / "breakages.json", [])
+    unnoticed = report.uncaught(broken)
+    page = report.markdown(
+        _read(folder / "evidence.json", []),
+        folder / "tests.xml",
+        broken,
+        _read(folder / "paper" / "studies.json", {"claims": []})["claims"],
+    )
+    options.page.write_text(page)
+    print(page)
+    print(f"wrote {options.page}", *unnoticed, sep="\n")
+    return int(bool(status or unnoticed))
+
+
+def _parsed() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m verify", description=__doc__)
+    parser.add_argument(
+        "--only", type=lambda text: text.split(","), default=list(PARTS), metavar="PART,…", help=", ".join(PARTS)
+    )
+    parser.add_argument("--quick", action="store_true", help="leave the slow tests out")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="breakages at a time; default: all cores")
+    parser.add_argument("--output", type=Path, default=Path("results/verify"), help="folder of what is measured")
+    parser.add_argument("--page", type=Path, default=PAGE, help="default: docs/verification.md")
+    options = parser.parse_args()
+    if unknown := set(options.only) - set(PARTS):
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    return options
+
+
+def _told(record: dict[str, Any]) -> None:
+    caught = [check for check, answer in record["checks"].items() if answer == "failed"]
+    print(f"  {record['name']}: {'caught by ' + ', '.join(caught) if caught else 'NOT CAUGHT'}", flush=True)
+
+
+def _read(path: Path, otherwise: Any) -> Any:
+    return json.loads(path.read_text()) if path.exists() else otherwise
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,280 @@
+"""Physics broken on purpose, and which checks ought to notice.
+
+Each breakage replaces one method or function before anything is traced; `broken` applies it in a process of its own.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+JOINTS = "tests/multibody/test_joints.py"
+MECHANISMS = "tests/multibody/test_motion.py::test_slider_crank_follows_its_kinematics_and_keeps_its_energy"
+EQUATIONS = "tests/mechanisms/test_augmented.py::test_accelerations_and_multipliers[0-welded-lower throat rim]"
+MOMENTUM = "tests/mechanisms/test_conservation.py::test_momentum_is_conserved[0-welded-lower flank]"
+ENERGY = "tests/mechanisms/test_conservation.py::test_energy_is_balanced[0-welded-lower flank]"
+ELEMENTS = "tests/multibody/test_elements.py"
+SYMMETRY = "tests/properties/test_symmetry.py::test_mirror_image_swaps_the_flanks"
+GEOMETRY = "tests/contact/test_geometry.py"
+IMPACT = "tests/contact/test_impact.py"
+PROBE = "tests/mechanisms/test_start.py::test_probe_is_the_composite_of_rod_and_ball"
+INVARIANTS = "tests/properties/test_invariants.py"
+NEVER = f"{INVARIANTS}::test_what_a_capture_never_does[False]"
+TURNED = f"{INVARIANTS}::test_frame_may_be_turned_and_moved"
+TRAVELLING = f"{INVARIANTS}::test_frame_may_travel"
+MIRRORED = f"{INVARIANTS}::test_mirror_image_swaps_the_flanks"
+LATER = f"{INVARIANTS}::test_a_later_start_shifts_every_time"
+REFERENCE = "tests/verification/test_reference.py::test_table_2_as_the_model_states_it"
+BALANCE = "tests/verification/test_balance.py::test_default_settings_conserve[table 2]"
+FIRST = "tests/verification/test_first_impact.py::test_peak_tends_to_the_closed_form_as_the_buffer_goes_soft"
+ORDERS = "tests/integrate/test_orders.py::test_order_on_a_smooth_phase[Tsit5]"
+UNITS = f"{INVARIANTS}::test_units_may_be_changed"
+
+
+class Breakage(NamedTuple):
+    """What is broken, how, and the checks that are run against it."""
+
+    name: str
+    what: str
+    apply: Callable[[], None]
+    checks: tuple[str, ...]
+
+
+def _flip_gamma() -> None:
+    from jaxbuffer.multibody import Revolute
+
+    rows = Revolute.rows
+    Revolute.rows = lambda self, kin: tuple(row._replace(gamma=-row.gamma) for row in rows(self, kin))
+
+
+def _lose_entry() -> None:
+    from jaxbuffer.multibody import joints
+
+    rows = joints.FixedAngle.rows
+
+    def broken(self, kin):
+        row = rows(self, kin)[0]
+        return (row._replace(blocks={body: block for body, block in row.blocks.items() if body == self.first}),)
+
+    joints.FixedAngle.rows = broken
+
+
+def _lose_multiplier() -> None:
+    from jaxbuffer.multibody import System
+
+    rows = System._rows
+
+    def broken(self, kin):
+        *rest, last = rows(self, kin)
+        return [*rest, last._replace(blocks={b: (0.0, 0.0, 1e-3) for b in last.blocks}, phi=0.0, gamma=0.0)]
+
+    System._rows = broken
+
+
+def _freeze_arm() -> None:
+    from jaxbuffer.mechanisms.capture import CaptureMechanism
+
+    loads = CaptureMechanism._contact_loads
+
+    def broken(self, kin, state, forces):
+        probe, cone, moment = loads(self, kin, state, forces)
+        flanks, b = self.pair.segments, self.scenario.contact_distance
+        frame = kin.frame(3)
+        x, y = flanks.start_x + b * flanks.direction_x, flanks.start_y + b * flanks.direction_y
+        arm_x, arm_y = frame.cos * x - frame.sin * y, frame.sin * x + frame.cos * y
+        a = forces.approach
+        force_x = forces.normal * a.normal_x + forces.friction * a.tangent_x
+        force_y = forces.normal * a.normal_y + forces.friction * a.tangent_y
+        return probe, cone._replace(moment=-(arm_x * force_y - arm_y * force_x).sum()), moment
+
+    CaptureMechanism._contact_loads = broken
+
+
+def _drop_spin() -> None:
+    from jaxbuffer.contact import BallOnSegments
+
+    approach = BallOnSegments.approach
+    BallOnSegments.approach = lambda self, ball, body: approach(self, ball._replace(spin=0.0), body)
+
+
+def _friction_sign() -> None:
+    from jaxbuffer.contact import RegularisedCoulomb
+
+    force = RegularisedCoulomb.force
+    RegularisedCoulomb.force = lambda self, normal, slip: -force(self, normal, slip)
+
+
+def _memory_not_set() -> None:
+    from jaxbuffer.mechanisms.capture import CaptureMechanism
+
+    CaptureMechanism.touchdown = lambda self, state, rate, contact: state
+
+
+def _hysteresis() -> None:
+    from jaxbuffer.contact import LankaraniNikravesh
+
+    # The paper's 3 (1 - e²)/4 taken for Hunt and Crossley's 3 (1 - e)/2.
+    LankaraniNikravesh.hysteresis = property(lambda self: 1.5 * (1.0 - self.restitution))
+
+
+def _no_reaction_moment() -> None:
+    from jaxbuffer.mechanisms.capture import CaptureMechanism
+
+    loads = CaptureMechanism._contact_loads
+
+    def broken(self, kin, state, forces):
+        probe, cone, moment = loads(self, kin, state, forces)
+        return probe, cone._replace(moment=0.0), moment
+
+    CaptureMechanism._contact_loads = broken
+
+
+def _no_friction_moment() -> None:
+    from jaxbuffer.mechanisms.capture import CaptureMechanism
+
+    loads = CaptureMechanism._contact_loads
+
+    def broken(self, kin, state, forces):
+        probe, cone, moment = loads(self, kin, state, forces)
+        return (probe if self.spins else probe._replace(moment=probe.moment - moment)), cone, 0.0 * moment
+
+    CaptureMechanism._contact_loads = broken
+
+
+def _wrong_inertia() -> None:
+    from jaxbuffer.mechanisms import assembly, capture
+
+    masses = assembly.probe_masses
+
+    def broken(design):
+        found = masses(design)
+        return found._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
+
+    assembly.probe_masses = capture.probe_masses = broken
+
+
+def _exponent() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.contact import ContactLaw
+
+    elastic = ContactLaw.elastic
+    ContactLaw.elastic = lambda self, depth: elastic(self, depth) * jnp.maximum(depth, 1e-12) ** -0.01
+
+
+def _one_sided_spring() -> None:
+    from jaxbuffer.multibody import AxialSpringDamper
+
+    loads = AxialSpringDamper.loads
+    AxialSpringDamper.loads = lambda self, kin: loads(self, kin)[1:]
+
+
+def _damper_sign() -> None:
+    from jaxbuffer.multibody import TorsionalSpringDamper
+
+    dissipation = TorsionalSpringDamper.dissipation
+    TorsionalSpringDamper.dissipation = lambda self, kin: -dissipation(self, kin)
+
+
+def _mirror() -> None:
+    import numpy as np
+
+    from jaxbuffer.mechanisms import assembly
+
+    assemble = assembly.assemble_contact
+
+    def broken(design):
+        import dataclasses
+
+        return dataclasses.replace(assemble(design), side=np.ones(2))
+
+    from jaxbuffer.mechanisms import capture
+
+    assembly.assemble_contact = capture.assemble_contact = broken
+
+
+def _stiffness() -> None:
+    from jaxbuffer.mechanisms import Design
+
+    stiffness = Design.contact_stiffness
+    # √R taken for R: the value is put right for Table 2's tip, so that only the dimension is wrong.
+    Design.contact_stiffness = property(
+        lambda self: stiffness.fget(self) * (self.probe.tip_radius / 0.015) ** 0.5  # type: ignore[attr-defined]
+    )
+
+
+def _inertial_damper() -> None:
+    from jaxbuffer.multibody import AxialSpringDamper, Load, Vector
+
+    loads = AxialSpringDamper.loads
+
+    def broken(self, kin):
+        speed = kin.frame(self.second).velocity.x
+        return (*loads(self, kin), Load(self.second, Vector(-self.damping * speed, 0.0), 0.0))
+
+    AxialSpringDamper.loads = broken
+
+
+def _tableau() -> None:
+    from jaxbuffer.integrate import solvers
+
+    square = solvers._square
+
+    def broken(tableau):
+        a = square(tableau)
+        a[2, 1] *= 1.001
+        return a
+
+    solvers._square = broken
+
+
+BREAKAGES = (
+    Breakage("gamma sign", "γ of the revolute joint with the other sign", _flip_gamma, (JOINTS, MECHANISMS, EQUATIONS)),
+    Breakage(
+        "lost entry",
+        "one entry of Φ_q lost, -1 in the prismatic joint's angle row, as in the paper's eq. 18",
+        _lose_entry,
+        (JOINTS, EQUATIONS, MOMENTUM),
+    ),
+    Breakage(
+        "lost multiplier",
+        "one multiplier lost: the last joint row holds nothing",
+        _lose_multiplier,
+        (EQUATIONS, BALANCE),
+    ),
+    Breakage(
+        "frozen arm",
+        "the contact force's arm on the cone frozen at first contact, as in the paper's eq. 21",
+        _freeze_arm,
+        (EQUATIONS, MOMENTUM, REFERENCE),
+    ),
+    Breakage("no spin term", "the tip's spin left out of the slip", _drop_spin, (GEOMETRY, EQUATIONS, ENERGY)),
+    Breakage("friction sign", "friction pushes along the slip", _friction_sign, (EQUATIONS, NEVER, REFERENCE)),
+    Breakage("memory not set", "δ̇⁻ keeps its first value over later touchdowns", _memory_not_set, (REFERENCE, LATER)),
+    Breakage("hysteresis", "χ̂ = 3(1 - e)/2 for 3(1 - e²)/4", _hysteresis, (IMPACT, EQUATIONS)),
+    Breakage(
+        "no reaction moment", "contact turns the probe and not the cone", _no_reaction_moment, (MOMENTUM, EQUATIONS)
+    ),
+    Breakage(
+        "no friction moment",
+        "friction's moment R F_t on the tip lost, as in the paper's eq. 21",
+        _no_friction_moment,
+        (MOMENTUM, EQUATIONS),
+    ),
+    Breakage(
+        "wrong inertia",
+        "the probe's inertia is the rod's alone, the tip's share lost",
+        _wrong_inertia,
+        (PROBE, EQUATIONS),
+    ),
+    Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, FIRST)),
+    Breakage("one-sided spring", "the buffer pulls one end only", _one_sided_spring, (ELEMENTS, MOMENTUM)),
+    Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY,)),
+    Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY, MIRRORED)),
+    Breakage("dimension", "contact stiffness with R for √R, right for Table 2's tip", _stiffness, (UNITS,)),
+    Breakage(
+        "inertial damper",
+        "the buffer's damper also drags against the inertial x axis",
+        _inertial_damper,
+        (TURNED, TRAVELLING),
+    ),
+    Breakage("tableau", "one coefficient of every step method off by 1e-3", _tableau, (ORDERS,)),
+)
