@@ -12,7 +12,7 @@ from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit,
 def compiled(solver):
     numbers = jax.tree.map(lambda x: jnp.asarray(x, float), (jb.table2(), jb.Scenario(), 20.0))
     options = jax.tree.map(lambda x: jnp.asarray(x, float), Options(solver=solver))
-    return _simulate.lower(numbers, jnp.asarray(8.0), options).compile().as_text()
+    return _simulate.jitted.lower(numbers, jnp.asarray(8.0), options).compile().as_text()
 
 
 @pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), LinearlyImplicit()])

@@ -180,9 +180,10 @@ def run(
             active=active,
             rows=at_event + jump,
         )
-        # A maximum landed on, or given up as noise, must not be found again, so its slope counts as falling. The best
-        # force of a contact is that of its present impact, so that every impact's peak is located.
-        slope = jnp.where(landing & (each_observable == c.landing.target - rated), -1e-300, after.slope)
+        # A maximum landed on, or one of the rate given up as noise, must not be found again, so its slope counts as
+        # falling. The best force of a contact is that of its present impact, so that every impact's peak is located.
+        done = landing & (each_observable == c.landing.target - rated) & (verdict.happened | of_rate)
+        slope = jnp.where(done, -1e-300, after.slope)
         fresh = closing & (each_observable == target)
         best = jnp.where(fresh, 0.0, jnp.maximum(c.best, after.value))
 
