@@ -17,7 +17,7 @@ from jaxbuffer.capture import HISTORY_STEPS
 from jaxbuffer.history import History, history
 from jaxbuffer.integrate import Options, Tolerance, solve
 from jaxbuffer.mechanisms import CaptureMechanism
-from jaxbuffer.metrics import Balance, Impacts, Maxima, balance, end_time, impacts, maxima
+from jaxbuffer.metrics import Balance, Impacts, Maxima, balance, impacts, maxima
 
 RTOL = 1e-10
 VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of the four bodies are in q
@@ -60,7 +60,7 @@ def _watch(parameters, duration, rtol) -> Seen:
     log = result.log
     return Seen(
         result.status,
-        end_time(mechanism, log, result.status < 2),
+        log.time[jnp.maximum(log.count - 1, 0)],
         maxima(mechanism, log),
         impacts(mechanism, log),
         balance(mechanism, log),
