@@ -17,10 +17,6 @@ class Tolerance(eqx.Module):
     rtol: float | Array = 1e-7
     atol: float | Array = 1e-7
 
-    def tightened(self, factor: float) -> "Tolerance":
-        """The same with both tolerances multiplied by ``factor``."""
-        return Tolerance(factor * self.rtol, factor * self.atol)
-
     def norm(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, ""]:
         """Largest over rows of the root mean square of error over allowance; 1 is just allowed."""
         size = jnp.maximum(jnp.abs(rows), jnp.abs(end))

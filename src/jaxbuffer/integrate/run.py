@@ -25,7 +25,6 @@ from .solvers import Automatic, Solver, Step, Stiff, Stride
 
 P = TypeVar("P")
 NEAR_BEST = 0.8
-RESOLVED = 5.01  # largest product of step and rate of decay in which observables of the rate are smooth
 
 
 class Status(enum.IntEnum):
@@ -121,10 +120,8 @@ def run(
         after = _observe(system, c.time + step, trial.rows[0], trial.rate[0], c.active, c.best)
 
         # A step that holds an event is taken again, shortened until it ends on the event.
-        # What depends on the rate is noise where a step jumps over the fastest decay: no maximum is sought there.
-        sought = ~of_rate | (stride.length * stiff.rates().decay <= RESOLVED)
-        best, patient = jnp.where(sought, c.best, jnp.inf), c.landing.tries < MAX_TRIES
-        crossing = first_crossing(c.guards, after, step, c.active, best, c.landing.target, patient)
+        patient = c.landing.tries < MAX_TRIES
+        crossing = first_crossing(c.guards, after, step, c.active, c.best, c.landing.target, patient)
         guard, guard_rate = signed(after, c.active)
         verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
         # On arrival another event may turn out to lie a little before: then land on that one first.
