@@ -50,7 +50,7 @@ def summary(capture: "Capture") -> str:
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
         f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
-        f"  first impact         {float(capture.impacts.peak_force[0]):.6g} N; closed form"
+        f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
         f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
@@ -153,7 +153,7 @@ def _predicted(capture: "Capture") -> str:
 
 def _first_impact(capture: "Capture") -> str:
     """The simulated first peak beside its closed form."""
-    first, seen = capture.first_impact, float(capture.impacts.peak_force[0])
+    first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     return (
         f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
         f"{float(first.elastic_peak):.6g} N without loss (T_c {float(first.effective_energy):.5g} J)"
