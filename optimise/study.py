@@ -8,7 +8,7 @@ from typing import Any
 
 from jaxbuffer import Problem, Tuned, tune
 from jaxbuffer.cli.output import csv_text, json_text
-from jaxbuffer.cli.progress import _state
+from jaxbuffer.cli.progress import in_words
 from jaxbuffer.cli.records import tuned_comment, tuned_record, tuning_history
 from jaxbuffer.config import Config, design_toml, load
 from jaxbuffer.plot import png, tune_figure
@@ -56,4 +56,4 @@ def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 
 
 
 def _told(record: dict[str, Any]) -> None:
-    print(_state(record), file=sys.stderr, flush=True)
+    print(in_words(record), file=sys.stderr, flush=True)

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxbuffer import Design, replace, sweep
+from jaxbuffer import Design, first_impact, replace, sweep
 from jaxbuffer.cli.output import csv_text
-from jaxbuffer.tuning.floor import first_impact
 
 from .study import config, figure, write
 
@@ -25,7 +24,7 @@ def main(folder: Path, resume: bool = False) -> None:
             first = sweep(design, scenario, FIRST, rtol=study.options.rtol)
             for mass, peak, begin, code in zip(MASSES, found.peak_force, first.peak_force, found.code, strict=True):
                 closed = first_impact(replace(design, {"probe.tip_mass": float(mass)}), scenario)
-                numbers = [float(x) for x in (mass, peak, begin, closed.peak, closed.energy)]
+                numbers = [float(x) for x in (mass, peak, begin, closed.elastic_peak, closed.effective_energy)]
                 rows.append([free, float(scenario.approach_speed), *numbers, int(code)])
     header = ["free_tip", "approach_speed [m/s]", "tip_mass [kg]", "peak_force [N]", "first_peak [N]"]
     write(folder, "tip.csv", csv_text([*header, "closed_form [N]", "T_c [J]", "outcome"], rows))

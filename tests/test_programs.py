@@ -1,5 +1,8 @@
 """Programs kept on disk: read back without tracing, and never in the place of another."""
 
+import os
+import time
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -113,3 +116,18 @@ def test_transformations_and_no_folder_are_jit(folder, traced):
     keep_in(None)
     fresh()(*asked())
     assert not folder.exists(), "nothing was kept"
+
+
+def test_files_long_unused_go_once_another_is_written(folder, traced):
+    fresh, _ = traced
+    folder.mkdir()
+    old, recent = folder / "old.program", folder / "recent.program"
+    for file, age in ((old, 31), (recent, 29)):
+        file.touch()
+        os.utime(file, (time.time() - age * 86400,) * 2)
+    fresh()(*asked())
+    assert recent.exists() and not old.exists()
+    (written,) = set(folder.iterdir()) - {recent}
+    os.utime(written, (0, 0))
+    fresh()(*asked())
+    assert time.time() - written.stat().st_mtime < 86400

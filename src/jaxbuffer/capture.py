@@ -32,7 +32,7 @@ from .metrics import (
 from .outcome import Outcome, outcome_code
 from .programs import kept
 
-DEFAULT_TOLERANCE = 3e-7
+DEFAULT_TOLERANCE = 1e-6
 DEFAULT_DURATION = 8.0  # s
 HISTORY_STEPS = 20_000
 

@@ -11,10 +11,11 @@ import tomli_w
 
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
-from .grid import by_path, grid
+from .grid import SPAN, grid
 from .integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Solver
 from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
+from .mechanisms.paths import by_path
 
 if TYPE_CHECKING:
     from .tuning import Problem
@@ -188,7 +189,7 @@ def _config(data: dict[str, Any]) -> Config:
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
-    sweep = by_path(_table(data, "sweep"))
+    sweep = by_path(_table(data, "sweep"), SPAN)
     if sweep:
         grid(sweep, design, scenario)  # checks it
     tuning = _replaced(Tuning(), _table(data, "tune"), "tune.")

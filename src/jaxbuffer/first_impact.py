@@ -16,18 +16,22 @@ from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.assembly import LOWER
 from .multibody import Kinematics
 
+HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
+
 
 class FirstImpact(eqx.Module):
     """What the start of a run says of its first impact, differentiable.
 
     ``effective_mass`` m_c [kg]; ``effective_energy`` T_c⁻ [J]; ``elastic_peak`` [N]: K^{2/5} (5 T_c⁻/2)^{3/5};
-    ``predicted_peak`` [N]: the same with the law's loss; NaN for laws that are not Hertz's with hysteresis.
+    ``predicted_peak`` [N]: the same with the law's loss, NaN for laws that are not Hertz's with hysteresis;
+    ``duration`` [s] of the impact without loss.
     """
 
     effective_mass: Float[Array, ""]
     effective_energy: Float[Array, ""]
     elastic_peak: Float[Array, ""]
     predicted_peak: Float[Array, ""]
+    duration: Float[Array, ""]
 
 
 def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:
@@ -54,9 +58,10 @@ def predict(mechanism: CaptureMechanism) -> FirstImpact:
     mass = mechanism.system.effective_mass(kin, jax.grad(closing)(kin.v))
     energy = 0.5 * mass * speed**2
     law = mechanism.pair.law
-    peak = hertz_peak(mechanism.design.contact_stiffness, energy)
+    stiffness = jnp.asarray(mechanism.design.contact_stiffness)
+    peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
     factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
-    return FirstImpact(mass, energy, peak, peak * factor)
+    return FirstImpact(mass, energy, peak, peak * factor, HERTZ_DURATION * depth / speed)
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

@@ -119,15 +119,6 @@ def grid(asked: Mapping[str, Any], design: Design, scenario: Scenario) -> Grid:
     return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()))
 
 
-def by_path(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """TOML's nested tables as dotted paths: to it an unquoted ``scenario.misalignment = …`` is a table in a table."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        nested = isinstance(value, Mapping) and not set(value) & set(SPAN)
-        flat |= by_path(value, f"{prefix}{name}.") if nested else {prefix + name: value}
-    return flat
-
-
 def axis(path: str, asked: Any, design: Design, scenario: Scenario) -> Axis:
     """One axis, checked against the field's range."""
     met = path.startswith(SCENARIO)

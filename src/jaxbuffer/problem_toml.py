@@ -5,7 +5,7 @@ from typing import Any
 
 from .errors import InputError, check_number, suggest
 from .mechanisms import Design, Scenario, paths, unit
-from .mechanisms.paths import check_path, limits_of
+from .mechanisms.paths import by_path, check_path, limits_of
 from .tuning.cases import KINDS, Distribution, grid, sample
 from .tuning.problem import QUANTITIES, SCALES, Case, Limits, Objective, Problem, Then, Variable, check_quantity
 
@@ -29,7 +29,7 @@ def read_problem(
     return Problem(
         design=design,
         scenarios=_cases(table, design, base, listed),
-        variables=_variables(_flat(_table(table, "variables", VARIABLES)), design),
+        variables=_variables(by_path(_table(table, "variables", VARIABLES)), design),
         objective=_objective(_table(table, "objective", {}), "objective"),
         limits=_limits(_table(table, "constraints", CONSTRAINTS)),
         then=_then(_table(table, "then", {})) if "then" in table else None,
@@ -41,7 +41,7 @@ def read_problem(
 def check_table(table: Mapping[str, Any], design: Design, base: Scenario) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     _known(table, SECTIONS, "problem")
-    _variables(_flat(_table(table, "variables", VARIABLES)), design)
+    _variables(by_path(_table(table, "variables", VARIABLES)), design)
     _cases(table, design, base, ())
     _objective(_table(table, "objective", {}), "objective")
     _limits(_table(table, "constraints", CONSTRAINTS))
@@ -91,7 +91,7 @@ def _cases(table: Mapping[str, Any], design: Design, base: Scenario, listed: tup
 
 def _sampled(table: Mapping[str, Any], design: Design, base: Scenario) -> tuple[Case, ...]:
     _known(table, SAMPLE, "problem.sample")
-    fields, factors = (_flat_distributions(_table(table, name, {})) for name in ("scenario", "factors"))
+    fields, factors = (by_path(_table(table, name, {}), KINDS) for name in ("scenario", "factors"))
     _known(fields, tuple(paths(base)), "problem.sample.scenario")
     _known(factors, tuple(paths(design)), "problem.sample.factors")
     seed = table.get("seed", 0)
@@ -151,23 +151,6 @@ def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Ma
     if not isinstance(table, dict):
         raise InputError(f"problem.{name} = {table!r} is not a table; write [problem.{name}] and its fields below it")
     return table
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested tables as dotted paths: TOML reads an unquoted ``buffer.k_A = …`` as a table in a table."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
-    return flat
-
-
-def _flat_distributions(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """The same, where a distribution is itself a table."""
-    flat: dict[str, Any] = {}
-    for name, value in table.items():
-        deeper = isinstance(value, dict) and not set(value) & set(KINDS)
-        flat |= _flat_distributions(value, f"{prefix}{name}.") if deeper else {prefix + name: value}
-    return flat
 
 
 def _is_number(value: Any) -> bool:

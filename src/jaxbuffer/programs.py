@@ -12,6 +12,7 @@ import os
 import pickle
 import platform
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -25,6 +26,7 @@ from jax.experimental.compilation_cache import compilation_cache
 R = TypeVar("R")
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax")
+UNUSED = 30 * 86400.0  # s after which a program's file is deleted: new source makes new files
 _log = logging.getLogger(__name__)
 _folder: Path | None = None
 
@@ -92,6 +94,8 @@ def _read(file: Path, leaves: list[Any]) -> Callable[..., Any] | None:
     """The program of a file if there is one and it runs on ``leaves``."""
     try:
         stored, example = pickle.loads(file.read_bytes())
+        with contextlib.suppress(OSError):  # a folder shared read-only serves as well
+            file.touch()
         compiled = serialize_executable.deserialize_and_load(*stored)
         jax.block_until_ready(compiled(leaves))
     except FileNotFoundError:
@@ -104,8 +108,11 @@ def _read(file: Path, leaves: list[Any]) -> Callable[..., Any] | None:
 
 
 def _write(file: Path, content: bytes) -> None:
-    """Put the file there in one go: another process may read it at the same time."""
+    """Put the file there in one go: another process may read it at the same time. Files long unused go."""
     file.parent.mkdir(parents=True, exist_ok=True)
+    for old in file.parent.glob("*.program"):
+        if time.time() - old.stat().st_mtime > UNUSED:
+            old.unlink(missing_ok=True)
     with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as draft:
         draft.write(content)
     os.replace(draft.name, file)

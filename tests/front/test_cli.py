@@ -50,7 +50,7 @@ def test_simulate_prints_a_summary_and_writes_nothing(computed, capsys, tmp_path
     (configured, _), (command, arguments) = computed.calls
     assert (configured, command) == ("configure", "simulate"), "JAX is set up first"
     assert (arguments["design"], arguments["scenario"], arguments["duration"]) == (table2(), Scenario(), 8.0)
-    assert (arguments["rtol"], arguments["history"]) == (3e-7, False)
+    assert (arguments["rtol"], arguments["history"]) == (1e-6, False)
     assert list(tmp_path.iterdir()) == []
 
 

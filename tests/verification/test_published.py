@@ -106,7 +106,10 @@ def test_slider_crank_with_clearance_up_to_its_first_contact():
     rows = [("ω1 [rad/s]", found.v[2], 109.558), ("ω2 [rad/s]", found.v[5], -49.331)]
     show("Slider-crank with clearance", [*rows, ("time [ms]", 1e3 * found.time[-1], 2.6935)])
     show("  from two angles alone", [("time [ms]", 1e3 * found.time[-1], 1e3 * time), ("ω1", found.v[2], crank)])
-    assert found.status == 1  # a corner at the upper side of the guide
+    assert found.status in (
+        1,
+        3,
+    )  # an upper corner; both touch at once, as the slider does not turn
     assert_allclose(found.v[[2, 5]], [109.558, -49.331], rtol=0, atol=5.1e-4)
     assert_allclose([found.time[-1], *found.v[[2, 5]]], [time, crank, rod], rtol=1e-9)
     assert_allclose(found.q[[2, 5]], angles, rtol=1e-9)

@@ -42,7 +42,7 @@ def root(
       approach_speed = 0.2      # m/s
       [options]
       duration = 8.0            # s
-      rtol = 3e-7
+      rtol = 1e-6
       [problem.variables]
       buffer.k_A = [100, 2000]  # N/m, low and high bound
       [problem.constraints]

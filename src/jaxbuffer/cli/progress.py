@@ -45,10 +45,10 @@ def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
     console = Console(stderr=True)
     if not console.is_terminal:
         print(COMPILING, file=sys.stderr, flush=True)
-        return _interruptible(lambda: work(lambda it: print(_state(it), file=sys.stderr, flush=True)))
+        return _interruptible(lambda: work(lambda it: print(in_words(it), file=sys.stderr, flush=True)))
     with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
         task = progress.add_task(COMPILING, total=None)
-        return _interruptible(lambda: work(lambda it: progress.update(task, description=_state(it))))
+        return _interruptible(lambda: work(lambda it: progress.update(task, description=in_words(it))))
 
 
 def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
@@ -98,7 +98,8 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
         return work(advance)
 
 
-def _state(it: "Record") -> str:
+def in_words(it: "Record") -> str:
+    """One evaluation of a tuning on one line."""
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
     text = f"{stage}{where}: {it['objective']:.5g} N"

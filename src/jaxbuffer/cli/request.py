@@ -20,7 +20,7 @@ SHARED = {
     "solver": Annotated[
         str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.", show_default=False)
     ],
-    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 3e-7.")],
+    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
     "duration": Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],

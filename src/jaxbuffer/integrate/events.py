@@ -6,11 +6,15 @@ Hermite polynomial through both ends of the step; the loop then lands a real ste
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from ..mechanisms.hybrid import HybridSystem
+
 NEARLY = 0.999  # of the best so far: what the cubic's error might hide
+NEAR_BEST = 0.8  # of the best so far: from here on an observable of the state's rate is followed closely
 
 
 class Guards(NamedTuple):
@@ -32,6 +36,26 @@ def signed(
     value = jnp.concatenate([sign * guards.gap, guards.terminal, -guards.slope])
     rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, jnp.zeros_like(guards.slope)])
     return value, rate
+
+
+def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
+    """Guards and observables with their rates.
+
+    Observables of the state's rate need its second derivative, which costs as much as two right-hand sides: only where
+    such an observable comes near its best so far. Elsewhere it counts as rising, slowly.
+    """
+    gap, gap_rate = jax.jvp(system.gaps, (state,), (rate,))
+    terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
+    of_rate = jnp.asarray(system.rate_observables(), bool)
+    near = of_rate & (system.observables(state, rate, active) > NEAR_BEST * best)
+    second = lax.cond(
+        jnp.any(near),
+        lambda: jax.jvp(lambda y: system.derivative(time, y, active), (state,), (rate,))[1],
+        lambda: jnp.zeros_like(state),
+    )
+    value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
+    slope = jnp.where(of_rate & ~near, 1e-300, slope)
+    return Guards(gap, gap_rate, terminal, terminal_rate, value, slope)
 
 
 class Crossing(NamedTuple):

@@ -13,7 +13,12 @@ import jax.numpy as jnp
 from jax.extend.core import Literal
 from jaxtyping import Array, Float
 
+from .elimination import eliminated
+from .reading import Unsupported
+
 Rows = Float[Array, "rows state"]
+Columns = Float[Array, "state lanes"]  # rows on their side, the last ones zeros: what steps work on
+VECTOR = 4  # lanes fill whole vector registers
 P = TypeVar("P")
 S = TypeVar("S")
 
@@ -51,6 +56,30 @@ class Lanes(eqx.Module, Generic[P]):
             return jnp.concatenate([value[None], jax.vmap(push)(self.directions, rows[1:])])
 
         return lifted
+
+    def field(self, function: Callable[[P, Array], Float[Array, " state"]]) -> Callable[[Columns], Columns]:
+        """`lift` on columns, and short: what costs time in a right-hand side with sensitivities."""
+        if not self.count:
+            return lambda columns: function(self.primal, columns[:, 0])[:, None]
+
+        def on_columns(columns: Columns) -> Columns:
+            state, spare = columns[:, 0], columns.shape[1] - 1 - self.count
+            value, push = jax.linearize(function, self.primal, state)
+            widen = lambda x: jnp.moveaxis(jnp.pad(x, [(1, spare)] + [(0, 0)] * (x.ndim - 1)), 0, -1)  # noqa: E731
+            directions = jax.tree.map(widen, self.directions)
+            try:
+                moved = eliminated(push, self.primal, state)(directions, columns)
+            except Unsupported:
+                moved = jax.vmap(push, in_axes=-1, out_axes=-1)(directions, columns)
+            return jnp.where(jnp.arange(columns.shape[1]) == 0, value[:, None], moved)
+
+        return on_columns
+
+
+def columns(rows: Rows) -> Columns:
+    """Rows on their side, filled up with zeros unless there is one alone."""
+    count = rows.shape[0]
+    return jnp.pad(rows, [(0, -count % VECTOR if count > 1 else 0), (0, 0)]).T
 
 
 def through(

@@ -17,14 +17,15 @@ from jaxtyping import Array, Bool, Float, Int
 from .._types import Scalar
 from ..mechanisms.hybrid import HybridSystem
 from .controller import Controller, Tolerance
-from .events import Guards, first_crossing, signed
+from .events import Guards, first_crossing, observe, signed
 from .landing import MAX_TRIES, MOST_TRIES, Landing, judge
-from .lanes import Lanes, Rows
+from .lanes import Lanes, Rows, columns
 from .log import Kind, Log, Steps
-from .solvers import Automatic, Solver, Step, Stiff, Stride
+from .solvers import Automatic, Solver, Stiff
+from .stages import Field, Step
+from .stride import Stride
 
 P = TypeVar("P")
-NEAR_BEST = 0.8
 
 
 class Status(enum.IntEnum):
@@ -106,18 +107,22 @@ def run(
         landing, first = c.landing.under_way, c.renew
         stiff = Stiff(
             lambda: system.linearisation(c.time, c.rows[0], c.active),
-            lambda: system.fastest_rates(c.time, c.rows[0], c.active),
+            lambda: system.fastest_decay(c.time, c.rows[0], c.active),
         )
         step = options.solver.allowed(stiff, jnp.minimum(c.step, duration - c.time))
         step = jnp.where(first, 0.0, jnp.where(landing, c.landing.aim, step))
         releasing = landing & jnp.any((each_contact == c.landing.target) & (c.active > 0.5))
         stride = _where(releasing, Stride.onto(step), Stride.after(jnp.maximum(c.time - c.touched, 0.0), step))
-        field = lambda time, rows: system.derivative(time, rows[0], c.active)[None]  # noqa: E731
-        trial = options.solver.step(field, stiff, c.time, c.rows[:1], c.rate[:1], stride)
-        norm = options.tolerance.norm(trial.error, c.rows[:1], trial.rows, scales)
+
+        def take(lanes: Lanes[P], rows: Rows, rate: Rows) -> Step:
+            field = lambda time, at: lanes.field(lambda p, y: build(p).derivative(time, y, c.active))(at)  # noqa: E731
+            return _step(options.solver, field, stiff, c.time, rows, rate, stride)
+
+        trial = take(Lanes(lanes.primal), c.rows[:1], c.rate[:1])
+        norm = options.tolerance.norm(trial.error, c.rows[:1], trial.end, scales)
         finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
         fits = landing | (norm <= 1.0)
-        after = _observe(system, c.time + step, trial.rows[0], trial.rate[0], c.active, c.best)
+        after = observe(system, c.time + step, trial.end[0], trial.rate[0], c.active, c.best)
 
         # A step that holds an event is taken again, shortened until it ends on the event.
         patient = c.landing.tries < MAX_TRIES
@@ -136,9 +141,12 @@ def run(
         # refuse it.
         dropped = jnp.asarray(False)
         if lanes.count:
-            whole = lambda: options.solver.step(_field(build, lanes, c.active), stiff, c.time, c.rows, c.rate, stride)  # noqa: E731
-            trial = lax.cond(accept, whole, lambda: Step(c.rows, c.rate, jnp.zeros_like(c.rows), trial.order))
-            norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.rows, trial.rows, scales))
+            trial = lax.cond(
+                accept,
+                lambda: take(lanes, c.rows, c.rate),
+                lambda: Step(c.rows, c.rate, jnp.zeros_like(c.rows), trial.order),
+            )
+            norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.rows, trial.end, scales))
             finite, dropped = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
             accept, fits = accept & ~dropped, fits & ~dropped
             next_landing = _where(dropped, Landing.none(), next_landing)
@@ -152,13 +160,13 @@ def run(
         closing = is_contact & jnp.any(chosen & (c.active < 0.5))
         active = jnp.where(chosen, 1.0 - c.active, c.active)
         offset = jnp.where(landing, verdict.offset, 0.0)
-        at_event = trial.rows + offset * trial.rate
+        at_event = trial.end + offset * trial.rate
         jump = lax.cond(
             closing,
             lambda: lanes.lift(lambda p, y: build(p).touchdown(y, trial.rate[0], target) - y)(at_event),
             lambda: jnp.zeros_like(at_event),
         )
-        rows = trial.rows + jump
+        rows = trial.end + jump
         time = c.time + step
         timed_out = accept & ~is_terminal & (time >= duration * (1.0 - 1e-15))
 
@@ -266,34 +274,17 @@ def _begin(
     )
 
 
-def _field(build: Callable[[P], HybridSystem], lanes: Lanes[P], active: Array) -> Callable[[Array, Rows], Rows]:
-    """The rows' time derivative within a mode."""
-    return lambda time, rows: lanes.lift(lambda p, y: build(p).derivative(time, y, active))(rows)
+def _step(solver: Solver, field: Field, stiff: Stiff, time: Array, rows: Rows, rate: Rows, stride: Stride) -> Step:
+    """A step of rows within a mode."""
+
+    step = solver.step(field, stiff, time, columns(rows), columns(rate), stride)
+    back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
+    return Step(back(step.end), back(step.rate), back(step.error), step.order)
 
 
 def _after_touchdown(system: HybridSystem, time: Array, state: Array, active: Array) -> Float[Array, " observables"]:
     """All observables of a state whose rate is not yet known."""
     return system.observables(state, system.derivative(time, state, active), active)
-
-
-def _observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
-    """Guards and observables with their rates.
-
-    Observables of the state's rate need its second derivative, which costs as much as two right-hand sides: only where
-    such an observable comes near its best so far. Elsewhere it counts as rising, slowly.
-    """
-    gap, gap_rate = jax.jvp(system.gaps, (state,), (rate,))
-    terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
-    of_rate = jnp.asarray(system.rate_observables(), bool)
-    near = of_rate & (system.observables(state, rate, active) > NEAR_BEST * best)
-    second = lax.cond(
-        jnp.any(near),
-        lambda: jax.jvp(lambda y: system.derivative(time, y, active), (state,), (rate,))[1],
-        lambda: jnp.zeros_like(state),
-    )
-    value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
-    slope = jnp.where(of_rate & ~near, 1e-300, slope)
-    return Guards(gap, gap_rate, terminal, terminal_rate, value, slope)
 
 
 def _where(condition: Array, new: P, old: P) -> P:

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float, Int
 from .._types import Scalar, stacked
 from ..contact import Approach, Ball, BallOnSegments, Carrier
 from ..multibody import Kinematics, Load, System, Vector, load_at
-from .hybrid import HybridSystem, Rates
+from .hybrid import HybridSystem
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s
 GAP = ("gap", "approach_speed")
@@ -165,11 +165,11 @@ class Assembled(HybridSystem):
             steps.append(0.03 * jnp.asarray(contact.pair.law.time_scale(mass, memory[k])))
         return jnp.min(jnp.stack(steps[1:] or steps))
 
-    def fastest_rates(
+    def fastest_decay(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> Rates:
+    ) -> Float[Array, ""]:
         """Not known, hence no bound: explicit steps are held by their error alone."""
-        return Rates(jnp.zeros(()), jnp.zeros(()))
+        return jnp.zeros(())
 
 
 def _row(values: list) -> Float[Array, " n"]:

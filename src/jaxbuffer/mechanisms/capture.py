@@ -25,8 +25,8 @@ from .assembly import (
     start_motion,
 )
 from .design import Design, Scenario
-from .hybrid import HybridSystem, Linearisation, Rates
-from .stiffness import fastest_rates, linearisation
+from .hybrid import HybridSystem, Linearisation
+from .stiffness import fastest_decay, linearisation
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
@@ -279,7 +279,7 @@ class CaptureMechanism(HybridSystem):
     ) -> Linearisation:
         return linearisation(self, state, active)
 
-    def fastest_rates(
+    def fastest_decay(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
-    ) -> Rates:
-        return fastest_rates(self, state, active)
+    ) -> Float[Array, ""]:
+        return fastest_decay(self, state, active)

@@ -1,9 +1,6 @@
 """What time stepping needs to know of a mechanism whose contacts come and go."""
 
-from typing import NamedTuple
-
 import equinox as eqx
-import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 State = Float[Array, " state"]
@@ -23,18 +20,6 @@ class Linearisation(eqx.Module):
     stiffness: Float[Array, "rank rank"]
     damping: Float[Array, "rank rank"]
     coordinates: int = eqx.field(static=True)
-
-
-class Rates(NamedTuple):
-    """How fast a system's stiff motions decay (damping over mass) and ring (root of stiffness over mass) [1/s]."""
-
-    decay: Float[Array, ""]
-    ringing: Float[Array, ""]
-
-    @property
-    def fastest(self) -> Float[Array, ""]:
-        """About the size of the Jacobian's largest eigenvalue [1/s]."""
-        return jnp.maximum(self.decay, self.ringing)
 
 
 class HybridSystem(eqx.Module):
@@ -89,6 +74,6 @@ class HybridSystem(eqx.Module):
         """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
         raise NotImplementedError
 
-    def fastest_rates(self, time: Float[Array, ""], state: State, active: Active) -> Rates:
-        """Of decay and ringing, for the choice between solvers; cheap upper bounds."""
+    def fastest_decay(self, time: Float[Array, ""], state: State, active: Active) -> Float[Array, ""]:
+        """A cheap upper bound of the rate at which any motion is damped [1/s], for the choice between solvers."""
         raise NotImplementedError

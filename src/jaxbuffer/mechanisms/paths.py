@@ -1,7 +1,7 @@
 """Dotted paths into designs and scenarios: "buffer.k_A", as in TOML and on the command line."""
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 import equinox as eqx
@@ -64,6 +64,16 @@ def replace(module: T, values: Mapping[str, Any]) -> T:
     for path in values:
         check_path(module, path)
     return _replace(module, {tuple(path.split(".")): value for path, value in values.items()})
+
+
+def by_path(table: Mapping[str, Any], values: Collection[str] = (), prefix: str = "") -> dict[str, Any]:
+    """TOML's nested tables as dotted paths: to it an unquoted ``buffer.k_A = …`` is a table in a table. A table with a
+    key of ``values`` is itself a value."""
+    flat: dict[str, Any] = {}
+    for name, value in table.items():
+        nested = isinstance(value, Mapping) and not set(value) & set(values)
+        flat |= by_path(value, values, f"{prefix}{name}.") if nested else {prefix + name: value}
+    return flat
 
 
 def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:

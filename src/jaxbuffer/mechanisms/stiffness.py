@@ -14,7 +14,7 @@ from .._types import Scalar, stacked
 from ..contact import Approach
 from ..multibody import Kinematics
 from .assembly import SIDE, N
-from .hybrid import Linearisation, Rates
+from .hybrid import Linearisation
 
 if TYPE_CHECKING:
     from .capture import CaptureMechanism
@@ -43,18 +43,18 @@ def linearisation(
     )
 
 
-def fastest_rates(
+def fastest_decay(
     mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " flanks"]
-) -> Rates:
-    """Upper bounds of the rates of the stiff motions at a state [1/s].
+) -> Float[Array, ""]:
+    """An upper bound of the rates at which motions are damped at a state [1/s].
 
-    Damping over mass, or the root of stiffness over mass, added up over the six forces as if the joints did not hold:
-    they only make a body harder to move. Sums over single forces don't depend on units.
+    Damping over mass, added up over the six forces as if the joints did not hold: they only make a body harder to move.
+    Sums over single forces don't depend on units.
     """
     kin = mechanism.kinematics(state)
     buffer = mechanism.design.buffer
     approach = mechanism.rounded(mechanism.approach(kin, state))
-    per_depth, per_speed, per_slip = _contact_slopes(mechanism, approach, mechanism.memory(state), active)
+    _, per_speed, per_slip = _contact_slopes(mechanism, approach, mechanism.memory(state), active)
     inverse_mass = mechanism.system.inverse_masses
     if mechanism.spins:
         inverse_mass = jnp.append(inverse_mass, 1.0 / mechanism.probe.tip_inertia)
@@ -66,10 +66,8 @@ def fastest_rates(
         )
     )
     normal, tangential = touching[:2], touching[2:]
-    stiffness = jnp.sum(buffered * stacked([buffer.k_A, buffer.k_T])) + jnp.sum(normal * per_depth[0])
     damping = jnp.sum(buffered * stacked([buffer.c_A, buffer.c_T])) + jnp.sum(normal * per_speed[0])
-    damping = damping + jnp.sum(tangential * per_slip[1])
-    return Rates(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+    return damping + jnp.sum(tangential * per_slip[1])
 
 
 def _contact_slopes(

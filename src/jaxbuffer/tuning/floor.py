@@ -1,21 +1,17 @@
 """The floor of the peak contact force: the first impact, which no buffer softens.
 
-A Hertz impact of the effective mass that the joints leave at the tip, F = K^{2/5} (5 T/2)^{3/5} with
-T = ½ v²/(A M_c⁻¹ Aᵀ), is over before a spring or damper has moved: it sets the peak of a buffer gone soft. Friction
-and hysteresis lower it by some per cent; so the floor itself is the first impact *simulated* with the buffer taken
-away, and the closed form stands beside it and says what it is made of.
+The first impact is over before a spring or damper has moved: it sets the peak of a buffer gone soft. Friction and
+hysteresis lower its closed form (`first_impact`) by some per cent; so the floor itself is the first impact *simulated*
+with the buffer taken away, and the closed form stands beside it and says what it is made of.
 """
 
 import dataclasses
-from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
-from ..mechanisms.assembly import LOWER, N
+from ..first_impact import first_impact
+from ..mechanisms import get, replace
 from .evaluation import measure
 from .problem import Problem
 
@@ -23,33 +19,6 @@ GONE = 1e-6  # what is left of the buffer's springs and dampers
 BUFFER = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
-
-
-class FirstImpact(NamedTuple):
-    """``energy`` T_c⁻ [J], ``mass`` effective at the tip [kg], ``peak`` by the closed form [N], ``duration`` [s]."""
-
-    energy: Float[Array, ""]
-    mass: Float[Array, ""]
-    peak: Float[Array, ""]
-    duration: Float[Array, ""]
-
-
-def first_impact(design: Design, scenario: Scenario) -> FirstImpact:
-    """The frictionless elastic first impact in closed form; differentiable (Hertz; seed 002 for T_c⁻)."""
-    mechanism = CaptureMechanism(design, scenario)
-    state, _ = mechanism.start()
-    kin = mechanism.kinematics(state)
-
-    def speed(v: Array) -> Array:
-        moved = jnp.concatenate([state[:N], v, state[2 * N :]])
-        return mechanism.approach(mechanism.kinematics(moved), moved).approach_speed[LOWER]
-
-    approach, row = jax.value_and_grad(speed)(kin.v)
-    response = mechanism.system.response(kin, row[:, None])[:, 0]
-    mass = 1.0 / jnp.sum(row * response)
-    energy, stiffness = 0.5 * mass * approach**2, jnp.asarray(design.contact_stiffness)
-    depth = (2.5 * energy / stiffness) ** 0.4
-    return FirstImpact(energy, mass, stiffness**0.4 * (2.5 * energy) ** 0.6, 2.943275 * depth / approach)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,18 +44,15 @@ def floor(problem: Problem, places: Float[np.ndarray, " variables"]) -> Floor:
         return float(weights @ peaks), weights @ slopes
 
     found = minimize(objective, places, jac=True, bounds=[(0.0, 1.0)] * len(places), method="L-BFGS-B", tol=1e-6)
-    closed = [_closed_form(case.of(problem.built(places)), case.scenario) for case in problem.cases]
+    closed = [first_impact(case.of(problem.built(places)), case.scenario) for case in problem.cases]
     at = dict(zip(problem.paths, map(float, problem.values(found.x)), strict=True))
     return Floor(
         _without_buffer(problem, places)[0],
-        np.array([float(c.peak) for c in closed]),
-        np.array([float(c.energy) for c in closed]),
+        np.array([float(c.elastic_peak) for c in closed]),
+        np.array([float(c.effective_energy) for c in closed]),
         float(found.fun),
         {path: value for path, value in at.items() if path not in BUFFER},
     )
-
-
-_closed_form = jax.jit(first_impact)
 
 
 def _without_buffer(problem: Problem, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -96,7 +62,7 @@ def _without_buffer(problem: Problem, places: np.ndarray) -> tuple[np.ndarray, n
     for case in problem.cases:
         built = case.of(drawn)
         design = replace(built, {path: GONE * float(get(built, path)) for path in BUFFER})
-        duration = DURATIONS * float(_closed_form(built, case.scenario).duration)
+        duration = DURATIONS * float(first_impact(built, case.scenario).duration)
         found = measure(design, case.scenario, problem.paths, duration, SHARPER * problem.rtol)
         factors = dict(case.factors)
         scale = [
