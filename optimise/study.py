@@ -47,7 +47,7 @@ def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 
     import matplotlib
     from matplotlib.figure import Figure
 
-    from jaxbuffer.plot import STYLE
+    from jaxbuffer.plot_style import STYLE
 
     with matplotlib.rc_context(STYLE):
         drawn = Figure(figsize=(5.0 * columns, 3.6), layout="constrained")

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +22,13 @@ def main() -> int:
     folder = options.output.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     status = 0
-    if "tests" in options.only:
-        status |= int(run.tests(folder, options.quick) != 0)
-    if "breakages" in options.only:
-        print(f"{len(BREAKAGES)} breakages, {options.jobs} at a time", flush=True)
-        run.breakages(folder, options.jobs, _told)
+    with ThreadPoolExecutor(1) as beside:  # the tests collect evidence in one process, which leaves the other cores
+        tested = beside.submit(run.tests, folder, options.quick) if "tests" in options.only else None
+        if "breakages" in options.only:
+            jobs = max(1, options.jobs - (tested is not None))
+            print(f"{len(BREAKAGES)} breakages, {jobs} at a time", flush=True)
+            run.breakages(folder, jobs, _told)
+        status |= int(tested is not None and tested.result() != 0)
     if "paper" in options.only:
         command = [sys.executable, "-m", "jaxbuffer", "reproduce", "--output", str(folder / "paper"), "--force"]
         done = subprocess.run(command, cwd=run.ROOT, env=run.environment(), stdout=subprocess.DEVNULL, check=False)
@@ -50,7 +53,7 @@ def _parsed() -> argparse.Namespace:
         "--only", type=lambda text: text.split(","), default=list(PARTS), metavar="PART,…", help=", ".join(PARTS)
     )
     parser.add_argument("--quick", action="store_true", help="leave the slow tests out")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="breakages at a time; default: all cores")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time; default: all cores")
     parser.add_argument("--output", type=Path, default=Path("results/verify"), help="folder of what is measured")
     parser.add_argument("--page", type=Path, default=PAGE, help="default: docs/verification.md")
     options = parser.parse_args()

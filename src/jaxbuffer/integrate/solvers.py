@@ -84,9 +84,9 @@ class Automatic(Solver):
 
     explicit: ExplicitRungeKutta = ExplicitRungeKutta()
     implicit: LinearlyImplicit = LinearlyImplicit()
-    limit: float = 6.0
-    worth: float = 4.0
-    caution: float = 5.0
+    limit: float = 5.0
+    worth: float = 2.5
+    caution: float = 20.0
 
     def _longest(self, stiff: Stiff) -> Float[Array, ""]:
         """The longest explicit step [s]."""

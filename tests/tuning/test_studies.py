@@ -1,0 +1,40 @@
+"""The studies of ``optimise/`` state what they say they do, and write their table and figure."""
+
+import csv
+import importlib
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from optimise import tip
+from optimise.__main__ import STUDIES
+from optimise.study import config
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_study_reads(name):
+    study = config(name)
+    assert callable(importlib.import_module(f"optimise.{name}").main)
+    if name != "tip":  # it sweeps, and tunes nothing
+        problem = study.problem()
+        assert len(problem.cases) > 1 and len(problem.variables) == 5
+
+
+def test_the_tip_study_writes_a_row_a_capture(tmp_path, monkeypatch):
+    """Sweeps made up: 100 N and a newton for each gram; whole captures twice that."""
+
+    def made_up(design, scenario, duration, rtol):
+        force = (100.0 + 1e3 * np.asarray(design.probe.tip_mass)) * (1.0 if duration == tip.FIRST else 2.0)
+        return SimpleNamespace(peak_force=force, code=np.zeros(len(force)))
+
+    monkeypatch.setattr(tip, "sweep", made_up)
+    monkeypatch.setattr(tip, "MASSES", np.array([0.05, 0.15]))
+    tip.main(tmp_path)
+    assert (tmp_path / "tip.png").read_bytes().startswith(b"\x89PNG")
+    with (tmp_path / "tip.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2 * 2 * len(config("tip").scenarios)
+    for row in rows:
+        first = 100.0 + 1e3 * float(row["tip_mass [kg]"])
+        assert float(row["first_peak [N]"]) == first and float(row["peak_force [N]"]) == 2 * first
+        assert float(row["closed_form [N]"]) > 100.0
