@@ -154,10 +154,10 @@ def _wrong_inertia() -> None:
 def _exponent() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.contact import ContactLaw
+    from jaxbuffer.contact.laws import HystereticLaw
 
-    elastic = ContactLaw.elastic
-    ContactLaw.elastic = lambda self, depth: elastic(self, depth) * jnp.maximum(depth, 1e-12) ** -0.01
+    elastic = HystereticLaw.elastic
+    HystereticLaw.elastic = lambda self, depth: elastic(self, depth) * jnp.maximum(depth, 1e-12) ** -0.01
 
 
 def _one_sided_spring() -> None:
@@ -214,16 +214,16 @@ def _inertial_damper() -> None:
 
 
 def _tableau() -> None:
-    from jaxbuffer.integrate import solvers
+    from jaxbuffer.integrate import methods
 
-    square = solvers._square
+    square = methods._square
 
     def broken(tableau):
         a = square(tableau)
         a[2, 1] *= 1.001
         return a
 
-    solvers._square = broken
+    methods._square = broken
 
 
 BREAKAGES = (
