@@ -191,6 +191,23 @@ def _mirror() -> None:
     assembly.assemble_contact = capture.assemble_contact = broken
 
 
+def _crooked() -> None:
+    import dataclasses
+
+    import numpy as np
+
+    from jaxbuffer.mechanisms import capture
+
+    assemble = capture.assemble_contact
+
+    def broken(design):
+        pair = assemble(design)
+        moved = pair.segments.start_y * np.array([1.0, 1.002])
+        return dataclasses.replace(pair, segments=dataclasses.replace(pair.segments, start_y=moved))
+
+    capture.assemble_contact = broken
+
+
 def _stiffness() -> None:
     from jaxbuffer.mechanisms import Design
 
@@ -268,7 +285,8 @@ BREAKAGES = (
     Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, FIRST)),
     Breakage("one-sided spring", "the buffer pulls one end only", _one_sided_spring, (ELEMENTS, MOMENTUM)),
     Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY,)),
-    Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY, MIRRORED)),
+    Breakage("upper flank's tangent", "the upper flank's tangent turned the wrong way", _mirror, (SYMMETRY,)),
+    Breakage("crooked cone", "the upper flank 0.2 % off its place", _crooked, (SYMMETRY, MIRRORED)),
     Breakage("dimension", "contact stiffness with R for √R, right for Table 2's tip", _stiffness, (UNITS,)),
     Breakage(
         "inertial damper",
