@@ -36,8 +36,8 @@ def test_every_impact_has_its_peak(free):
 
 @each_tip
 def test_no_step_exceeds_a_reported_maximum(free):
-    """Measured: 3e-10. A free tip that sticks makes its friction, and so the hinge force, noisy at the default tolerance,
-    where a maximum of noise alone is given up: there a step exceeded the reported maximum by 2.6e-5 (one of 30)."""
+    """Measured: 3e-10. A free tip that sticks makes its friction, and so the hinge force, noisy at the default
+    tolerance, where a maximum of noise alone is given up: a step exceeded the reported one by 2.6e-5 (one of 30)."""
     exceeded = []
     for seed in range(30):
         capture = simulate(*random_case(seed, free), history=True)
