@@ -6,7 +6,7 @@ import pytest
 from jaxbuffer import Scenario, replace, simulate, table2
 from verification.designs import random_case
 
-CAPTURES = {"table 2": (table2(), Scenario())} | {f"random {seed}": random_case(seed) for seed in (0, 2, 4, 5, 8)}
+CAPTURES = {"table 2": (table2(), Scenario())} | {f"random {seed}": random_case(seed) for seed in range(1, 6)}
 FREE = (replace(table2(), {"probe.free_tip": True}), Scenario())
 TOPIC, SOURCE = "Conservation over whole captures", "the start of the same capture"
 each_capture = pytest.mark.parametrize("name", CAPTURES)
