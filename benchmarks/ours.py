@@ -16,7 +16,7 @@ jb.configure()
 
 import jax  # noqa: E402
 
-from jaxbuffer.integrate import ExplicitRungeKutta, LinearlyImplicit, Solver  # noqa: E402
+from jaxbuffer.integrate import ExplicitRungeKutta, DiagonallyImplicit, Solver  # noqa: E402
 from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
 from jaxbuffer.sweep import CHUNK as CHUNK  # noqa: E402 # captures of one compiled program
 
@@ -26,7 +26,7 @@ from .accuracy import Numbers, Result, Setting, errors, measured  # noqa: E402
 NAME = "jaxbuffer"
 SOLVERS: Mapping[str, Solver | None] = {
     "default": None,
-    "implicit": LinearlyImplicit(),
+    "implicit": DiagonallyImplicit(),
     "explicit": ExplicitRungeKutta(),
 }
 

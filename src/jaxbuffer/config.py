@@ -12,7 +12,7 @@ import tomli_w
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
 from .grid import SPAN, grid
-from .integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Solver
+from .integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit, Solver
 from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
 from .mechanisms.paths import by_path
@@ -25,7 +25,7 @@ T = TypeVar("T", bound=eqx.Module)
 SECTIONS = tuple(field.name for field in dataclasses.fields(Design))
 SOLVERS: Mapping[str, type[Solver]] = {
     "automatic": Automatic,
-    "implicit": LinearlyImplicit,
+    "implicit": DiagonallyImplicit,
     "explicit": ExplicitRungeKutta,
 }
 

@@ -4,7 +4,8 @@ import jax
 import jax.numpy as jnp
 
 import jaxbuffer as jb
-from jaxbuffer.integrate.solvers import Stiff, Stride
+from jaxbuffer.integrate import Tolerance
+from jaxbuffer.integrate.stride import Stride
 from jaxbuffer.mechanisms import CaptureMechanism
 
 # Weaker dampers than Table 2's, whose 0.8 ms would hide the order of explicit steps in rounding.
@@ -34,16 +35,9 @@ def single(solver, mechanism, active, columns, rate, stride):
     def field(time, columns):
         return mechanism.derivative(time, columns[:, 0], active)[:, None]
 
-    stiff = Stiff(
-        lambda: mechanism.linearisation(jnp.zeros(()), columns[:, 0], active),
-        lambda: mechanism.fastest_decay(jnp.zeros(()), columns[:, 0], active),
-    )
-    return solver.step(field, stiff, jnp.zeros(()), columns, rate, stride)
-
-
-def even(step):
-    """A stride in which time passes evenly."""
-    return Stride(step, jnp.zeros(()))
+    stiff = mechanism.linearisation(jnp.zeros(()), columns[:, 0], active)
+    allowance = Tolerance(1e-13, 1e-13).allowance(columns.T, mechanism.scales()).T
+    return solver.step(field, stiff, jnp.zeros(()), columns, rate, stride, allowance)
 
 
 def stepper(solver, phase, rooted=False):
@@ -56,7 +50,7 @@ def stepper(solver, phase, rooted=False):
 
         def body(i, carry):
             begin, end = duration * (i / steps) ** 2, duration * ((i + 1) / steps) ** 2
-            stride = Stride.after(begin, end - begin) if rooted else even(duration / steps)
+            stride = Stride.after(begin, end - begin) if rooted else Stride.even(duration / steps)
             out = single(solver, mechanism, active, *carry, stride)
             return out.end, out.rate
 
@@ -73,7 +67,7 @@ def one_step(solver, phase):
     @jax.jit
     def take(state, step):
         rate = mechanism.derivative(jnp.zeros(()), state, active)[:, None]
-        out = single(solver, mechanism, active, state[:, None], rate, even(step))
+        out = single(solver, mechanism, active, state[:, None], rate, Stride.even(step))
         return out.end[:, 0], out.error[:, 0]
 
     return lambda state, step: take(state, jnp.asarray(step, float))

@@ -6,7 +6,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.capture import _simulate
-from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit, Options
+from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit, Options
 
 
 def compiled(solver):
@@ -15,7 +15,7 @@ def compiled(solver):
     return _simulate.jitted.lower(numbers, jnp.asarray(8.0), options).compile().as_text()
 
 
-@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), LinearlyImplicit()])
+@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
 def test_no_library_calls(solver):
     program = compiled(solver)
     assert " while(" in program

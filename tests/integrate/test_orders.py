@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 
 from integrate.phases import impact, one_step, stepper, swing
-from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, LinearlyImplicit
+from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit
 
 TOPIC = "Orders of convergence"
 REFERENCE = ExplicitRungeKutta(diffrax.Dopri8())
 SOLVERS = {
     "Tsit5": (ExplicitRungeKutta(diffrax.Tsit5()), 5, (96, 192)),
     "DOP853": (ExplicitRungeKutta(), 8, (8, 16)),
-    "KenCarp3": (LinearlyImplicit(diffrax.KenCarp3()), 3, (96, 192)),
-    "KenCarp4": (LinearlyImplicit(diffrax.KenCarp4()), 4, (32, 96)),
-    "KenCarp5": (LinearlyImplicit(), 5, (48, 128)),
+    "KenCarp3": (DiagonallyImplicit(diffrax.KenCarp3()), 3, (96, 192)),
+    "KenCarp4": (DiagonallyImplicit(diffrax.KenCarp4()), 4, (32, 96)),
+    "KenCarp5": (DiagonallyImplicit(), 5, (48, 128)),
     "Automatic": (Automatic(), 8, (8, 16)),
 }
 SWING, CLOSING = 0.02, 1.2e-4  # s; the second ends before the first impact's peak

@@ -11,7 +11,7 @@ from functools import cache
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.integrate import Automatic, LinearlyImplicit
+from jaxbuffer.integrate import Automatic, DiagonallyImplicit
 
 TOPIC, EXACT = "Regularisation and stabilisation", "reference capture of the exact model"
 PEAK, END = 253.13152694328107, 0.7193424826485937
@@ -22,7 +22,7 @@ TIGHT = 1e-11
 def deviation(memory_time=2e-4, onset_length=1e-8, rtol=TIGHT, implicit=False):
     """Relative deviation of peak force and end time from the reference of the exact model."""
     given = {"contact.memory": "smooth", "contact.memory_time": memory_time, "contact.onset_length": onset_length}
-    solver = LinearlyImplicit() if implicit else Automatic()
+    solver = DiagonallyImplicit() if implicit else Automatic()
     capture = jb.simulate(jb.replace(jb.table2(), given), rtol=rtol, solver=solver)
     return float(capture.peak_force) / PEAK - 1, float(capture.end_time) / END - 1
 

@@ -12,6 +12,6 @@ from .run import Status as Status
 from .run import run as run
 from .solve import solve as solve
 from .solvers import Automatic as Automatic
+from .solvers import DiagonallyImplicit as DiagonallyImplicit
 from .solvers import ExplicitRungeKutta as ExplicitRungeKutta
-from .solvers import LinearlyImplicit as LinearlyImplicit
 from .solvers import Solver as Solver

@@ -1,8 +1,10 @@
 """Error norm and step size."""
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from .lanes import Rows
 
@@ -19,19 +21,36 @@ class Tolerance(eqx.Module):
 
     def norm(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, ""]:
         """Largest over rows of the root mean square of error over allowance; 1 is just allowed."""
-        size = jnp.maximum(jnp.abs(rows), jnp.abs(end))
-        ratio = error / (self.atol * scales[None] + self.rtol * size)
+        ratio = error / self.allowance(jnp.maximum(jnp.abs(rows), jnp.abs(end)), scales)
         return jnp.sqrt(jnp.max(jnp.mean(ratio * ratio, axis=-1)))
+
+    def allowance(self, rows: Rows, scales: Float[Array, " state"]) -> Rows:
+        """The error allowed in each number of rows."""
+        return self.atol * scales[None] + self.rtol * jnp.abs(rows)
+
+
+class Pace(NamedTuple):
+    """How far a step of each method may go [s], and the norm of its last step that stood."""
+
+    steps: Float[Array, " methods"]
+    norms: Float[Array, " methods"]
+
+    @staticmethod
+    def of(step: Float[Array, ""], methods: int) -> "Pace":
+        """The same step for every method."""
+        return Pace(jnp.full(methods, step), jnp.ones(methods))
 
 
 class Controller(eqx.Module):
-    """Proportional-integral step size control (Söderlind 2003; Hairer & Wanner II, IV.8)."""
+    """Proportional-integral step size control (Söderlind 2003; Hairer & Wanner II, IV.8) of several methods at once."""
 
     safety: float = 0.9
     shrink: float = 0.2
     grow: float = 8.0
     proportional: float = 0.3
     integral: float = 0.4
+    recovery: float = 1.2  # of a resting method's step, at each step that stood
+    least: float = 0.5  # of the step that stood: what a resting method is trusted with
 
     def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: Float[Array, ""]) -> Float[Array, ""]:
         """Ratio of the next step to this one. After a rejection (norm > 1) only the present error counts."""
@@ -39,3 +58,22 @@ class Controller(eqx.Module):
         steady = norm ** (-(self.integral + self.proportional) / order) * previous ** (self.proportional / order)
         factor = self.safety * jnp.where(norm > 1.0, norm ** (-1.0 / order), steady)
         return jnp.clip(factor, self.shrink, self.grow)
+
+    def paced(
+        self,
+        pace: Pace,
+        which: Int[Array, ""],
+        step: Float[Array, ""],
+        norm: Float[Array, ""],
+        order: Float[Array, ""],
+        accepted: Bool[Array, ""],
+    ) -> Pace:
+        """After a step of one method with this norm of its error; NaN and infinity for none."""
+        steps, norms = pace
+        finite = jnp.isfinite(norm)
+        resized = step * jnp.where(finite, self.factor(norm, norms[which], order), 0.1)
+        resting = jnp.where(accepted, jnp.maximum(self.recovery * steps, self.least * step), steps)
+        mine = jnp.arange(steps.shape[0]) == which
+        return Pace(
+            jnp.where(mine, resized, resting), jnp.where(mine & accepted, jnp.maximum(norm, 1e-4), norms)
+        )

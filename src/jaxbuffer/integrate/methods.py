@@ -13,15 +13,13 @@ class Method(NamedTuple):
     """A method of n stages, the last one at the step's end: its slope is the derivative there, which the event search
     and the next step need anyway.
 
-    ``explicit``, ``implicit``: weights of the earlier stages, for the two halves of an implicit-explicit method; an
-    explicit one has no second half and ``gamma``, that half's diagonal, zero. ``nodes``: times as fractions of the
-    step. ``errors``: weights of the estimate of the local error and of a coarser one that steadies it (Hairer's DOP853;
+    ``weights`` of the earlier stages, and ``gamma`` of a stage itself (all but the first and the last; zero in an
+    explicit method). ``nodes``: times as fractions of the step. ``errors``: weights of the estimate of the local error and of a coarser one that steadies it (Hairer's DOP853;
     zeros for none). ``order`` of the estimate; ``stages`` in use, where zeros follow; ``first`` row of the weights,
     where those of several methods stand below each other.
     """
 
-    explicit: Float[np.ndarray, "rows n"]
-    implicit: Float[np.ndarray, "rows n"]
+    weights: Float[np.ndarray, "rows n"]
     nodes: Float[np.ndarray, " n"] | Float[Array, " n"]
     errors: Float[np.ndarray, "2 n"] | Float[Array, "2 n"]
     gamma: float | Float[Array, ""]
@@ -39,18 +37,19 @@ def explicit(method: diffrax.AbstractERK) -> Method:
     if not np.allclose(weights[-1], last):  # the end is one more stage
         weights, errors = _with_end(weights, last), np.pad(errors, ((0, 0), (0, 1)))
     order = float(method.order(None))  # type: ignore[arg-type]
-    return Method(weights, np.zeros_like(weights), weights.sum(axis=1), errors, 0.0, order, len(weights))
+    return Method(weights, weights.sum(axis=1), errors, 0.0, order, len(weights))
 
 
-def linearly_implicit(method: diffrax.AbstractSolver) -> Method:
-    """An implicit-explicit method of diffrax, such as ``diffrax.KenCarp5()``."""
-    explicit, implicit = method.tableau.tableaus  # type: ignore[attr-defined]
-    last, second = np.asarray(implicit.b_sol), _square(implicit)
-    nodes, gamma = np.append(second.sum(axis=1), 1.0), float(second[1, 1])
-    first_half, second_half = (_with_end(weights, last) for weights in (_square(explicit), np.tril(second, -1)))
-    error = np.append(implicit.b_error, 0.0)
+def diagonally_implicit(method: diffrax.AbstractSolver) -> Method:
+    """A singly diagonally implicit method of diffrax with an explicit first stage, such as ``diffrax.Kvaerno5()``; of
+    an implicit-explicit one, such as ``diffrax.KenCarp5()``, the implicit half."""
+    tableau = method.tableau  # type: ignore[attr-defined]
+    tableau = getattr(tableau, "tableaus", [tableau])[-1]
+    square = _square(tableau)
+    nodes, gamma = np.append(square.sum(axis=1), 1.0), float(square[1, 1])
+    weights, error = _with_end(np.tril(square, -1), np.asarray(tableau.b_sol)), np.append(tableau.b_error, 0.0)
     order = float(method.order(None))  # type: ignore[arg-type]
-    return Method(first_half, second_half, nodes, np.stack([error, 0.0 * error]), gamma, order, len(nodes))
+    return Method(weights, nodes, np.stack([error, 0.0 * error]), gamma, order, len(nodes))
 
 
 def one_of(methods: Sequence[Method], which: Int[Array, ""]) -> Method:
@@ -65,11 +64,11 @@ def one_of(methods: Sequence[Method], which: Int[Array, ""]) -> Method:
     def chosen(values: Sequence[Any]) -> Array:
         return jnp.asarray(np.stack([filled(v) if np.ndim(v) else v for v in values]))[which]
 
-    explicit, implicit, nodes, errors, gamma, order, stages, _ = zip(*methods, strict=True)
+    weights, nodes, errors, gamma, order, stages, _ = zip(*methods, strict=True)
     # Picking the weights row by row, when they are wanted, costs less than picking all of them.
-    below = (np.concatenate([filled(weights) for weights in half]) for half in (explicit, implicit))
+    below = np.concatenate([filled(values) for values in weights])
     others = (chosen(values) for values in (nodes, errors, gamma, order, stages))
-    return Method(*below, *others, longest * which)  # type: ignore[call-arg, arg-type]
+    return Method(below, *others, longest * which)  # type: ignore[call-arg, arg-type]
 
 
 def _square(tableau: diffrax.ButcherTableau) -> np.ndarray:

@@ -15,17 +15,18 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
-from ..mechanisms.hybrid import HybridSystem
-from .controller import Controller, Tolerance
+from ..mechanisms.hybrid import HybridSystem, Linearisation
+from .controller import Controller, Pace, Tolerance
 from .events import Guards, first_crossing, observe, signed
 from .landing import MAX_TRIES, MOST_TRIES, Landing, judge
 from .lanes import Lanes, Rows, columns
 from .log import Kind, Log, Steps
-from .solvers import Automatic, Solver, Stiff
+from .solvers import Automatic, Solver
 from .stages import Field, Step
 from .stride import Stride
 
 P = TypeVar("P")
+OVERSHOT = 1e3  # times the allowed error: a step beyond an event may miss by that and still say where the event is
 
 
 class Status(enum.IntEnum):
@@ -74,8 +75,8 @@ class _Progress(NamedTuple):
     guards: Guards
     best: Float[Array, " observables"]
     touched: Float[Array, ""]
-    step: Float[Array, ""]
-    previous_norm: Float[Array, ""]
+    pace: Pace
+    before_contact: Pace
     landing: Landing
     renew: Bool[Array, ""]
     status: Int[Array, ""]
@@ -100,28 +101,29 @@ def run(
     begin = _begin(system, start, active, duration, options)
     contacts, observables = active.shape[0], begin.best.shape[0]
     rated = contacts + begin.guards.terminal.shape[0]
-    of_rate = jnp.asarray(system.rate_observables(), bool)
+    of_rate, count = jnp.asarray(system.rate_observables(), bool), len(options.solver.methods)
     each_contact, each_observable = jnp.arange(contacts), jnp.arange(observables)
 
     def body(c: _Progress) -> _Progress:
         landing, first = c.landing.under_way, c.renew
-        stiff = Stiff(
-            lambda: system.linearisation(c.time, c.rows[0], c.active),
-            lambda: system.fastest_decay(c.time, c.rows[0], c.active),
-        )
-        step = options.solver.allowed(stiff, jnp.minimum(c.step, duration - c.time))
-        step = jnp.where(first, 0.0, jnp.where(landing, c.landing.aim, step))
+        stiff = system.linearisation(c.time, c.rows[0], c.active)
+        which, step = options.solver.choose(stiff, c.pace.steps)
+        which = jnp.where(landing, options.solver.suited(stiff, c.landing.aim), which)
+        step = jnp.where(landing, c.landing.aim, jnp.minimum(step, duration - c.time))
+        step = jnp.where(first, 0.0, step)
         releasing = landing & jnp.any((each_contact == c.landing.target) & (c.active > 0.5))
         stride = _where(releasing, Stride.onto(step), Stride.after(jnp.maximum(c.time - c.touched, 0.0), step))
+        stride = _where(options.solver.is_implicit(which), Stride.even(step), stride)
 
         def take(lanes: Lanes[P], rows: Rows, rate: Rows) -> Step:
             field = lambda time, at: lanes.field(lambda p, y: build(p).derivative(time, y, c.active))(at)  # noqa: E731
-            return _step(options.solver, field, stiff, c.time, rows, rate, stride)
+            allowance = options.tolerance.allowance(rows, scales)
+            return _step(options.solver, which, field, stiff, c.time, rows, rate, stride, allowance)
 
         trial = take(Lanes(lanes.primal), c.rows[:1], c.rate[:1])
         norm = options.tolerance.norm(trial.error, c.rows[:1], trial.end, scales)
         finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
-        fits = landing | (norm <= 1.0)
+        fits = norm <= 1.0
         after = observe(system, c.time + step, trial.end[0], trial.rate[0], c.active, c.best)
 
         # A step that holds an event is taken again, shortened until it ends on the event.
@@ -131,15 +133,17 @@ def run(
         verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time)
         # On arrival another event may turn out to lie a little before: then land on that one first.
         arrives = landing & verdict.settled & (c.landing.tries < MOST_TRIES)
-        starts = (~landing & ~first | arrives) & fits & finite & (crossing.which >= 0)
-        accept = jnp.where(landing, verdict.settled, fits) & ~starts & finite
+        # The error of a step that overshoots an event is mostly what is not smooth there.
+        near = norm <= jnp.where(options.solver.is_implicit(which), 1.0, OVERSHOT)
+        starts = (~landing & ~first & near | arrives) & finite & (crossing.which >= 0)
+        accept = fits & (~landing | verdict.settled) & ~starts & finite
+        dropped = landing & ~starts & (verdict.settled & ~fits | ~finite)
         tries = jnp.where(landing, c.landing.tries + 1, 0)
         going = _where(landing & ~verdict.settled, verdict.next, Landing.none())
         next_landing = _where(starts, Landing.begin(crossing, signed(c.guards, c.active)[0], guard, tries), going)
 
         # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
         # refuse it.
-        dropped = jnp.asarray(False)
         if lanes.count:
             trial = lax.cond(
                 accept,
@@ -147,9 +151,9 @@ def run(
                 lambda: Step(c.rows, c.rate, jnp.zeros_like(c.rows), trial.order),
             )
             norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.rows, trial.end, scales))
-            finite, dropped = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
-            accept, fits = accept & ~dropped, fits & ~dropped
-            next_landing = _where(dropped, Landing.none(), next_landing)
+            finite, refused = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
+            accept, dropped = accept & ~refused, dropped | refused
+        next_landing = _where(dropped, Landing.none(), next_landing)
 
         # What the event is, and what it does.
         target = jnp.where(landing & verdict.happened & accept, c.landing.target, -1)
@@ -192,13 +196,19 @@ def run(
         fresh = closing & (each_observable == target)
         best = jnp.where(fresh, 0.0, jnp.maximum(c.best, after.value))
 
-        factor = options.controller.factor(norm, c.previous_norm, trial.order)
-        resized = jnp.where(finite, step * factor, 0.1 * step)
-        resized = jnp.where((landing | starts | first) & ~dropped, c.step, resized)
-        resized = jnp.where(closing & accept, system.impact_step(rows[0]), resized)
+        # Out of contact again, steps go on as they went before.
+        told = jnp.where(finite, norm, jnp.inf)
+        pace = options.controller.paced(c.pace, which, step, told, trial.order, accept)
+        pace = _where((landing | starts | first) & ~dropped, c.pace, pace)
+        # What is refused on the way to an event may have been found by a longer step of another method.
+        shorter = jnp.minimum(pace.steps, pace.steps[which])
+        pace = pace._replace(steps=jnp.where(landing & dropped, shorter, pace.steps))
+        opening, closing = is_contact & accept & ~closing, closing & accept
+        pace = _where(closing, Pace.of(system.impact_step(rows[0]), count), pace)
+        pace = _where(opening, c.before_contact, pace)
 
         attempts = c.attempts + 1
-        stuck = ~accept & (~landing | dropped) & ~starts & (first | (resized < 1e-14))
+        stuck = ~accept & (~landing | dropped) & ~starts & (first | (jnp.min(pace.steps) < 1e-14))
         status = jnp.where(
             accept & is_terminal, target - contacts, jnp.where(timed_out, Status.TIMEOUT, Status.RUNNING)
         )
@@ -206,7 +216,7 @@ def run(
             (attempts >= options.max_steps, Status.TOO_MANY_STEPS),
             (log.count >= options.max_events, Status.LOG_FULL),
             (stuck & finite, Status.STEP_TOO_SMALL),
-            ((stuck | landing) & ~finite, Status.NOT_FINITE),
+            (stuck & ~finite, Status.NOT_FINITE),
         ):
             status = jnp.where((status == Status.RUNNING) & failed, code, status)
 
@@ -217,11 +227,11 @@ def run(
             active=jnp.where(accept, active, c.active),
             guards=_where(accept, after._replace(slope=slope), c.guards),
             best=jnp.where(accept, best, c.best),
-            touched=jnp.where(accept & closing, time + offset, c.touched),
-            step=resized,
-            previous_norm=jnp.where(accept & ~landing & ~first, jnp.maximum(norm, 1e-4), c.previous_norm),
+            touched=jnp.where(closing, time + offset, c.touched),
+            pace=pace,
+            before_contact=_where(closing, c.pace, c.before_contact),
             landing=next_landing,
-            renew=closing & accept & system.jumps,
+            renew=closing & system.jumps,
             status=status,
             attempts=attempts,
             log=log,
@@ -251,6 +261,7 @@ def _begin(
     guards = Guards(none, none, terminal, terminal, value, value)
     log = Log.empty(options.max_events, start, contacts, value.shape[0])
     first = _after_touchdown(system, zero, start[0], active) if system.jumps else value
+    pace = Pace.of(jnp.minimum(system.impact_step(start[0]), duration), len(options.solver.methods))
     for contact in range(contacts):
         log = log.append(
             active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, first, one, active, start
@@ -263,8 +274,8 @@ def _begin(
         guards=guards,
         best=guards.value,
         touched=zero,
-        step=jnp.minimum(system.impact_step(start[0]), duration),
-        previous_norm=one,
+        pace=pace,
+        before_contact=pace,
         landing=Landing.none(),
         renew=jnp.asarray(True),
         status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
@@ -274,10 +285,21 @@ def _begin(
     )
 
 
-def _step(solver: Solver, field: Field, stiff: Stiff, time: Array, rows: Rows, rate: Rows, stride: Stride) -> Step:
+def _step(
+    solver: Solver,
+    which: Int[Array, ""],
+    field: Field,
+    stiff: Linearisation,
+    time: Array,
+    rows: Rows,
+    rate: Rows,
+    stride: Stride,
+    allowance: Rows,
+) -> Step:
     """A step of rows within a mode."""
-
-    step = solver.step(field, stiff, time, columns(rows), columns(rate), stride)
+    # lanes that only fill up a vector register are zeros: any allowance does
+    allowed = jnp.maximum(columns(allowance), 1e-300)
+    step = solver.step(which, field, stiff, time, columns(rows), columns(rate), stride, allowed)
     back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
     return Step(back(step.end), back(step.rate), back(step.error), step.order)
 

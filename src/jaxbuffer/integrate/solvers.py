@@ -1,12 +1,9 @@
-"""What takes a step: an explicit method, a linearly implicit one, or whichever suits."""
-
-from collections.abc import Callable
-from typing import NamedTuple
+"""What takes a step: an explicit method, an implicit one, or whichever gets further for its cost."""
 
 import diffrax
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanisms.hybrid import Linearisation
 from . import methods, stages
@@ -16,25 +13,43 @@ from .stages import Field, Step
 from .stride import Stride
 
 
-class Stiff(NamedTuple):
-    """What a solver may ask about stiffness at a step's start: see `HybridSystem`."""
-
-    linearisation: Callable[[], Linearisation]
-    decay: Callable[[], Float[Array, ""]]
-
-
 class Solver(eqx.Module):
-    """Base of the steppers."""
+    """Base of the steppers. A stepper has one or several methods, each with its own idea of how far a step may go."""
 
-    def allowed(self, stiff: Stiff, step: Float[Array, ""]) -> Float[Array, ""]:
-        """The length [s] to try where accuracy would allow ``step``."""
-        return step
+    @property
+    def methods(self) -> tuple[methods.Method, ...]:
+        """The methods to choose from."""
+        raise NotImplementedError
+
+    def choose(
+        self, stiff: Linearisation, steps: Float[Array, " methods"]
+    ) -> tuple[Int[Array, ""], Float[Array, ""]]:
+        """Which method goes next and how far [s], where accuracy would allow ``steps``."""
+        return jnp.asarray(0), steps[0]
+
+    def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
+        """Whether a method is implicit; its steps are long, and take the same share of each for each stage."""
+        return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
+
+    def suited(self, stiff: Linearisation, step: Float[Array, ""]) -> Int[Array, ""]:
+        """Which method takes a step of a given length [s]."""
+        return jnp.asarray(0)
 
     def step(
-        self, field: Field, stiff: Stiff, time: Float[Array, ""], columns: Columns, rate: Columns, stride: Stride
+        self,
+        which: Int[Array, ""],
+        field: Field,
+        stiff: Linearisation,
+        time: Float[Array, ""],
+        columns: Columns,
+        rate: Columns,
+        stride: Stride,
+        allowance: Columns,
     ) -> Step:
-        """Advance columns from ``time`` by a stride; ``rate`` is the field there."""
-        raise NotImplementedError
+        """Advance columns from ``time`` by a stride; ``rate`` is the field there, ``allowance`` the error allowed."""
+        method = self.methods[0] if len(self.methods) == 1 else methods.one_of(self.methods, which)
+        explicit = not any(method.gamma for method in self.methods)
+        return stages.take(method, field, None if explicit else stiff, time, columns, rate, stride, allowance)
 
 
 class ExplicitRungeKutta(Solver):
@@ -46,59 +61,54 @@ class ExplicitRungeKutta(Solver):
     method: diffrax.AbstractERK = eqx.field(static=True, default_factory=DOP853)
 
     @property
-    def order(self) -> int:
-        return int(self.method.order(None))  # type: ignore[arg-type]
-
-    def step(self, field, stiff, time, columns, rate, stride):
-        return stages.take(methods.explicit(self.method), field, None, time, columns, rate, stride)
+    def methods(self):
+        return (methods.explicit(self.method),)
 
 
-class LinearlyImplicit(Solver):
-    """An implicit-explicit method of diffrax turned into a W-method: one matrix a step, no iteration.
+class DiagonallyImplicit(Solver):
+    """A singly diagonally implicit method of diffrax, its stages solved by Newton's method with a small matrix.
 
-    **Arguments:** ``method``: ``diffrax.KenCarp3()``, ``KenCarp4()`` or ``KenCarp5()``.
+    **Arguments:** ``method``: ``diffrax.KenCarp3()``, ``KenCarp4()``, ``KenCarp5()``, ``Kvaerno4()``, ``Kvaerno5()``…
     """
 
     method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.KenCarp5)
 
     @property
-    def order(self) -> int:
-        return int(self.method.order(None))  # type: ignore[arg-type]
-
-    def step(self, field, stiff, time, columns, rate, stride):
-        method = methods.linearly_implicit(self.method)
-        return stages.take(method, field, stiff.linearisation, time, columns, rate, stride)
+    def methods(self):
+        return (methods.diagonally_implicit(self.method),)
 
 
 class Automatic(Solver):
-    """Explicit where steps are short against the fastest decay, linearly implicit where they want to be far longer.
+    """Explicit steps or implicit ones, whichever get further for their cost.
 
-    Ringing must be followed anyway, which the explicit method does more exactly. An implicit step's estimate of its
-    error is about the error itself, the explicit one's far above it: so that errors add up alike, the implicit step is
-    held to less.
+    Both controllers go on: the one whose method rests lets its step grow slowly, so that it has its turn again.
 
-    **Arguments:** ``explicit``, ``implicit``: the two solvers; ``limit``: the largest product of step and rate of decay
-    that is stepped explicitly; ``worth``: how many such steps an implicit one must replace to be preferred;
-    ``caution``: how many times below the tolerance its error must be.
+    **Arguments:** ``explicit``, ``implicit``: the two solvers; ``limit``: the largest product of an explicit step and
+    the fastest rate of the stiff forces, which stability sets; ``worth``: how many explicit steps an implicit one must
+    replace to be preferred.
     """
 
     explicit: ExplicitRungeKutta = ExplicitRungeKutta()
-    implicit: LinearlyImplicit = LinearlyImplicit()
+    implicit: DiagonallyImplicit = DiagonallyImplicit()
     limit: float = 5.0
-    worth: float = 2.5
-    caution: float = 20.0
+    worth: float = 2.0
 
-    def _longest(self, stiff: Stiff) -> Float[Array, ""]:
+    @property
+    def methods(self):
+        return (*self.explicit.methods, *self.implicit.methods)
+
+    def _longest(self, stiff: Linearisation) -> Float[Array, ""]:
         """The longest explicit step [s]."""
-        return self.limit / jnp.maximum(stiff.decay(), 1e-150)
+        return self.limit / jnp.maximum(stiff.fastest(), 1e-150)
 
-    def allowed(self, stiff, step):
-        longest = self._longest(stiff)
-        return jnp.where(step > self.worth * longest, step, jnp.minimum(step, longest))
+    def choose(self, stiff, steps):
+        explicit = jnp.minimum(steps[0], self._longest(stiff))
+        which = (steps[1] > self.worth * explicit).astype(int)
+        return which, jnp.where(which == 1, steps[1], explicit)
 
-    def step(self, field, stiff, time, columns, rate, stride):
-        beyond = stride.length > self._longest(stiff) * (1.0 + 1e-9)
-        both = methods.explicit(self.explicit.method), methods.linearly_implicit(self.implicit.method)
-        method = methods.one_of(both, beyond.astype(int))
-        step = stages.take(method, field, stiff.linearisation, time, columns, rate, stride)
-        return step._replace(error=step.error * jnp.where(beyond, self.caution, 1.0))
+    def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
+        """Whether a method is implicit; its steps are long, and take the same share of each for each stage."""
+        return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
+
+    def suited(self, stiff, step):
+        return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)

@@ -19,6 +19,8 @@ from .stride import Stride
 Field = Callable[[Float[Array, ""], Columns], Columns]
 T = TypeVar("T")
 put = lax.dynamic_update_index_in_dim
+SOLVED = 0.2  # of the allowed error: the last change of a stage's iteration that is small enough
+MOST_TRIES = 6  # to improve a stage; then the step is refused
 
 
 class Step(NamedTuple):
@@ -31,54 +33,83 @@ class Step(NamedTuple):
     order: Float[Array, ""]
 
 
+class _Stages(NamedTuple):
+    """Stages on their way: which one is being solved for, how often it was improved, what the earlier ones add up to
+    and the state there; all slopes so far times the pace, the last state and slope, the error of a stage given up."""
+
+    i: Int[Array, ""]
+    tries: Int[Array, ""]
+    known: Columns
+    here: Columns
+    slopes: Float[Array, "stages state lanes"]
+    end: Columns
+    slope: Columns
+    left: Columns
+
+
 def take(
     method: Method,
     field: Field,
-    linearisation: Callable[[], Linearisation] | None,
+    stiff: Linearisation | None,
     time: Float[Array, ""],
     columns: Columns,
     rate: Columns,
     stride: Stride,
+    allowance: Columns,
 ) -> Step:
-    """Advance columns from ``time`` by a stride; ``rate`` is the field there. ``linearisation``: the stiff part's, None
-    for explicit methods alone.
+    """Advance columns from ``time`` by a stride; ``rate`` is the field there. ``stiff``: its stiff part there, None
+    for explicit methods alone; ``allowance``: the error allowed in each number.
 
-    With J frozen over the step, f = J (y - y_n) + (f - J (y - y_n)); the method's implicit half takes the first term
-    and its explicit half the second, so every stage is one linear solve and one right-hand side. The order is the
-    method's for *any* J (Kennedy & Carpenter 2003), hence J needs only the stiff forces, and sensitivities share it.
-    With those forces of low rank the solve is a small dense one (Woodbury), and never a library call.
+    An implicit stage y = known + shift f(y) is iterated by Newton's method until what changes is far below the
+    allowance. Its Jacobian holds the stiff forces at the step's start only: of low rank, so that the linear solve is a
+    small dense one (Woodbury) and never a library call. Sensitivities are iterated with the state, by the same matrix.
     """
     pace, times = stride.pace(method.nodes), time + stride.passed(method.nodes)
-    implicit = jnp.asarray(method.gamma) > 0.0
-    # rest: f - J (y - y_n), linear: J (y - y_n), at each stage, times the step
-    rest = jnp.zeros((len(method.nodes), *columns.shape)).at[0].set(pace[0] * rate)
-    linear = solve = None
-    if linearisation is not None:
-        linear = jnp.zeros_like(rest)
-        solve = _only_if(implicit, lambda: Shifted.of(linearisation(), method.gamma * stride.length))
+    none = jnp.zeros_like(columns)
+    shift = method.gamma * stride.length
+    solve = None
+    if stiff is not None:
+        solve = _only_if(jnp.asarray(method.gamma) > 0.0, lambda: Shifted.of(stiff, shift))
 
-    def stage(i: Int[Array, ""], carry: tuple) -> tuple:
-        rest, linear, _, _ = carry
-        row = method.first + i
-        moved, stiff = _weighted(method.explicit, row, rest), jnp.zeros(())
+    def known_of(i: Int[Array, ""] | int, slopes: Array) -> Columns:
+        return columns + _weighted(method.weights, method.first + i, slopes)
+
+    def improved(s: _Stages) -> _Stages:
+        slope = field(times[s.i], s.here)
+        change, gain, size = none, pace[s.i] * slope, jnp.zeros(())
+        implicit = (jnp.asarray(method.gamma) > 0.0) & (s.i < method.stages - 1)
         if solve is not None:
 
-            def solved() -> tuple[Columns, Columns]:
-                known = moved + _weighted(method.implicit, row, linear)
-                solution = jnp.where(i == method.stages - 1, known, solve(known))
-                return solution, (solution - known) / method.gamma
+            def newton() -> tuple[Columns, Columns, Array]:
+                change = solve(s.known + shift * slope - s.here)
+                size = jnp.sqrt(jnp.max(jnp.mean((change / allowance) ** 2, axis=0)))
+                return change, (s.here + change - s.known) / method.gamma, size
 
-            moved, stiff = lax.cond(implicit, solved, lambda: (moved, jnp.zeros_like(moved)))
-            linear = put(linear, stiff, i, 0)
-        here = columns + moved
-        slope = field(times[i], here)
-        return put(rest, pace[i] * slope - stiff, i, 0), linear, here, slope
+            change, gain, size = lax.cond(implicit, newton, lambda: (change, gain, size))
+        solved = ~(size > SOLVED)
+        done = solved | (s.tries >= MOST_TRIES)
+        hopeless = done & ~solved
+        here, slopes = s.here + change, put(s.slopes, gain, s.i, 0)
+        known = known_of(s.i + 1, slopes)
+        return _Stages(
+            i=jnp.where(hopeless, method.stages, s.i + done),
+            tries=jnp.where(done, 0, s.tries + 1),
+            known=jnp.where(done, known, s.known),
+            here=jnp.where(done, known + jnp.where(s.i < method.stages - 2, method.gamma, 0.0) * gain, here),
+            slopes=slopes,
+            end=here,
+            slope=slope,
+            left=jnp.where(hopeless, jnp.abs(change) / SOLVED, s.left),
+        )
 
-    rest, linear, end, slope = lax.fori_loop(1, method.stages, stage, (rest, linear, columns, rate))
-    slopes = rest if linear is None else rest + linear
-    error, coarser = (_weighted(method.errors, k, slopes) for k in range(2))
+    slopes = jnp.zeros((len(method.nodes), *columns.shape)).at[0].set(pace[0] * rate)
+    known = known_of(1, slopes)
+    one = jnp.asarray(1)
+    s = _Stages(one, 0 * one, known, known + method.gamma * slopes[0], slopes, columns, rate, none)
+    s = lax.while_loop(lambda s: s.i < method.stages, improved, s)
+    error, coarser = (_weighted(method.errors, k, s.slopes) for k in range(2))
     error = error**2 / jnp.sqrt(error**2 + 0.01 * coarser**2 + 1e-300)
-    return Step(end, slope, error, jnp.asarray(method.order, float))
+    return Step(s.end, s.slope, error + s.left, jnp.asarray(method.order, float))
 
 
 class Shifted(NamedTuple):

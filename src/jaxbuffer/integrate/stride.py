@@ -18,6 +18,11 @@ class Stride(NamedTuple):
     growth: Float[Array, ""]
 
     @staticmethod
+    def even(length: Float[Array, ""]) -> "Stride":
+        """A step in which time passes evenly."""
+        return Stride(length, jnp.zeros(()))
+
+    @staticmethod
     def after(elapsed: Float[Array, ""], length: Float[Array, ""]) -> "Stride":
         """A step that starts ``elapsed`` [s] after a touchdown: even in the root of the time from there."""
         before, after = jnp.sqrt(elapsed), jnp.sqrt(elapsed + length)

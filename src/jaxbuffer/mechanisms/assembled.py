@@ -12,7 +12,7 @@ from jaxtyping import Array, Float, Int
 from .._types import Scalar, stacked
 from ..contact import Approach, Ball, BallOnSegments, Carrier
 from ..multibody import Kinematics, Load, System, Vector, load_at
-from .hybrid import HybridSystem
+from .hybrid import HybridSystem, Linearisation
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s
 GAP = ("gap", "approach_speed")
@@ -162,14 +162,15 @@ class Assembled(HybridSystem):
         memory, steps = self.memory(state), [jnp.asarray(1e-6)]
         for k, contact in enumerate(self.contacts):
             mass = self.system.bodies[contact.body].mass
-            steps.append(0.03 * jnp.asarray(contact.pair.law.time_scale(mass, memory[k])))
+            steps.append(0.2 * jnp.asarray(contact.pair.law.time_scale(mass, memory[k])))
         return jnp.min(jnp.stack(steps[1:] or steps))
 
-    def fastest_decay(
+    def linearisation(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> Float[Array, ""]:
-        """Not known, hence no bound: explicit steps are held by their error alone."""
-        return jnp.zeros(())
+    ) -> Linearisation:
+        """Nothing is known to be stiff: explicit steps are held by their error alone."""
+        n = self.system.coordinates
+        return Linearisation.none(n, n)
 
 
 def _row(values: list) -> Float[Array, " n"]:

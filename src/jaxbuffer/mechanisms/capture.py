@@ -26,7 +26,7 @@ from .assembly import (
 )
 from .design import Design, Scenario
 from .hybrid import HybridSystem, Linearisation
-from .stiffness import fastest_decay, linearisation
+from .stiffness import linearisation
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
@@ -272,14 +272,9 @@ class CaptureMechanism(HybridSystem):
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A hundredth of the duration of an impact of the probe's mass at the memorised speed [s]."""
-        return 0.03 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, jnp.max(self.memory(state))))
+        return 0.2 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, jnp.max(self.memory(state))))
 
     def linearisation(
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
     ) -> Linearisation:
         return linearisation(self, state, active)
-
-    def fastest_decay(
-        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
-    ) -> Float[Array, ""]:
-        return fastest_decay(self, state, active)

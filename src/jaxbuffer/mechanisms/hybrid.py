@@ -1,6 +1,7 @@
 """What time stepping needs to know of a mechanism whose contacts come and go."""
 
 import equinox as eqx
+import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 State = Float[Array, " state"]
@@ -20,6 +21,23 @@ class Linearisation(eqx.Module):
     stiffness: Float[Array, "rank rank"]
     damping: Float[Array, "rank rank"]
     coordinates: int = eqx.field(static=True)
+
+    @staticmethod
+    def none(velocities: int, coordinates: int) -> "Linearisation":
+        """Of a system without stiff forces, or whose stiff forces are not known."""
+        thin, nothing = jnp.zeros((velocities, 0)), jnp.zeros((0, 0))
+        return Linearisation(thin, thin, nothing, nothing, coordinates)
+
+    def fastest(self) -> Float[Array, ""]:
+        """How fast the stiff forces let anything decay or ring, at most [1/s].
+
+        The sums over the forces are traces of X C Bᵀ and X K B_qᵀ: no smaller than their largest eigenvalue, and near
+        it where one force is stiffest. Of one mode neither root of λ² + d λ + k exceeds max(d, √k).
+        """
+        n, moved = self.coordinates, self.directions * self.response
+        damping = jnp.sum(jnp.diagonal(self.damping) * jnp.sum(moved, axis=0))
+        stiffness = jnp.sum(jnp.diagonal(self.stiffness) * jnp.sum(moved[:n], axis=0))
+        return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
 
 
 class HybridSystem(eqx.Module):
@@ -72,8 +90,4 @@ class HybridSystem(eqx.Module):
 
     def linearisation(self, time: Float[Array, ""], state: State, active: Active) -> Linearisation:
         """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
-        raise NotImplementedError
-
-    def fastest_decay(self, time: Float[Array, ""], state: State, active: Active) -> Float[Array, ""]:
-        """A cheap upper bound of the rate at which any motion is damped [1/s], for the choice between solvers."""
         raise NotImplementedError

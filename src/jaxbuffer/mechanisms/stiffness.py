@@ -43,33 +43,6 @@ def linearisation(
     )
 
 
-def fastest_decay(
-    mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " flanks"]
-) -> Float[Array, ""]:
-    """An upper bound of the rates at which motions are damped at a state [1/s].
-
-    Damping over mass, added up over the six forces as if the joints did not hold: they only make a body harder to move.
-    Sums over single forces don't depend on units.
-    """
-    kin = mechanism.kinematics(state)
-    buffer = mechanism.design.buffer
-    approach = mechanism.rounded(mechanism.approach(kin, state))
-    _, per_speed, per_slip = _contact_slopes(mechanism, approach, mechanism.memory(state), active)
-    inverse_mass = mechanism.system.inverse_masses
-    if mechanism.spins:
-        inverse_mass = jnp.append(inverse_mass, 1.0 / mechanism.probe.tip_inertia)
-    buffered, touching = (
-        jnp.sum(directions**2 * inverse_mass[:, None], axis=0)
-        for directions in (
-            _buffer_directions(mechanism, kin),
-            _contact_directions(mechanism, kin, state, approach),
-        )
-    )
-    normal, tangential = touching[:2], touching[2:]
-    damping = jnp.sum(buffered * stacked([buffer.c_A, buffer.c_T])) + jnp.sum(normal * per_speed[0])
-    return damping + jnp.sum(tangential * per_slip[1])
-
-
 def _contact_slopes(
     mechanism: "CaptureMechanism", approach: Approach, memory: Array, active: Array
 ) -> list[tuple[Array, Array]]:
