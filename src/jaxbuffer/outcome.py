@@ -40,7 +40,7 @@ _REASONS = {
     Outcome.failed_steps: "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver",
     Outcome.failed_step_size: "failed: the step size fell below 1e-14 s; the tolerance can't be met",
     Outcome.failed_not_finite: "failed: the state stopped being finite",
-    Outcome.failed_log: "failed: more events than max_events; raise it",
+    Outcome.failed_log: "failed: more events than max_events; raise it, or lower rtol if the tip sticks and slips",
 }
 
 _FROM_STATUS = {

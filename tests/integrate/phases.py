@@ -36,8 +36,9 @@ def single(solver, mechanism, active, columns, rate, stride):
         return mechanism.derivative(time, columns[:, 0], active)[:, None]
 
     stiff = mechanism.linearisation(jnp.zeros(()), columns[:, 0], active)
+    which = solver.suited(stiff, stride.length)
     allowance = Tolerance(1e-13, 1e-13).allowance(columns.T, mechanism.scales()).T
-    return solver.step(field, stiff, jnp.zeros(()), columns, rate, stride, allowance)
+    return solver.step(which, field, stiff, jnp.zeros(()), columns, rate, stride, allowance)
 
 
 def stepper(solver, phase, rooted=False):

@@ -19,8 +19,9 @@ SOLVERS = {
     "Tsit5": (ExplicitRungeKutta(diffrax.Tsit5()), 5, (96, 192)),
     "DOP853": (ExplicitRungeKutta(), 8, (8, 16)),
     "KenCarp3": (DiagonallyImplicit(diffrax.KenCarp3()), 3, (96, 192)),
-    "KenCarp4": (DiagonallyImplicit(diffrax.KenCarp4()), 4, (32, 96)),
-    "KenCarp5": (DiagonallyImplicit(), 5, (48, 128)),
+    "KenCarp4": (DiagonallyImplicit(), 4, (32, 96)),
+    "KenCarp5": (DiagonallyImplicit(diffrax.KenCarp5()), 5, (48, 128)),
+    "Kvaerno5": (DiagonallyImplicit(diffrax.Kvaerno5()), 5, (48, 128)),
     "Automatic": (Automatic(), 8, (8, 16)),
 }
 SWING, CLOSING = 0.02, 1.2e-4  # s; the second ends before the first impact's peak
@@ -79,11 +80,11 @@ def test_order_is_kept_in_the_root_of_time(evidence, name):
     )
 
 
-@pytest.mark.parametrize("name", ["Tsit5", "KenCarp3", "KenCarp4", "KenCarp5"])
+@pytest.mark.parametrize("name", ["Tsit5", "KenCarp3", "KenCarp4"])
 def test_error_estimate(evidence, name):
     """One order below the error, so that it overrates small errors ever more.
 
-    KenCarp5's underrates them while steps are long, by 4 at 1 ms: its additive error terms are not in the estimate.
+    KenCarp5's underrates the error of its implicit half tenfold here, hence it is no default.
     """
     solver, theory, _ = SOLVERS[name]
     phase = swing()

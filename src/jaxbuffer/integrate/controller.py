@@ -49,7 +49,7 @@ class Controller(eqx.Module):
     grow: float = 8.0
     proportional: float = 0.3
     integral: float = 0.4
-    recovery: float = 1.2  # of a resting method's step, at each step that stood
+    recovery: float = 1.1  # of a resting method's step, at each step that stood
     least: float = 0.5  # of the step that stood: what a resting method is trusted with
 
     def factor(self, norm: Float[Array, ""], previous: Float[Array, ""], order: Float[Array, ""]) -> Float[Array, ""]:

@@ -26,7 +26,7 @@ from .stages import Field, Step
 from .stride import Stride
 
 P = TypeVar("P")
-OVERSHOT = 1e3  # times the allowed error: a step beyond an event may miss by that and still say where the event is
+OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by that and still say where the event is
 
 
 class Status(enum.IntEnum):
