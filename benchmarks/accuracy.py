@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeVar
 
 T = TypeVar("T")
 
-RTOLS = tuple(10.0 ** (-9 + k / 2) for k in range(11))  # tight to loose
+RTOLS = tuple(10.0 ** (-9 + k / 2) for k in range(13))  # tight to loose
 TARGET = 1e-4  # [-] relative error of peak force and of end time
 LONG = 2.0  # [s] a run that takes longer is not repeated: it shows no jitter worth the wait
 

@@ -16,7 +16,7 @@ jb.configure()
 
 import jax  # noqa: E402
 
-from jaxbuffer.integrate import ExplicitRungeKutta, DiagonallyImplicit, Solver  # noqa: E402
+from jaxbuffer.integrate import DiagonallyImplicit, ExplicitRungeKutta, Solver  # noqa: E402
 from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
 from jaxbuffer.sweep import CHUNK as CHUNK  # noqa: E402 # captures of one compiled program
 

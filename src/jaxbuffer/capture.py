@@ -1,6 +1,7 @@
 """`simulate`: one capture, from a design and a scenario to everything one wants to know of it."""
 
 import dataclasses
+import functools
 from typing import Any
 
 import equinox as eqx
@@ -124,24 +125,29 @@ def simulate(
         raise InputError(
             "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
         )
-    options = Options(
-        tolerance=Tolerance(_array(rtol), _array(atol)),
-        event_time=1e-3 * _array(rtol),
-        max_steps=max_steps,
-        max_events=max_events,
-        keep=HISTORY_STEPS if history else 0,
-    )
+    options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
     if solver is not None:
-        options = dataclasses.replace(options, solver=solver)
+        options = jax.tree.map(_array, dataclasses.replace(options, solver=solver))
+    parameters = jax.tree.map(_array, (design, scenario, stabilisation))
+    if any(map(np.ndim, jax.tree.leaves(parameters))):
+        _refuse_arrays(design, scenario)
+    capture = _simulate(parameters, _array(duration), (_array(rtol), _array(atol)), options)
+    if history and not isinstance(capture.code, jax.core.Tracer):
+        capture = eqx.tree_at(lambda c: c.history, capture, _trim(capture))
+    return capture
+
+
+@functools.cache
+def _options(max_steps: int, max_events: int, keep: int) -> Options:
+    """The default options with these limits, in arrays; made once, since building modules takes a while."""
+    return jax.tree.map(_array, Options(max_steps=max_steps, max_events=max_events, keep=keep))
+
+
+def _refuse_arrays(design: Design, scenario: Scenario) -> None:
     for path, leaf in jax.tree_util.tree_leaves_with_path((design, scenario)):
         if np.ndim(leaf):
             name = "".join(str(key) for key in path[1:]).lstrip(".")
             raise InputError(f"{name} has shape {np.shape(leaf)}; simulate takes one capture: use jax.vmap or jb.sweep")
-    parameters = jax.tree.map(_array, (design, scenario, stabilisation))
-    capture = _simulate(parameters, _array(duration), jax.tree.map(_array, options))
-    if history and not isinstance(capture.code, jax.core.Tracer):
-        capture = eqx.tree_at(lambda c: c.history, capture, _trim(capture))
-    return capture
 
 
 def _trim(capture: Capture) -> History:
@@ -155,7 +161,14 @@ def _array(value: Any) -> Any:
 
 
 @kept
-def _simulate(parameters: tuple[Design, Scenario, Array], duration: Float[Array, ""], options: Options) -> Capture:
+def _simulate(
+    parameters: tuple[Design, Scenario, Array],
+    duration: Float[Array, ""],
+    tolerances: tuple[Array, Array],
+    options: Options,
+) -> Capture:
+    rtol = tolerances[0]
+    options = dataclasses.replace(options, tolerance=Tolerance(*tolerances), event_time=1e-3 * rtol)
     result = solve(CaptureMechanism, parameters, duration, options)
     mechanism = CaptureMechanism(*parameters)
     log = moving_events(mechanism, result.log, result.status < Status.TIMEOUT)

@@ -12,7 +12,7 @@ import tomli_w
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, check_number, suggest
 from .grid import SPAN, grid
-from .integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit, Solver
+from .integrate import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Solver
 from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
 from .mechanisms.paths import by_path

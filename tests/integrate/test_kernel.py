@@ -6,13 +6,13 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.capture import _simulate
-from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit, Options
+from jaxbuffer.integrate import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options
 
 
 def compiled(solver):
     numbers = jax.tree.map(lambda x: jnp.asarray(x, float), (jb.table2(), jb.Scenario(), 20.0))
     options = jax.tree.map(lambda x: jnp.asarray(x, float), Options(solver=solver))
-    return _simulate.jitted.lower(numbers, jnp.asarray(8.0), options).compile().as_text()
+    return _simulate.jitted.lower(numbers, jnp.asarray(8.0), (jnp.asarray(1e-6),) * 2, options).compile().as_text()
 
 
 @pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from integrate.phases import impact, one_step, stepper, swing
-from jaxbuffer.integrate import Automatic, ExplicitRungeKutta, DiagonallyImplicit
+from jaxbuffer.integrate import Automatic, DiagonallyImplicit, ExplicitRungeKutta
 
 TOPIC = "Orders of convergence"
 REFERENCE = ExplicitRungeKutta(diffrax.Dopri8())

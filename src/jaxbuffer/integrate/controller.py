@@ -74,6 +74,4 @@ class Controller(eqx.Module):
         resized = step * jnp.where(finite, self.factor(norm, norms[which], order), 0.1)
         resting = jnp.where(accepted, jnp.maximum(self.recovery * steps, self.least * step), steps)
         mine = jnp.arange(steps.shape[0]) == which
-        return Pace(
-            jnp.where(mine, resized, resting), jnp.where(mine & accepted, jnp.maximum(norm, 1e-4), norms)
-        )
+        return Pace(jnp.where(mine, resized, resting), jnp.where(mine & accepted, jnp.maximum(norm, 1e-4), norms))

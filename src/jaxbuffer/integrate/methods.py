@@ -14,9 +14,9 @@ class Method(NamedTuple):
     and the next step need anyway.
 
     ``weights`` of the earlier stages, and ``gamma`` of a stage itself (all but the first and the last; zero in an
-    explicit method). ``nodes``: times as fractions of the step. ``errors``: weights of the estimate of the local error and of a coarser one that steadies it (Hairer's DOP853;
-    zeros for none). ``order`` of the estimate; ``stages`` in use, where zeros follow; ``first`` row of the weights,
-    where those of several methods stand below each other.
+    explicit method). ``nodes``: times as fractions of the step. ``errors``: weights of the estimate of the local error
+    and of a coarser one that steadies it (Hairer's DOP853; zeros for none). ``order`` of the estimate; ``stages`` in
+    use, where zeros follow; ``first`` row of the weights, where those of several methods stand below each other.
     """
 
     weights: Float[np.ndarray, "rows n"]

@@ -27,9 +27,7 @@ class Solver(eqx.Module):
         """How many times below the tolerance the error of an implicit step must be."""
         return 1.0
 
-    def choose(
-        self, stiff: Linearisation, steps: Float[Array, " methods"]
-    ) -> tuple[Int[Array, ""], Float[Array, ""]]:
+    def choose(self, stiff: Linearisation, steps: Float[Array, " methods"]) -> tuple[Int[Array, ""], Float[Array, ""]]:
         """Which method goes next and how far [s], where accuracy would allow ``steps``."""
         return jnp.asarray(0), steps[0]
 
