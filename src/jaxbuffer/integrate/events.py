@@ -135,8 +135,8 @@ def _first_crossing(
     z1, rate1 = signed(after, active)
     m0, m1 = rate0 * step, rate1 * step
     rises = slice(0, contacts + terminals)
-    # A guard left a little past zero by the landing on its last event, and on its way back, has not crossed again.
-    z0 = jnp.where((z0 > 0.0) & (m0 < 0.0), -1e-300, z0)
+    # A guard left on zero or a little past it by the landing on its last event, and on its way back, has not crossed.
+    z0 = jnp.where((z0 >= 0.0) & (m0 < 0.0), -1e-300, z0)
 
     # A contact may touch and leave, or leave and touch, within one step: its guard has a maximum above zero inside.
     hump = _stationary(z0[rises], z1[rises], m0[rises], m1[rises])

@@ -116,6 +116,8 @@ class Automatic(Solver):
         return self.limit / jnp.maximum(stiff.fastest(), 1e-150)
 
     def choose(self, stiff, steps):
+        if not stiff.rank:  # then Newton's method would be a mere iteration, and no step worth it
+            return super().choose(stiff, steps)
         explicit = jnp.minimum(steps[0], self._longest(stiff))
         which = (steps[1] > self.worth * explicit).astype(int)
         return which, jnp.where(which == 1, steps[1], explicit)
@@ -125,4 +127,6 @@ class Automatic(Solver):
         return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
 
     def suited(self, stiff, step):
+        if not stiff.rank:
+            return super().suited(stiff, step)
         return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)

@@ -28,6 +28,11 @@ class Linearisation(eqx.Module):
         thin, nothing = jnp.zeros((velocities, 0)), jnp.zeros((0, 0))
         return Linearisation(thin, thin, nothing, nothing, coordinates)
 
+    @property
+    def rank(self) -> int:
+        """Number of stiff forces."""
+        return self.damping.shape[0]
+
     def fastest(self) -> Float[Array, ""]:
         """How fast the stiff forces let anything decay or ring, at most [1/s].
 
