@@ -32,7 +32,7 @@ class Solver(eqx.Module):
         return jnp.asarray(0), steps[0]
 
     def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
-        """Whether a method is implicit; its steps are long, and take the same share of each for each stage."""
+        """Whether a method is implicit; its steps are even in time, with one matrix for all stages."""
         return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
 
     def suited(self, stiff: Linearisation, step: Float[Array, ""]) -> Int[Array, ""]:
@@ -121,10 +121,6 @@ class Automatic(Solver):
         explicit = jnp.minimum(steps[0], self._longest(stiff))
         which = (steps[1] > self.worth * explicit).astype(int)
         return which, jnp.where(which == 1, steps[1], explicit)
-
-    def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
-        """Whether a method is implicit; its steps are long, and take the same share of each for each stage."""
-        return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
 
     def suited(self, stiff, step):
         if not stiff.rank:
