@@ -20,7 +20,7 @@ Field = Callable[[Float[Array, ""], Columns], Columns]
 T = TypeVar("T")
 put = lax.dynamic_update_index_in_dim
 SOLVED = 0.02  # of the allowed error: the last change of a stage's iteration that is small enough
-MOST_TRIES = 8  # to improve a stage; then the step is refused
+MOST_IMPROVEMENTS = 8  # to improve a stage; then the step is refused
 
 
 class Step(NamedTuple):
@@ -87,7 +87,7 @@ def take(
 
             change, gain, size = lax.cond(implicit, newton, lambda: (change, gain, size))
         solved = ~(size > SOLVED)
-        done = solved | (s.tries >= MOST_TRIES)
+        done = solved | (s.tries >= MOST_IMPROVEMENTS)
         hopeless = done & ~solved
         here, slopes = s.here + change, put(s.slopes, gain, s.i, 0)
         known = known_of(s.i + 1, slopes)

@@ -158,7 +158,7 @@ class Assembled(HybridSystem):
         return stacked([place] * n + [motion] * (n + len(self.contacts)) + [1.0] * len(self.integrals))
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
-        """A hundredth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
+        """A fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
         memory, steps = self.memory(state), [jnp.asarray(1e-6)]
         for k, contact in enumerate(self.contacts):
             mass = self.system.bodies[contact.body].mass

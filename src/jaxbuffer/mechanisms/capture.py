@@ -271,7 +271,7 @@ class CaptureMechanism(HybridSystem):
         return stacked(position * 4 + velocity * 4 + spin + [energy] * 4 + [speed] * 2)
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
-        """A hundredth of the duration of an impact of the probe's mass at the memorised speed [s]."""
+        """A fifteenth of the duration of an impact of the probe's mass at the memorised speed [s]."""
         return 0.2 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, jnp.max(self.memory(state))))
 
     def linearisation(
