@@ -127,21 +127,22 @@ def simulate(
         )
     options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
     if solver is not None:
-        options = jax.tree.map(_array, dataclasses.replace(options, solver=solver))
-    parameters = jax.tree.map(_array, (design, scenario, stabilisation))
-    if any(map(np.ndim, jax.tree.leaves(parameters))):
-        _refuse_arrays(design, scenario)
-    found = _simulate(parameters, _array(duration), (_array(rtol), _array(atol)), options)
-    if history and not isinstance(found["code"], jax.core.Tracer):
-        found["history"] = trimmed(found["history"], min(int(found["accepted"]), HISTORY_STEPS))
-    # Design and scenario don't pass through the program: forty arrays more to hand back would take 0.1 ms.
-    return Capture(design=parameters[0], scenario=parameters[1], **found)
+        options = dataclasses.replace(options, solver=solver)
+    given = ((design, scenario, stabilisation), duration, (rtol, atol), options)
+    if not all(type(leaf) is float for leaf in jax.tree.leaves(given)):
+        given = jax.tree.map(_array, given)
+        if any(map(np.ndim, jax.tree.leaves(given[0]))):
+            _refuse_arrays(design, scenario)
+    capture = _simulate(*given)
+    if history and not isinstance(capture.code, jax.core.Tracer):
+        capture = eqx.tree_at(lambda c: c.history, capture, _trim(capture))
+    return capture
 
 
 @functools.cache
 def _options(max_steps: int, max_events: int, keep: int) -> Options:
-    """The default options with these limits, in arrays; made once, since building modules takes a while."""
-    return jax.tree.map(_array, Options(max_steps=max_steps, max_events=max_events, keep=keep))
+    """The default options with these limits; made once, since building modules takes a while."""
+    return Options(max_steps=max_steps, max_events=max_events, keep=keep)
 
 
 def _refuse_arrays(design: Design, scenario: Scenario) -> None:
@@ -149,6 +150,11 @@ def _refuse_arrays(design: Design, scenario: Scenario) -> None:
         if np.ndim(leaf):
             name = "".join(str(key) for key in path[1:]).lstrip(".")
             raise InputError(f"{name} has shape {np.shape(leaf)}; simulate takes one capture: use jax.vmap or jb.sweep")
+
+
+def _trim(capture: Capture) -> History:
+    assert capture.history is not None
+    return trimmed(capture.history, min(int(capture.accepted), HISTORY_STEPS))
 
 
 def _array(value: Any) -> Any:
@@ -162,8 +168,7 @@ def _simulate(
     duration: Float[Array, ""],
     tolerances: tuple[Array, Array],
     options: Options,
-) -> dict[str, Any]:
-    """All of a `Capture` that is computed."""
+) -> Capture:
     rtol = tolerances[0]
     options = dataclasses.replace(options, tolerance=Tolerance(*tolerances), event_time=1e-3 * rtol)
     result = solve(CaptureMechanism, parameters, duration, options)
@@ -189,7 +194,9 @@ def _simulate(
         "throat_distance": throat_distance,
         "capture_margin": margin,
     }
-    return dict(
+    return Capture(
+        design=parameters[0],
+        scenario=parameters[1],
         code=code,
         peak_flank=top.peak_flank,
         peak_impact=jnp.max(jnp.where(earlier, jnp.arange(slots), -1)),

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import jax
 import numpy as np
@@ -37,44 +37,83 @@ def keep_in(folder: str | Path | None) -> None:
     _folder = None if folder is None else Path(folder)
 
 
-class kept(Generic[R]):  # a decorator
-    """`jax.jit` for a function of trees of arrays, its programs kept in the folder of `keep_in`.
+class _Program(NamedTuple):
+    """A compiled function of numbers and arrays, and where the leaves of its result come from."""
 
-    Under a transformation, and without a folder, it is `jax.jit` and nothing else. What cannot be read or written is
+    call: Callable[[Any, list[Any]], list[Any]]
+    structure: Any
+    sources: tuple[int | None, ...]  # the argument that a leaf of the result is, or None: the next one that is computed
+
+    def __call__(self, leaves: list[Any], numbers: Any, others: list[Any]) -> Any:
+        computed = iter(self.call(numbers, others))
+        found = [next(computed) if source is None else leaves[source] for source in self.sources]
+        return jax.tree.unflatten(self.structure, found)
+
+
+class kept(Generic[R]):  # a decorator
+    """`jax.jit` for a function of trees of arrays that spares what surrounds a call, its programs kept in the folder of
+    `keep_in`, if any.
+
+    All numbers go in as one array (one at a time they take longer than they are worth), and what the function only
+    hands on stays outside. Under a transformation it is `jax.jit` and nothing else. What cannot be read or written is
     compiled as ever.
     """
 
     def __init__(self, function: Callable[..., R]) -> None:
         self.function, self.jitted = function, jax.jit(function)
-        self.programs: dict[Any, Callable[..., Any]] = {}
+        self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> R:
         leaves, structure = jax.tree.flatten(arguments)
-        if _folder is None or any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+        kinds = tuple(map(_kind, leaves))
+        if any(kind is jax.core.Tracer for kind in kinds):
             return self.jitted(*arguments)
-        folder = _folder
-        key = (folder, structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves))
+        numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
+        others = [leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float]
+        key = (_folder, structure, kinds)
         if key not in self.programs:
-            file = folder / f"{self.function.__name__}-{_digest(*map(str, key[1:]))}.program"
-            self.programs[key] = _read(file, leaves) or self._compiled(leaves, structure, file)
-        return self.programs[key](leaves)
+            self.programs[key] = self._program(structure, kinds, numbers, others)
+        return self.programs[key](leaves, numbers, others)
 
-    def _compiled(self, leaves: list[Any], structure: Any, file: Path) -> Callable[..., Any]:
-        shape: list[Any] = []
+    def _program(self, structure: Any, kinds: tuple[Any, ...], numbers: np.ndarray, others: list[Any]) -> _Program:
+        result: list[Any] = []
 
-        def flat(leaves: list[Any]) -> list[Any]:
-            result = self.function(*jax.tree.unflatten(structure, leaves))
-            shape.append(jax.tree.structure(result))
-            return jax.tree.leaves(result)
+        def flat(numbers: Any, others: list[Any]) -> list[Any]:
+            each, rest = iter(numbers), iter(others)
+            leaves = [next(each if kind is float else rest) for kind in kinds]
+            found, structure_found = jax.tree.flatten(self.function(*jax.tree.unflatten(structure, leaves)))
+            place = {id(leaf): k for k, leaf in enumerate(leaves)}
+            sources = tuple(place.get(id(leaf)) for leaf in found)
+            result[:] = [structure_found, sources]
+            return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
 
+        if _folder is None:
+            compiled = jax.jit(flat)
+            compiled(numbers, others)
+            return _Program(compiled, *result)
+        file = _folder / f"{self.function.__name__}-{_digest(str(structure), str(kinds))}.program"
+        program = _read(file, numbers, others)
+        if program is not None:
+            return program
         with _without_cache():
-            compiled = jax.jit(flat).lower(leaves).compile()
+            stages = jax.jit(flat).lower(numbers, others).compile()
+        program = _Program(stages, *result)
         # a tree of zeros stands for its structure, which cannot be pickled where it has static fields of its own
-        example = jax.tree.unflatten(shape[0], [0] * shape[0].num_leaves)
+        example = jax.tree.unflatten(program.structure, [0] * len(program.sources))
         with contextlib.suppress(jax.errors.JaxRuntimeError, pickle.PicklingError, OSError, ValueError):
-            _write(file, pickle.dumps((serialize_executable.serialize(compiled), example)))
-        return lambda leaves: jax.tree.unflatten(shape[0], compiled(leaves))
+            _write(file, pickle.dumps((serialize_executable.serialize(stages), example, program.sources)))
+        return program
+
+
+def _kind(leaf: Any) -> Any:
+    """`float` for a number that may share an array with others, `Tracer`, or shape and type."""
+    if type(leaf) is float:
+        return float
+    if isinstance(leaf, jax.core.Tracer):
+        return jax.core.Tracer
+    shape, kind = np.shape(leaf), jax.dtypes.result_type(leaf)
+    return float if shape == () and kind is np.dtype(float) else (shape, kind)
 
 
 @contextlib.contextmanager
@@ -90,21 +129,20 @@ def _without_cache() -> Iterator[None]:
         compilation_cache.reset_cache()
 
 
-def _read(file: Path, leaves: list[Any]) -> Callable[..., Any] | None:
-    """The program of a file if there is one and it runs on ``leaves``."""
+def _read(file: Path, numbers: np.ndarray, others: list[Any]) -> _Program | None:
+    """The program of a file if there is one and it runs on these arguments."""
     try:
-        stored, example = pickle.loads(file.read_bytes())
+        stored, example, sources = pickle.loads(file.read_bytes())
         with contextlib.suppress(OSError):  # a folder shared read-only serves as well
             file.touch()
         compiled = serialize_executable.deserialize_and_load(*stored)
-        jax.block_until_ready(compiled(leaves))
+        jax.block_until_ready(compiled(numbers, others))
     except FileNotFoundError:
         return None
     except Exception as error:  # a torn file, another machine's: whatever it is, compiling helps
         _log.info("%s cannot be used: %s", file, error)
         return None
-    structure = jax.tree.structure(example)
-    return lambda leaves: jax.tree.unflatten(structure, compiled(leaves))
+    return _Program(compiled, jax.tree.structure(example), sources)
 
 
 def _write(file: Path, content: bytes) -> None:

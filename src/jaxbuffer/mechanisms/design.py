@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import equinox as eqx
 import numpy as np
@@ -193,14 +193,22 @@ class Scenario(Part):
 
 def check_fit(design: Design, scenario: Scenario) -> None:
     """Raise `InputError` where scenario and design don't fit: first contact off the flank, tip not facing the flank."""
-    length, angle = concrete(design.cone.length), concrete(design.cone.half_angle)
+    length, angle = _least(design.cone.length), _least(design.cone.half_angle)
     if length is not None:
-        check_number("scenario.contact_distance", scenario.contact_distance, "m", high=float(length.min()), **POSITIVE)
+        check_number("scenario.contact_distance", scenario.contact_distance, "m", high=length, **POSITIVE)
     if angle is not None:
-        limit = float(np.min(np.minimum(angle, math.pi / 2 - angle)))
+        limit = min(angle, math.pi / 2 + cast(float, _least(-design.cone.half_angle)))
         check_number(
             "scenario.misalignment", scenario.misalignment, "rad", low=-limit, high=limit, low_open=True, high_open=True
         )
+
+
+def _least(value: Scalar) -> float | None:
+    """The smallest number of an array, or the number; None of one that is traced."""
+    if type(value) is float:
+        return value
+    array = concrete(value)
+    return None if array is None else float(array.min())
 
 
 def table2() -> Design:
