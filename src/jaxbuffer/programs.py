@@ -12,13 +12,16 @@ import os
 import pickle
 import platform
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.experimental import serialize_executable
 from jax.experimental.compilation_cache import compilation_cache
@@ -35,6 +38,12 @@ def keep_in(folder: str | Path | None) -> None:
     """Keep programs of functions marked `kept` in a folder from now on, or, with None, in memory only."""
     global _folder  # noqa: PLW0603 # process-wide like JAX's own cache, which is set beside it
     _folder = None if folder is None else Path(folder)
+
+
+class Static(eqx.Module):
+    """An argument of a function marked `kept` that its program is made for, rather than given."""
+
+    value: Any = eqx.field(static=True)
 
 
 class _Program(NamedTuple):
@@ -55,25 +64,29 @@ class kept(Generic[R]):  # a decorator
     `keep_in`, if any.
 
     All numbers go in as one array (one at a time they take longer than they are worth), and what the function only
-    hands on stays outside. Under a transformation it is `jax.jit` and nothing else. What cannot be read or written is
-    compiled as ever.
+    hands on stays outside. Under a transformation it is `jax.jit` and nothing else; within a larger program that is
+    being traced, a part of it: traced for itself first, a function is traced twice where derivatives are asked for.
+    What cannot be read or written is compiled as ever.
     """
 
     def __init__(self, function: Callable[..., R]) -> None:
         self.function, self.jitted = function, jax.jit(function)
         self.programs: dict[Any, _Program] = {}
+        self.compiling = threading.Lock()
         functools.update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> R:
         leaves, structure = jax.tree.flatten(arguments)
         kinds = tuple(map(_kind, leaves))
         if any(kind is jax.core.Tracer for kind in kinds):
-            return self.jitted(*arguments)
+            return (self.function if _tracing() else self.jitted)(*arguments)
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         others = [leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float]
         key = (_folder, structure, kinds)
         if key not in self.programs:
-            self.programs[key] = self._program(structure, kinds, numbers, others)
+            with self.compiling:  # of many threads that come at once, one compiles
+                if key not in self.programs:
+                    self.programs[key] = self._program(structure, kinds, numbers, others)
         return self.programs[key](leaves, numbers, others)
 
     def _program(self, structure: Any, kinds: tuple[Any, ...], numbers: np.ndarray, others: list[Any]) -> _Program:
@@ -106,9 +119,14 @@ class kept(Generic[R]):  # a decorator
         return program
 
 
+def _tracing() -> bool:
+    """Whether a larger program is being traced: then even a constant is part of it."""
+    return isinstance(jnp.zeros(()), jax.core.Tracer)
+
+
 def _kind(leaf: Any) -> Any:
     """`float` for a number that may share an array with others, `Tracer`, or shape and type."""
-    if type(leaf) is float:
+    if type(leaf) is float or (type(leaf) is np.ndarray and leaf.shape == () and leaf.dtype == float):
         return float
     if isinstance(leaf, jax.core.Tracer):
         return jax.core.Tracer

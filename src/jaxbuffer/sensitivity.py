@@ -17,6 +17,7 @@ from .evidence import CHECK_TOLERANCE as CHECK_TOLERANCE
 from .evidence import TightSolves, each, together
 from .integrate import Solver
 from .mechanisms import Design, Scenario, get, replace
+from .programs import Static, kept
 from .quantities import IMPACT_UNITS, check_quantities, of_impact, value_of
 from .quantities import QUANTITIES as CATALOGUE
 
@@ -165,18 +166,19 @@ def linearised(
 ) -> Linearised:
     """A capture of the design with ``paths`` set to ``values``, and its derivatives by those: one compiled program for
     all designs, scenarios, tolerances and quantities, shared by `sensitivity` and `tune`."""
-    inputs = jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario, duration, rtol))
-    return _linearised(inputs, jnp.asarray(values, float), tuple(paths), solver)
+    inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
+    return _linearised(inputs, np.asarray(values, float), Static(tuple(paths)), solver)
 
 
-@eqx.filter_jit
+@kept
 def _linearised(
     inputs: tuple[Design, Scenario, Array, Array],
     values: Float[Array, " paths"],
-    paths: tuple[str, ...],
+    asked: Static,
     solver: Solver | None,
 ) -> Linearised:
     design, scenario, duration, rtol = inputs
+    paths = asked.value
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Capture, Array]]:
         capture = simulate(*_with(design, scenario, paths, values), duration, rtol=rtol, solver=solver)

@@ -15,6 +15,7 @@ from ..capture import Capture, simulate
 from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
 from ..metrics import state_at
 from ..outcome import Outcome
+from ..programs import Static, kept
 from .problem import QUANTITIES, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
@@ -105,7 +106,7 @@ def measure(design: Design, scenario: Scenario, paths: Sequence[str], duration: 
     """One capture and its derivatives by ``paths``; one compiled program for all numbers, durations and tolerances."""
     values = [float(get(design, path)) for path in paths]
     inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol, values))
-    return jax.tree.map(np.asarray, _measure(inputs, tuple(paths)))
+    return jax.tree.map(np.asarray, _measure(inputs, Static(tuple(paths))))
 
 
 def measure_values(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
@@ -118,9 +119,10 @@ def measure_values(design: Design, scenario: Scenario, paths: Sequence[str], dur
     return Measured(*found)
 
 
-@eqx.filter_jit
-def _measure(inputs: tuple[Design, Scenario, Array, Array, list[Array]], paths: tuple[str, ...]) -> Measured:
+@kept
+def _measure(inputs: tuple[Design, Scenario, Array, Array, list[Array]], asked: Static) -> Measured:
     design, scenario, duration, rtol, values = inputs
+    paths = asked.value
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, Array, Array], tuple[Array, ...]]:
         moved = replace(design, dict(zip(paths, values, strict=True)))
@@ -133,7 +135,7 @@ def _measure(inputs: tuple[Design, Scenario, Array, Array, list[Array]], paths: 
     return Measured(code, count, top, slots, rest, clear, peaks[0], peaks_slope[slots], rest_slope, clear_slope)
 
 
-@eqx.filter_jit
+@kept
 def _measure_values(inputs: tuple[Design, Scenario, Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
     return _seen(*inputs)
 
