@@ -2,6 +2,7 @@
 
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import equinox as eqx
 import jax
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer import programs
-from jaxbuffer.programs import keep_in, kept
+from jaxbuffer.programs import Static, keep_in, kept
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
 
@@ -104,6 +105,46 @@ def test_a_folder_that_cannot_be_written_is_no_error(tmp_path, traced):
         assert float(traced[0]()(*asked())[0].scale) == 24.0
     finally:
         keep_in(None)
+
+
+@pytest.mark.parametrize("kept_on_disk", [True, False])
+def test_what_passes_through_stays_outside_and_numbers_share_an_array(tmp_path, kept_on_disk):
+    seen = []
+
+    @kept
+    def scaled(polynomial, by, label):
+        seen.append(label.value)
+        return {"polynomial": polynomial, "scaled": polynomial.coefficients * by * polynomial.scale}
+
+    keep_in(tmp_path if kept_on_disk else None)
+    try:
+        polynomial = Polynomial(np.array([1.0, 2.0]), 0.1)
+        for by in (2.0, np.asarray(3.0), jnp.asarray(4.0)):
+            found = scaled(polynomial, by, Static("a"))
+            assert found["polynomial"].scale is polynomial.scale
+            assert found["polynomial"].coefficients is polynomial.coefficients
+            np.testing.assert_allclose(found["scaled"], np.array([0.1, 0.2]) * float(by), rtol=1e-15)
+        np.testing.assert_array_equal(scaled(polynomial, 2, Static("a"))["scaled"], [0.2, 0.4])
+        scaled(polynomial, 2.0, Static("b"))
+    finally:
+        keep_in(None)
+    assert seen == ["a", "a", "b"], "an integer is no number to share an array; another label is another program"
+
+
+def test_of_threads_that_come_at_once_one_compiles(traced):
+    fresh, traces = traced
+    function = fresh()
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: float(function(*asked())[0].scale), range(8)))
+    assert found == [24.0] * 8 and len(traces) == 1
+
+
+def test_a_part_of_a_larger_program_is_traced_once(traced):
+    fresh, traces = traced
+    function = fresh()
+    total = lambda scale: function(Polynomial(jnp.array([1.0, 2.0]), scale), 4)[0].scale  # noqa: E731
+    assert float(jax.jit(jax.jacfwd(total))(3.0)) == 8.0
+    assert len(traces) == 1
 
 
 def test_transformations_and_no_folder_are_jit(folder, traced):

@@ -100,7 +100,8 @@ def moving_events(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, "
     terminal = mechanism.terminals(end)[jnp.clip(log.which[last], 0, 1)]
     guard = guard.at[last].set(jnp.where(by_guard, terminal, guard[last]))
     time = jax.vmap(_shifted)(log.time, guard, log.guard_rate)
-    rate = mechanism.derivative(log.time[last], end, active)
+    fixed, at = jax.lax.stop_gradient((mechanism, end))  # no derivative of the rate is asked for
+    rate = fixed.derivative(log.time[last], at, active)
     return dataclasses.replace(log, time=time, rows=log.rows.at[last, 0].set(_carried(end, rate, time[last])))
 
 

@@ -99,7 +99,11 @@ def through(
         return jax.tree.leaves(eqx.filter(assemble(values), eqx.is_inexact_array))
 
     moving = [i for i, moves in enumerate(_depending(numbers, values)) if moves]
-    pick = lambda values: [numbers(values)[i] for i in moving]  # noqa: E731
+
+    def pick(values: list[Array]) -> list[Array]:
+        found = numbers(values)
+        return [found[i] for i in moving]
+
     pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions)
 
     def fill(moved: list[Array]) -> S:
