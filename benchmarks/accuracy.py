@@ -16,6 +16,7 @@ T = TypeVar("T")
 
 RTOLS = tuple(10.0 ** (-9 + k / 2) for k in range(13))  # tight to loose
 TARGET = 1e-4  # [-] relative error of peak force and of end time
+NOISE = 1.6  # [-] by which one time may be off another of the same run, minutes later
 LONG = 2.0  # [s] a run that takes longer is not repeated: it shows no jitter worth the wait
 
 
@@ -99,15 +100,21 @@ def reliable(curve: Iterable[Setting], target: float) -> list[Setting]:
     return list(takewhile(lambda setting: setting.error <= target, curve))
 
 
-def cheapest(curves: Iterable[Sequence[Setting]], target: float) -> Setting | None:
-    """The quickest setting to rely on among several curves, or None where no curve has one."""
+def cheapest(curves: Iterable[Sequence[Setting]], target: float, repeats: int = 3) -> Setting | None:
+    """The quickest setting to rely on among several curves, or None where no curve has one.
+
+    The machine's speed may have changed along a curve: all settings that may be the quickest run once more in a race.
+    """
     found = [setting for curve in curves for setting in reliable(curve, target)]
-    return min(found, key=lambda setting: setting.seconds, default=None)
+    quickest = min((setting.seconds for setting in found), default=0.0)
+    near = race([setting for setting in found if setting.seconds <= NOISE * quickest], repeats, anew=True)
+    return min(near, key=lambda setting: setting.seconds, default=None)
 
 
-def race(settings: Sequence[Setting], repeats: int) -> list[Setting]:
-    """The ``settings`` timed anew, taking turns, so that all of them meet the same state of the machine."""
-    shortest = [setting.seconds for setting in settings]
+def race(settings: Sequence[Setting], repeats: int, anew: bool = False) -> list[Setting]:
+    """The ``settings`` timed, taking turns, so that all of them meet the same state of the machine; ``anew``: without
+    regard to how long those took before that are run once more."""
+    shortest = [float("inf") if anew and setting.seconds <= LONG else setting.seconds for setting in settings]
     for _ in range(repeats):
         for place, setting in enumerate(settings):
             if setting.seconds <= LONG:

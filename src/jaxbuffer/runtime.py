@@ -10,9 +10,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 ONE_KERNEL = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
-# Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times, and
-# with all operations in one module instead of one each (docs/numerics.md). XLA ends the process at a flag that it does
-# not know, so only where they were tried.
+# Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
+# and with all operations in one module instead of one each (docs/numerics.md). XLA ends the process at a flag that it
+# does not know, so only where they were tried.
 QUICK_COMPILATION = (
     "--xla_disable_hlo_passes=while-loop-invariant-code-motion,simplify-while-loops",
     "--xla_cpu_use_fusion_emitters=false",
