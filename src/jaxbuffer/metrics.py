@@ -240,14 +240,7 @@ class Energy(eqx.Module):
 
 def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Energy:
     """The ledger of one state."""
-    kin = mechanism.kinematics(state)
-    system, pair = mechanism.system, mechanism.pair
-    kinetic = system.kinetic_energy(kin.v)
-    if mechanism.spins:
-        kinetic = kinetic + 0.5 * mechanism.probe.tip_inertia * state[2 * N] ** 2
-    approach = mechanism.rounded(mechanism.approach(kin, state))
-    elastic = jnp.sum(mechanism.exerting(active) * pair.stored_energy(approach))
-    return Energy(kinetic, jnp.asarray(system.stored_energy(kin)), elastic, *mechanism.losses(state))
+    return Energy(*map(jnp.asarray, mechanism.stored(state, active)), *mechanism.losses(state))
 
 
 class Balance(eqx.Module):

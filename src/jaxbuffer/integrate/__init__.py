@@ -6,9 +6,9 @@ from .lanes import Lanes as Lanes
 from .log import Kind as Kind
 from .log import Log as Log
 from .log import Steps as Steps
-from .run import Options as Options
+from .options import Options as Options
+from .progress import Status as Status
 from .run import Result as Result
-from .run import Status as Status
 from .run import run as run
 from .solve import solve as solve
 from .solvers import Automatic as Automatic

@@ -18,14 +18,17 @@ NEAR_BEST = 0.8  # of the best so far: from here on an observable of the state's
 
 
 class Guards(NamedTuple):
-    """Guards and observables at one instant, with their time derivatives."""
+    """Guards and observables at one instant, with their time derivatives (of gaps the second one too), and what the
+    motion does not change."""
 
     gap: Float[Array, " contacts"]
     gap_rate: Float[Array, " contacts"]
+    gap_bend: Float[Array, " contacts"]
     terminal: Float[Array, " terminals"]
     terminal_rate: Float[Array, " terminals"]
     value: Float[Array, " observables"]
     slope: Float[Array, " observables"]
+    invariant: Float[Array, ""]
 
 
 def signed(
@@ -44,7 +47,10 @@ def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active
     Observables of the state's rate need its second derivative, which costs as much as two right-hand sides: only where
     such an observable comes near its best so far. Elsewhere it counts as rising, slowly.
     """
-    gap, gap_rate = jax.jvp(system.gaps, (state,), (rate,))
+    n = system.coordinates
+    acceleration = jnp.zeros_like(rate).at[:n].set(rate[n : 2 * n])
+    approach = lambda y, r: jax.jvp(system.gaps, (y,), (r,))  # noqa: E731
+    (gap, gap_rate), (_, gap_bend) = jax.jvp(approach, (state, rate), (rate, acceleration))
     terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
     of_rate = jnp.asarray(system.rate_observables(), bool)
     near = of_rate & (system.observables(state, rate, active) > NEAR_BEST * best)
@@ -55,15 +61,29 @@ def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active
     )
     value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
     slope = jnp.where(of_rate & ~near, 1e-300, slope)
-    return Guards(gap, gap_rate, terminal, terminal_rate, value, slope)
+    invariant = system.invariant(state, active)
+    return Guards(gap, gap_rate, gap_bend, terminal, terminal_rate, value, slope, invariant)
+
+
+def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[Array, ""]:
+    """Until an open contact closes, if all go on with the acceleration they have [s]; infinite if none does."""
+    gap, rate, bend = guards.gap, guards.gap_rate, guards.gap_bend
+    square = rate * rate - 2.0 * bend * gap
+    root = jnp.sqrt(jnp.maximum(square, 0.0))
+    closing = 2.0 * gap / jnp.maximum(root - rate, 1e-300)
+    turning = (rate + root) / jnp.where(bend < 0.0, -bend, 1.0)
+    at = jnp.where(rate < 0.0, closing, jnp.where(bend < 0.0, turning, jnp.inf))
+    return jnp.min(jnp.where((active < 0.5) & (square > 0.0) & (gap > 0.0), at, jnp.inf))
 
 
 class Crossing(NamedTuple):
-    """The first crossing in a step: which guard (-1: none), where [s from the step's start], the bracket's far end."""
+    """The first crossing in a step: which guard (-1: none), where [s from the step's start], the bracket's far end,
+    whether the step holds no other."""
 
     which: Int[Array, ""]
     at: Float[Array, ""]
     far: Float[Array, ""]
+    alone: Bool[Array, ""]
 
 
 def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:
@@ -122,7 +142,7 @@ def first_crossing(
     turned = (before.slope > 0.0) & (after.slope <= 0.0)
     dipping = (signed(before, active)[1] > 0.0) & (rate1 < 0.0)
     worth = jnp.concatenate([(z1 > 0.0)[rises] | dipping[rises], turned])
-    none = Crossing(jnp.asarray(-1), step, step)
+    none = Crossing(jnp.asarray(-1), step, step, jnp.asarray(False))
     search = lambda: _first_crossing(before, after, step, active, best, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(worth), search, lambda: none)
 
@@ -161,4 +181,5 @@ def _first_crossing(
     fraction = where[which]
     reach = jnp.concatenate([far, jnp.ones_like(peak)])[which]
     found = jnp.isfinite(fraction)
-    return Crossing(jnp.where(found, which, -1), jnp.where(found, fraction, 1.0) * step, reach * step)
+    alone = jnp.sum(jnp.isfinite(where)) == 1
+    return Crossing(jnp.where(found, which, -1), jnp.where(found, fraction, 1.0) * step, reach * step, alone)

@@ -16,11 +16,13 @@ from jaxtyping import Array, Float
 
 from ..mechanisms.hybrid import HybridSystem
 from .lanes import Lanes, through
-from .run import Options, Result, run
+from .options import Options
+from .run import Result, run
 
 # How closely steps land on events while sensitivities ride along [s]: where a parameter moves the arrival of an impact
 # by 0.05 s, that much of the force's slope is in the sensitivity at its peak, and cancels at the peak only.
 EVENT_TIME = 1e-10
+SHORTFALL = 1e-12  # and on maxima, of their height
 
 
 def solve(
@@ -47,7 +49,7 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
     leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
-    options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME))
+    options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
     # Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a tolerance.
     sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
 

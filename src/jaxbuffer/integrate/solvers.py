@@ -81,7 +81,7 @@ class DiagonallyImplicit(Solver):
     """
 
     method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.KenCarp4)
-    caution: float = 30.0
+    caution: float = 20.0
 
     @property
     def methods(self):

@@ -35,16 +35,15 @@ class Step(NamedTuple):
 
 class _Stages(NamedTuple):
     """Stages on their way: which one is being solved for, how often it was improved, what the earlier ones add up to
-    and the state there; all slopes so far times the pace, the last state and slope, the error of a stage given up."""
+    and the guess of what this one adds; all slopes so far times the pace (the last one as it is); the norm of the error
+    of a stage given up."""
 
     i: Int[Array, ""]
     tries: Int[Array, ""]
     known: Columns
-    here: Columns
+    guess: Columns
     slopes: Float[Array, "stages state lanes"]
-    end: Columns
-    slope: Columns
-    left: Columns
+    left: Float[Array, ""]
 
 
 def take(
@@ -74,42 +73,43 @@ def take(
     def known_of(i: Int[Array, ""] | int, slopes: Array) -> Columns:
         return columns + _weighted(method.weights, method.first + i, slopes)
 
+    last = method.stages - 1
+
     def improved(s: _Stages) -> _Stages:
-        slope = field(times[s.i], s.here)
-        change, gain, size = none, pace[s.i] * slope, jnp.zeros(())
-        implicit = (jnp.asarray(method.gamma) > 0.0) & (s.i < method.stages - 1)
+        slope = field(times[s.i], s.known + s.guess)
+        change, size = none, jnp.zeros(())
+        gain = jnp.where(s.i < last, pace[s.i], 1.0) * slope
         if solve is not None:
+            implicit = (jnp.asarray(method.gamma) > 0.0) & (s.i < last)
 
-            def newton() -> tuple[Columns, Columns, Array]:
-                change = solve(s.known + shift * slope - s.here)
-                size = jnp.sqrt(jnp.max(jnp.mean((change / allowance) ** 2, axis=0)))
-                return change, (s.here + change - s.known) / method.gamma, size
+            def newton() -> tuple[Columns, Array]:
+                change = solve(shift * slope - s.guess)
+                return change, jnp.sqrt(jnp.max(jnp.mean((change / allowance) ** 2, axis=0)))
 
-            change, gain, size = lax.cond(implicit, newton, lambda: (change, gain, size))
+            change, size = lax.cond(implicit, newton, lambda: (change, size))
+            gain = jnp.where(implicit, (s.guess + change) * (1.0 / method.gamma), gain)
         solved = ~(size > SOLVED)
         done = solved | (s.tries >= MOST_IMPROVEMENTS)
         hopeless = done & ~solved
-        here, slopes = s.here + change, put(s.slopes, gain, s.i, 0)
-        known = known_of(s.i + 1, slopes)
+        slopes = put(s.slopes, gain, s.i, 0)
         return _Stages(
             i=jnp.where(hopeless, method.stages, s.i + done),
             tries=jnp.where(done, 0, s.tries + 1),
-            known=jnp.where(done, known, s.known),
-            here=jnp.where(done, known + jnp.where(s.i < method.stages - 2, method.gamma, 0.0) * gain, here),
+            known=jnp.where(done & (s.i < last), known_of(s.i + 1, slopes), s.known),
+            guess=jnp.where(done, jnp.where(s.i < last - 1, method.gamma, 0.0) * gain, s.guess + change),
             slopes=slopes,
-            end=here,
-            slope=slope,
-            left=jnp.where(hopeless, jnp.abs(change) / SOLVED, s.left),
+            left=jnp.where(hopeless, size / SOLVED, s.left),
         )
 
     slopes = jnp.zeros((len(method.nodes), *columns.shape)).at[0].set(pace[0] * rate)
-    known = known_of(1, slopes)
     one = jnp.asarray(1)
-    s = _Stages(one, 0 * one, known, known + method.gamma * slopes[0], slopes, columns, rate, none)
+    s = _Stages(one, 0 * one, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()))
     s = lax.while_loop(lambda s: s.i < method.stages, improved, s)
-    error, coarser = (_weighted(method.errors, k, s.slopes) for k in range(2))
+    errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)
+    error, coarser = (_weighted(errors, k, s.slopes) for k in range(2))
     error = error**2 / jnp.sqrt(error**2 + 0.01 * coarser**2 + 1e-300)
-    return Step(s.end, s.slope, error + s.left, jnp.asarray(method.order, float))
+    slope = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False)
+    return Step(s.known, slope, error + s.left * allowance, jnp.asarray(method.order, float))
 
 
 class Shifted(NamedTuple):

@@ -72,6 +72,10 @@ class Assembled(HybridSystem):
     size: tuple[Scalar, Scalar] = (1.0, 1.0)
 
     @property
+    def coordinates(self) -> int:
+        return self.system.coordinates
+
+    @property
     def jumps(self) -> bool:
         return any(contact.pair.law.jumps for contact in self.contacts)
 
@@ -169,8 +173,7 @@ class Assembled(HybridSystem):
         self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Linearisation:
         """Nothing is known to be stiff: explicit steps are held by their error alone."""
-        n = self.system.coordinates
-        return Linearisation.none(n, n)
+        return Linearisation.none(self.coordinates, self.coordinates)
 
 
 def _row(values: list) -> Float[Array, " n"]:

@@ -69,6 +69,10 @@ class CaptureMechanism(HybridSystem):
     # --- the state's layout -------------------------------------------------------------------------------------------
 
     @property
+    def coordinates(self) -> int:
+        return N
+
+    @property
     def spins(self) -> int:
         """Number of tip spins in the state."""
         return int(self.design.probe.free_tip)
@@ -269,6 +273,25 @@ class CaptureMechanism(HybridSystem):
         velocity = [speed, speed, speed / 0.1]
         spin = [speed / self.design.probe.tip_radius] * self.spins
         return stacked(position * 4 + velocity * 4 + spin + [energy] * 4 + [speed] * 2)
+
+    def stored(
+        self, state: Float[Array, " state"], active: Float[Array, " flanks"]
+    ) -> tuple[Scalar, Scalar, Float[Array, ""]]:
+        """Energy in motion, in the springs and in the contacts [J]."""
+        kin = self.kinematics(state)
+        kinetic = self.system.kinetic_energy(kin.v)
+        if self.spins:
+            kinetic = kinetic + 0.5 * self.probe.tip_inertia * state[2 * N] ** 2
+        elastic = self.pair.stored_energy(self.rounded(self.approach(kin, state)))
+        return kinetic, self.system.stored_energy(kin), jnp.sum(self.exerting(active) * elastic)
+
+    def invariant(self, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Float[Array, ""]:
+        """Energy, losses included, over that of the approach. The smooth law's and the published arms' forces do work
+        that no ledger holds."""
+        if self.smooth or self.design.contact.arms == "published":
+            return jnp.zeros(())
+        approach = 0.5 * self.design.active.mass * self.scenario.approach_speed**2
+        return (sum(self.stored(state, active)) + jnp.sum(self.losses(state))) / approach
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A fifteenth of the duration of an impact of the probe's mass at the memorised speed [s]."""

@@ -53,6 +53,11 @@ class HybridSystem(eqx.Module):
     """
 
     @property
+    def coordinates(self) -> int:
+        """How many coordinates the state begins with; as many velocities, their rates, follow."""
+        raise NotImplementedError
+
+    @property
     def jumps(self) -> bool:
         """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
         return False
@@ -66,7 +71,8 @@ class HybridSystem(eqx.Module):
         raise NotImplementedError
 
     def gaps(self, state: State) -> Float[Array, " contacts"]:
-        """Distance of each contact [m]; crossing zero downwards closes it (touchdown), upwards opens it (release)."""
+        """Distance of each contact [m], a function of the coordinates alone; crossing zero downwards closes it
+        (touchdown), upwards opens it (release)."""
         raise NotImplementedError
 
     def touchdown(self, state: State, rate: State, contact: Int[Array, ""]) -> State:
@@ -89,8 +95,13 @@ class HybridSystem(eqx.Module):
         """Magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError
 
+    def invariant(self, state: State, active: Active) -> Float[Array, ""]:
+        """What the motion within a mode does not change, of a size of the order of one: a step that changes it is
+        wrong by that much. Zero where nothing of the kind is known."""
+        return jnp.zeros(())
+
     def impact_step(self, state: State) -> Float[Array, ""]:
-        """A first step after a touchdown [s], small against the impact's duration."""
+        """A first step after a touchdown [s], a fifteenth of the impact's duration."""
         raise NotImplementedError
 
     def linearisation(self, time: Float[Array, ""], state: State, active: Active) -> Linearisation:

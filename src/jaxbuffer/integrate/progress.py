@@ -1,0 +1,106 @@
+"""Where a run stands from one trip of its loop to the next."""
+
+import enum
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..mechanisms.hybrid import HybridSystem
+from .controller import Pace
+from .events import Guards
+from .landing import Landing
+from .lanes import Rows
+from .log import Kind, Log, Steps
+from .options import Options
+
+
+class Status(enum.IntEnum):
+    """How a run ended. Values from 0 up to ``TIMEOUT`` are the system's terminal guards, in order."""
+
+    RUNNING = -1
+    TIMEOUT = 100
+    TOO_MANY_STEPS = 101
+    STEP_TOO_SMALL = 102
+    NOT_FINITE = 103
+    LOG_FULL = 104
+
+
+class Place(NamedTuple):
+    """A point of the motion: time, state and sensitivities, their rate, guards."""
+
+    time: Float[Array, ""]
+    rows: Rows
+    rate: Rows
+    guards: Guards
+
+
+class Progress(NamedTuple):
+    """What the loop carries: the place ``at`` which the next step starts; the end ``ahead`` of a step that stands while
+    a maximum within it is looked at; closed contacts; each observable's ``best`` so far; when a contact closed last;
+    how far steps go, and went before that contact; a landing under way; whether the rate has to be found anew; status,
+    count of attempts and records.
+    """
+
+    at: Place
+    ahead: Place
+    active: Float[Array, " contacts"]
+    best: Float[Array, " observables"]
+    touched: Float[Array, ""]
+    pace: Pace
+    before_contact: Pace
+    landing: Landing
+    renew: Bool[Array, ""]
+    status: Int[Array, ""]
+    attempts: Int[Array, ""]
+    log: Log
+    steps: Steps
+
+
+def begin(
+    system: HybridSystem,
+    start: Rows,
+    active: Float[Array, " contacts"],
+    duration: Float[Array, ""],
+    options: Options,
+) -> Progress:
+    """The loop's first state. A run may start in contact: that is its first touchdown.
+
+    Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
+    compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps.
+    """
+    zero, one = jnp.zeros(()), jnp.ones(())
+    contacts = active.shape[0]
+    shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
+    none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
+    guards = Guards(none, none, none, terminal, terminal, value, value, zero)
+    log = Log.empty(options.max_events, start, contacts, value.shape[0])
+    highest = after_touchdown(system, zero, start[0], active) if system.jumps else value
+    first_step = options.tolerance.first_step(start.shape[0]) * system.impact_step(start[0])
+    pace = Pace.of(jnp.minimum(first_step, duration), len(options.solver.methods))
+    place = Place(zero, start, jnp.zeros_like(start), guards)
+    for contact in range(contacts):
+        log = log.append(
+            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, highest, one, active, start
+        )
+    return Progress(
+        at=place,
+        ahead=place,
+        active=active,
+        best=guards.value,
+        touched=zero,
+        pace=pace,
+        before_contact=pace,
+        landing=Landing.none(),
+        renew=jnp.asarray(True),
+        status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
+        attempts=jnp.asarray(0),
+        log=log,
+        steps=Steps.empty(options.keep, start[0], contacts),
+    )
+
+
+def after_touchdown(system: HybridSystem, time: Array, state: Array, active: Array) -> Float[Array, " observables"]:
+    """All observables of a state whose rate is not yet known."""
+    return system.observables(state, system.derivative(time, state, active), active)
