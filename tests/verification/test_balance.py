@@ -53,6 +53,17 @@ def test_no_design_is_an_exception(evidence, free_tip, count):
     evidence(TOPIC, f"energy, worst of {count} random designs, {tip} tip, default settings", worst, 1e-6, SOURCE)
 
 
+@pytest.mark.slow
+def test_no_tolerance_is_an_exception_either():
+    """Where a tip begins to roll within an explicit step, the estimate of its error may miss that: of a thousand such
+    captures six lost up to 13 times the tolerance before steps had to keep the energy. The worst measured: 0.6 times."""
+    for seed in range(50):
+        design, scenario = random_case(seed, free_tip=True)
+        for rtol in np.geomspace(0.8e-6, 1.25e-6, 6):
+            capture = simulate(design, scenario, rtol=rtol)
+            assert abs(float(capture.balance.energy)) < rtol
+
+
 @each_capture
 def test_ledger_starts_from_the_kinetic_energy_of_the_approach(name):
     """½ (m_S + m_B + m_P) v0² + ½ I_T θ̇_T0², by hand."""

@@ -105,7 +105,8 @@ def take(
     one = jnp.asarray(1)
     s = _Stages(one, 0 * one, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()))
     s = lax.while_loop(lambda s: s.i < method.stages, improved, s)
-    errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)
+    # all slopes but the last are kept times the pace
+    errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)[None]
     error, coarser = (_weighted(errors, k, s.slopes) for k in range(2))
     error = error**2 / jnp.sqrt(error**2 + 0.01 * coarser**2 + 1e-300)
     slope = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False)
