@@ -12,7 +12,7 @@ GUARD, MAXIMUM = 0, 1
 
 
 def landed(target, first, guard, rate, shortfall=0.0):
-    """The lengths tried, and the verdict on the last, where steps of a length end with a guard of this value and rate."""
+    """The lengths tried, and the verdict on the last, where a step's length gives the guard this value and rate."""
     ends = [jnp.array([guard(x)] * 2) for x in (0.0, LENGTH)]
     crossing = Crossing(jnp.asarray(target), jnp.asarray(first), jnp.asarray(LENGTH), jnp.asarray(True))
     landing, tried = Landing.begin(crossing, *ends, jnp.asarray(0), jnp.asarray(False)), []

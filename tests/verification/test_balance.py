@@ -56,7 +56,7 @@ def test_no_design_is_an_exception(evidence, free_tip, count):
 @pytest.mark.slow
 def test_no_tolerance_is_an_exception_either():
     """Where a tip begins to roll within an explicit step, the estimate of its error may miss that: of a thousand such
-    captures six lost up to 13 times the tolerance before steps had to keep the energy. The worst measured: 0.6 times."""
+    captures six lost up to 13 times the tolerance before steps had to keep the energy. Worst measured: 0.6 times."""
     for seed in range(50):
         design, scenario = random_case(seed, free_tip=True)
         for rtol in np.geomspace(0.8e-6, 1.25e-6, 6):
