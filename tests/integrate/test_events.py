@@ -14,7 +14,7 @@ def thrown(gap, time):
     """A ball that leaves a surface, thrown up from ``gap`` [m]."""
     height = gap + SPEED * time - 0.5 * FALL * time**2
     rate, bend = jnp.array([SPEED - FALL * time]), jnp.array([-FALL])
-    return Guards(jnp.array([height]), rate, bend, NONE, NONE, NONE, NONE, jnp.zeros(()))
+    return Guards(jnp.array([height]), rate, bend, NONE, NONE, NONE, NONE, jnp.zeros(()), jnp.zeros(()))
 
 
 @pytest.mark.parametrize("left", [0.0, -1e-15, 1e-15])

@@ -19,7 +19,7 @@ NEAR_BEST = 0.8  # of the best so far: from here on an observable of the state's
 
 class Guards(NamedTuple):
     """Guards and observables at one instant, with their time derivatives (of gaps the second one too), and what the
-    motion does not change."""
+    motion does not change with its rounding."""
 
     gap: Float[Array, " contacts"]
     gap_rate: Float[Array, " contacts"]
@@ -29,6 +29,7 @@ class Guards(NamedTuple):
     value: Float[Array, " observables"]
     slope: Float[Array, " observables"]
     invariant: Float[Array, ""]
+    rounding: Float[Array, ""]
 
 
 def signed(
@@ -61,8 +62,7 @@ def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active
     )
     value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
     slope = jnp.where(of_rate & ~near, 1e-300, slope)
-    invariant = system.invariant(state, active)
-    return Guards(gap, gap_rate, gap_bend, terminal, terminal_rate, value, slope, invariant)
+    return Guards(gap, gap_rate, gap_bend, terminal, terminal_rate, value, slope, *system.invariant(state, active))
 
 
 def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[Array, ""]:
@@ -73,7 +73,7 @@ def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[A
     closing = 2.0 * gap / jnp.maximum(root - rate, 1e-300)
     turning = (rate + root) / jnp.where(bend < 0.0, -bend, 1.0)
     at = jnp.where(rate < 0.0, closing, jnp.where(bend < 0.0, turning, jnp.inf))
-    return jnp.min(jnp.where((active < 0.5) & (square > 0.0) & (gap > 0.0), at, jnp.inf))
+    return jnp.min(jnp.where((active < 0.5) & (square > 0.0) & (gap > 0.0), at, jnp.inf), initial=jnp.inf)
 
 
 class Crossing(NamedTuple):

@@ -74,7 +74,7 @@ def begin(
     contacts = active.shape[0]
     shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
     none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
-    guards = Guards(none, none, none, terminal, terminal, value, value, zero)
+    guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
     log = Log.empty(options.max_events, start, contacts, value.shape[0])
     highest = after_touchdown(system, zero, start[0], active) if system.jumps else value
     first_step = options.tolerance.first_step(start.shape[0]) * system.impact_step(start[0])

@@ -81,7 +81,7 @@ def run(
         after = observe(system, c.at.time + step, trial.end[0], trial.rate[0], c.active, c.best)
         # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say.
         lost = jnp.where(first, 0.0, jnp.abs(after.invariant - c.at.guards.invariant))
-        norm = jnp.maximum(norm, lost / (CONSERVED * options.tolerance.rtol))
+        norm = jnp.maximum(norm, lost / (CONSERVED * options.tolerance.rtol + after.rounding))
         finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
         fits = norm <= 1.0
 

@@ -28,6 +28,7 @@ from .design import Design, Scenario
 from .hybrid import HybridSystem, Linearisation
 from .stiffness import linearisation
 
+ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ of the model's section 5
 LOSSES = ("axial damper", "torsional damper", "contact", "friction")
 
@@ -285,13 +286,18 @@ class CaptureMechanism(HybridSystem):
         elastic = self.pair.stored_energy(self.rounded(self.approach(kin, state)))
         return kinetic, self.system.stored_energy(kin), jnp.sum(self.exerting(active) * elastic)
 
-    def invariant(self, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Float[Array, ""]:
-        """Energy, losses included, over that of the approach. The smooth law's and the published arms' forces do work
-        that no ledger holds."""
+    def invariant(
+        self, state: Float[Array, " state"], active: Float[Array, " flanks"]
+    ) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """Energy, losses included, over that of the approach; its rounding is mostly the positions'. The smooth law's
+        and the published arms' forces do work that no ledger holds."""
         if self.smooth or self.design.contact.arms == "published":
-            return jnp.zeros(())
+            return super().invariant(state, active)
+        kin = self.kinematics(state)
         approach = 0.5 * self.design.active.mass * self.scenario.approach_speed**2
-        return (sum(self.stored(state, active)) + jnp.sum(self.losses(state))) / approach
+        total = sum(self.stored(state, active)) + jnp.sum(self.losses(state))
+        forces = jnp.sum(self.contact(kin, state, active).normal) + jnp.abs(self.axial.tension(kin))
+        return total / approach, ROUNDED * (1.0 + forces / approach)
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A fifteenth of the duration of an impact of the probe's mass at the memorised speed [s]."""

@@ -95,10 +95,10 @@ class HybridSystem(eqx.Module):
         """Magnitude below which an error in each component of the state does not matter in itself."""
         raise NotImplementedError
 
-    def invariant(self, state: State, active: Active) -> Float[Array, ""]:
-        """What the motion within a mode does not change, of a size of the order of one: a step that changes it is
-        wrong by that much. Zero where nothing of the kind is known."""
-        return jnp.zeros(())
+    def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """What the motion within a mode does not change, of a size of the order of one, and how much of it may be
+        rounding: a step that changes it by more is wrong by that. Zeros where nothing of the kind is known."""
+        return jnp.zeros(()), jnp.zeros(())
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """A first step after a touchdown [s], a fifteenth of the impact's duration."""
