@@ -19,10 +19,12 @@ from .lanes import Lanes, through
 from .options import Options
 from .run import Result, run
 
-# How closely steps land on events while sensitivities ride along [s]: where a parameter moves the arrival of an impact
-# by 0.05 s, that much of the force's slope is in the sensitivity at its peak, and cancels at the peak only.
-EVENT_TIME = 1e-10
-SHORTFALL = 1e-12  # and on maxima, of their height
+# How closely steps land on events while sensitivities ride along [s], and on maxima, of their height: where a parameter
+# moves the arrival of an impact by a second, that much of the force's slope is in the sensitivity at its peak, and
+# cancels at the peak only.
+EVENT_TIME = 1e-12
+SHORTFALL = 1e-16
+
 
 
 def solve(
