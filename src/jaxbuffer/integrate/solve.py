@@ -26,7 +26,6 @@ EVENT_TIME = 1e-12
 SHORTFALL = 1e-16
 
 
-
 def solve(
     build: Callable[..., HybridSystem], parameters: Any, duration: Float[Array, ""] | float, options: Options
 ) -> Result:
