@@ -87,8 +87,8 @@ def run(
 
         # A step that holds an event is taken again, shortened until it ends on the event: the run goes on from there.
         # Only where that is a maximum and nothing else, the step itself stands, and the run goes on from its end.
-        patient = c.landing.tries < MAX_TRIES
-        crossing = first_crossing(c.at.guards, after, step, c.active, c.best, c.landing.target, patient)
+        maxima = fits & (c.landing.tries < MAX_TRIES)
+        crossing = first_crossing(c.at.guards, after, step, c.active, c.best, c.landing.target, maxima)
         guard, guard_rate = signed(after, c.active)
         own = each_observable == c.landing.target - rated
         shortfall = options.shortfall * jnp.sum(jnp.where(own, jnp.abs(after.value), 0.0))
@@ -111,7 +111,7 @@ def run(
         if lanes.count:
             trial = lax.cond(
                 accept,
-                lambda: take(lanes, c.at.rows, c.at.rate),
+                lambda: _behind(trial, take(lanes, c.at.rows, c.at.rate)),
                 lambda: Step(c.at.rows, c.at.rate, jnp.zeros_like(c.at.rows), trial.order),
             )
             norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.at.rows, trial.end, scales))
@@ -198,7 +198,7 @@ def run(
             pace=pace,
             before_contact=_where(closing, c.pace, c.before_contact),
             landing=next_landing,
-            renew=closing & system.jumps,
+            renew=closing & system.jumps | opening & bool(lanes.count),
             status=status,
             attempts=attempts,
             log=log,
@@ -226,6 +226,11 @@ def _step(
     step = solver.step(which, field, stiff, time, columns(rows), columns(rate), stride, allowed)
     back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
     return Step(back(step.end), back(step.rate), back(step.error), step.order)
+
+
+def _behind(state: Step, rows: Step) -> Step:
+    """Rows behind the state that was judged: with them an implicit stage may be iterated once more, or once less."""
+    return rows._replace(end=rows.end.at[0].set(state.end[0]), rate=rows.rate.at[0].set(state.rate[0]))
 
 
 def _shifted(step: Step, offset: Float[Array, ""], n: int) -> Rows:

@@ -102,8 +102,9 @@ def take(
         )
 
     slopes = jnp.zeros((len(method.nodes), *columns.shape)).at[0].set(pace[0] * rate)
-    one = jnp.asarray(1)
-    s = _Stages(one, 0 * one, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()))
+    # a step of length zero is asked for the derivative alone, which is the last stage's
+    begin = jnp.where(stride.length > 0.0, 1, last)
+    s = _Stages(begin, 0 * begin, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()))
     s = lax.while_loop(lambda s: s.i < method.stages, improved, s)
     # all slopes but the last are kept times the pace
     errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)[None]
