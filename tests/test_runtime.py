@@ -20,14 +20,17 @@ def flags(monkeypatch):
     return configured
 
 
-def test_one_kernel_and_quick_compilation(flags):
-    assert flags("") == [runtime.ONE_KERNEL, *runtime.QUICK_COMPILATION]
+OURS = [runtime.ONE_KERNEL + runtime.SHORT_LOOPS, *runtime.QUICK_COMPILATION, runtime.WIDE_VECTORS]
+
+
+def test_all_flags_of_a_version_that_was_tried(flags):
+    assert flags("") == OURS
 
 
 def test_what_is_set_already_stays(flags):
     found = flags("--xla_cpu_parallel_codegen_split_count=8 --xla_force_host_platform_device_count=2")
     assert found[:2] == ["--xla_cpu_parallel_codegen_split_count=8", "--xla_force_host_platform_device_count=2"]
-    assert len(found) == 2 + len(runtime.QUICK_COMPILATION)
+    assert len(found) == 1 + len(OURS)
     assert flags(" ".join(found)) == found
 
 
