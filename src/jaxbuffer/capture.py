@@ -15,21 +15,10 @@ from .errors import InputError, check_number
 from .first_impact import FirstImpact, predict
 from .history import History, history, trimmed
 from .integrate import Log, Options, Solver, Status, Tolerance, solve
+from .ledger import Balance, Energy, balance
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.design import POSITIVE
-from .metrics import (
-    Balance,
-    Energy,
-    Impacts,
-    balance,
-    contact_time,
-    energy,
-    impacts,
-    maxima,
-    moving_events,
-    state_at,
-    throat,
-)
+from .metrics import Impacts, contact_time, impacts, maxima, moving_end, moving_events, survey, throat
 from .outcome import Outcome, outcome_code
 from .programs import kept
 
@@ -184,11 +173,14 @@ def _simulate(
         options, tolerance=Tolerance(*tolerances), event_time=_event_time(mechanism, rtol), shortfall=rtol
     )
     result = solve(CaptureMechanism, parameters, duration, options)
-    log = moving_events(mechanism, result.log, result.status < Status.TIMEOUT)
+    log = moving_end(mechanism, result.log, result.rate, result.status < Status.TIMEOUT)
+    seen = survey(mechanism, log)
+    log = moving_events(log, seen)
     code = outcome_code(result.status)
     ok = code < Outcome.failed_steps
     top = maxima(mechanism, log)
-    hits = impacts(mechanism, log)
+    hits = impacts(mechanism, log, seen)
+    energy, conserved = balance(mechanism, log, seen.drift)
     last = jnp.maximum(log.count - 1, 0)
     throat_distance, margin = throat(mechanism, log, duration)
     slots = hits.time.shape[0]
@@ -214,8 +206,8 @@ def _simulate(
         impact_count=hits.count,
         impacts=hits,
         first_impact=predict(mechanism),
-        energy=energy(mechanism, state_at(log, last), log.active[last]),
-        balance=balance(mechanism, log),
+        energy=energy,
+        balance=conserved,
         log=log,
         history=history(mechanism, result.steps) if options.keep else None,
         attempts=result.attempts,

@@ -7,9 +7,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .integrate import Steps
+from .ledger import Energy, energy
 from .mechanisms.assembly import N
 from .mechanisms.capture import CaptureMechanism
-from .metrics import BUFFER_FORCE, HINGE_ANGLE, HINGE_FORCE, STROKE, Energy, energy
+from .metrics import BUFFER_FORCE, HINGE_ANGLE, HINGE_FORCE, STROKE
 
 BODIES = ("active", "cylinder", "probe", "passive")
 MULTIPLIERS = ("hinge x", "hinge y", "prismatic moment", "prismatic force")

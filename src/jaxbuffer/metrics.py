@@ -12,7 +12,6 @@ from jaxtyping import Array, Bool, Float, Int
 from .integrate import Kind, Log
 from .mechanisms.assembly import N
 from .mechanisms.capture import CaptureMechanism
-from .multibody import Kinematics
 
 FLANKS = 2
 HINGE_FORCE, BUFFER_FORCE, STROKE, HINGE_ANGLE = 2, 3, 4, 5  # observables, after the contact forces of both flanks
@@ -88,21 +87,49 @@ def _peak_time(
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
-def moving_events(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Log:
-    """The same log, whose events move with the parameters: touchdowns, releases and an end by a guard at the time the
-    guard crosses zero, and the last state at the end's own time instead of a fixed one. Values stay as they are."""
+def moving_end(mechanism: CaptureMechanism, log: Log, rate: Float[Array, " state"], by_guard: Bool[Array, ""]) -> Log:
+    """The same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero, and
+    the last state with it. Values stay as they are; ``rate``: the last state's."""
     last = jnp.maximum(log.count - 1, 0)
-    flank = log.which % FLANKS
-    gap = jax.vmap(lambda row, flank: mechanism.gaps(row)[flank])(log.rows[:, 0], flank)
+    end = state_at(log, last)
+    terminal = mechanism.terminals(end)[jnp.clip(log.which[last], 0, 1)]
+    time = _shifted(log.time[last], jnp.where(by_guard, terminal, 0.0), log.guard_rate[last])
+    rows = log.rows.at[last, 0].set(_carried(end, jax.lax.stop_gradient(rate), time))
+    return dataclasses.replace(log, time=log.time.at[last].set(time), rows=rows)
+
+
+class Survey(NamedTuple):
+    """What each entry of a log shows, of both flanks: gap [m] and contact force [N]; the constraints' largest error
+    [m, rad]."""
+
+    gap: Float[Array, "slots flanks"]
+    force: Float[Array, "slots flanks"]
+    drift: Float[Array, " slots"]
+
+
+def survey(mechanism: CaptureMechanism, log: Log) -> Survey:
+    """One look at every entry."""
+
+    def look(slot: Array) -> Survey:
+        state, active = state_at(log, slot), log.active[slot]
+        kin = mechanism.kinematics(state)
+        seen = mechanism.contact(kin, state, active)
+        force = seen.normal
+        if mechanism.jumps:
+            highest = state_of_maximum(mechanism, log, slot)
+            force = mechanism.contact(mechanism.kinematics(highest), highest, active).normal
+        drift = jnp.max(jnp.abs(mechanism.system.constraints(kin).phi))
+        return Survey(seen.approach.gap, force, drift)
+
+    return jax.vmap(look)(jnp.arange(log.kind.shape[0]))
+
+
+def moving_events(log: Log, seen: Survey) -> Log:
+    """The same log, whose touchdowns and releases move with the parameters: to the time at which the gap is zero."""
+    gap = jnp.take_along_axis(seen.gap, (log.which % FLANKS)[:, None], axis=1)[:, 0]
     touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
     guard = jnp.where(touch, -gap, jnp.where(log.kind == Kind.RELEASE, gap, 0.0))
-    end, active = state_at(log, last), log.active[last]
-    terminal = mechanism.terminals(end)[jnp.clip(log.which[last], 0, 1)]
-    guard = guard.at[last].set(jnp.where(by_guard, terminal, guard[last]))
-    time = jax.vmap(_shifted)(log.time, guard, log.guard_rate)
-    fixed, at = jax.lax.stop_gradient((mechanism, end))  # no derivative of the rate is asked for
-    rate = fixed.derivative(log.time[last], at, active)
-    return dataclasses.replace(log, time=time, rows=log.rows.at[last, 0].set(_carried(end, rate, time[last])))
+    return dataclasses.replace(log, time=jax.vmap(_shifted)(log.time, guard, log.guard_rate))
 
 
 @jax.custom_jvp
@@ -143,20 +170,12 @@ class Impacts(eqx.Module):
     count: Int[Array, ""]
 
 
-def impacts(mechanism: CaptureMechanism, log: Log) -> Impacts:
+def impacts(mechanism: CaptureMechanism, log: Log, seen: Survey) -> Impacts:
     """All impacts of a run whose log's events move (`moving_events`)."""
-    touch = log.kind == Kind.TOUCHDOWN
-
-    def forces(row: Array, active: Array) -> Array:
-        return mechanism.contact(mechanism.kinematics(row), row, active).normal
-
-    flank = log.which % FLANKS
+    touch, flank = log.kind == Kind.TOUCHDOWN, log.which % FLANKS
     speed = jax.vmap(lambda row, flank: mechanism.memory(row)[flank])(log.rows[:, 0], flank)
     top, release = _impact_ends(log)
-    highest = jax.vmap(lambda slot, flank: forces(state_of_maximum(mechanism, log, slot), log.active[slot])[flank])(
-        top, flank
-    )
-    peak = jnp.maximum(highest, 0.0)
+    peak = jnp.maximum(seen.force[top, flank], 0.0)
 
     picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]
@@ -214,69 +233,3 @@ def contact_time(log: Log) -> Float[Array, ""]:
     inside = (jnp.arange(log.kind.shape[0]) < last) & touching
     following = jnp.append(log.time[1:], 0.0)
     return jnp.sum(jnp.where(inside, following - log.time, 0.0))
-
-
-class Energy(eqx.Module):
-    """The ledger at one instant [J]: kinetic, springs, elastic contact, and what was lost so far."""
-
-    kinetic: Float[Array, "..."]
-    spring: Float[Array, "..."]
-    contact: Float[Array, "..."]
-    axial_damper: Float[Array, "..."]
-    torsional_damper: Float[Array, "..."]
-    hysteresis: Float[Array, "..."]
-    friction: Float[Array, "..."]
-
-    @property
-    def dissipated(self) -> Float[Array, "..."]:
-        """Everything lost [J]."""
-        return self.axial_damper + self.torsional_damper + self.hysteresis + self.friction
-
-    @property
-    def total(self) -> Float[Array, "..."]:
-        """The sum, constant in time [J]."""
-        return self.kinetic + self.spring + self.contact + self.dissipated
-
-
-def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Energy:
-    """The ledger of one state."""
-    return Energy(*map(jnp.asarray, mechanism.stored(state, active)), *mechanism.losses(state))
-
-
-class Balance(eqx.Module):
-    """What should not change, and by how much it did over the run.
-
-    ``energy``: relative to the initial energy; ``linear_momentum`` relative to m_S v0, ``angular_momentum`` to
-    m_S v0 · 1 m; ``drift``: largest constraint error [m, rad] at any located event.
-    """
-
-    energy: Float[Array, ""]
-    linear_momentum: Float[Array, ""]
-    angular_momentum: Float[Array, ""]
-    drift: Float[Array, ""]
-
-
-def balance(mechanism: CaptureMechanism, log: Log) -> Balance:
-    """Conservation over a whole run, from its first state to its last."""
-    first, active = mechanism.start()
-    last = jnp.maximum(log.count - 1, 0)
-    end = state_at(log, last)
-    before, after = energy(mechanism, first, active), energy(mechanism, end, log.active[last])
-    scale = mechanism.design.active.mass * mechanism.scenario.approach_speed
-
-    def momenta(state: Array) -> tuple[Array, Array]:
-        kin = mechanism.kinematics(state)
-        angular = mechanism.system.angular_momentum(kin.q, kin.v)
-        if mechanism.spins:
-            angular = angular + mechanism.probe.tip_inertia * state[2 * N]
-        return mechanism.system.linear_momentum(kin.v), angular
-
-    (linear_0, angular_0), (linear_1, angular_1) = momenta(first), momenta(end)
-    used = jnp.arange(log.kind.shape[0]) < log.count
-    phi = jax.vmap(lambda row: mechanism.system.constraints(Kinematics(row[:N], row[N : 2 * N])).phi)(log.rows[:, 0])
-    return Balance(
-        energy=(after.total - before.total) / before.total,
-        linear_momentum=jnp.max(jnp.abs(linear_1 - linear_0)) / scale,
-        angular_momentum=jnp.abs(angular_1 - angular_0) / scale,
-        drift=jnp.max(jnp.where(used[:, None], jnp.abs(phi), 0.0)),
-    )

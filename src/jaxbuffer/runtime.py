@@ -10,8 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 ONE_KERNEL = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
-# XLA ends the process at a flag that it does not know: what follows is set only with versions of jaxlib it was tried on.
-TRIED = "0.10."
+# XLA ends the process at a flag that it does not know: what follows is set only with versions that it was tried on.
+TRIED = "0.10."  # of jaxlib
 # Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
 # and with all operations in one module instead of one each (docs/numerics.md).
 QUICK_COMPILATION = (

@@ -10,7 +10,8 @@ from jaxbuffer.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.first_impact import FirstImpact
 from jaxbuffer.history import History
 from jaxbuffer.integrate import Log
-from jaxbuffer.metrics import Balance, Energy, Impacts
+from jaxbuffer.ledger import Balance, Energy
+from jaxbuffer.metrics import Impacts
 from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES, Sensitivity
 from jaxbuffer.sweep import Sweep
 from jaxbuffer.tuning import Problem, Tuned

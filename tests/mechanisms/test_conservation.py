@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer.metrics import energy
+from jaxbuffer.ledger import energy
 from mechanisms.states import PLACES, TIPS, mechanism, pressed
 
 each_place = pytest.mark.parametrize("place", PLACES)

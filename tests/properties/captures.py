@@ -16,8 +16,9 @@ import jaxbuffer as jb
 from jaxbuffer.capture import HISTORY_STEPS
 from jaxbuffer.history import History, history
 from jaxbuffer.integrate import Options, Tolerance, solve
+from jaxbuffer.ledger import Balance, balance
 from jaxbuffer.mechanisms import CaptureMechanism
-from jaxbuffer.metrics import Balance, Impacts, Maxima, balance, impacts, maxima
+from jaxbuffer.metrics import Impacts, Maxima, impacts, maxima, survey
 
 RTOL = 1e-10
 VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of the four bodies are in q
@@ -57,13 +58,13 @@ def _watch(parameters, duration, rtol) -> Seen:
     )
     result = solve(Started, parameters, duration, options)
     mechanism = Started(*parameters)
-    log = result.log
+    log, seen = result.log, survey(mechanism, result.log)
     return Seen(
         result.status,
         log.time[jnp.maximum(log.count - 1, 0)],
         maxima(mechanism, log),
-        impacts(mechanism, log),
-        balance(mechanism, log),
+        impacts(mechanism, log, seen),
+        balance(mechanism, log, seen.drift)[1],
         history(mechanism, result.steps),
         result.accepted,
     )

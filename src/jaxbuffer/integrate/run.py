@@ -31,9 +31,11 @@ OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by th
 
 
 class Result(NamedTuple):
-    """A finished run: ``status`` (see `Status`), located events, kept steps, counts of attempted and accepted steps."""
+    """A finished run: ``status`` (see `Status`), the last state's rate, located events, kept steps, counts of attempted
+    and accepted steps."""
 
     status: Int[Array, ""]
+    rate: Float[Array, " state"]
     log: Log
     steps: Steps
     attempts: Int[Array, ""]
@@ -206,7 +208,7 @@ def run(
         )
 
     end = lax.while_loop(lambda c: c.status == Status.RUNNING, body, beginning)
-    return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
+    return Result(end.status, end.at.rate[0], end.log, end.steps, end.attempts, end.steps.count)
 
 
 def _step(

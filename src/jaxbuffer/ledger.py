@@ -1,0 +1,75 @@
+"""The energy ledger, and what numerical error did to what a capture conserves."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .integrate import Log
+from .mechanisms.assembly import N
+from .mechanisms.capture import CaptureMechanism
+
+
+class Energy(eqx.Module):
+    """The ledger at one instant [J]: kinetic, springs, elastic contact, and what was lost so far."""
+
+    kinetic: Float[Array, "..."]
+    spring: Float[Array, "..."]
+    contact: Float[Array, "..."]
+    axial_damper: Float[Array, "..."]
+    torsional_damper: Float[Array, "..."]
+    hysteresis: Float[Array, "..."]
+    friction: Float[Array, "..."]
+
+    @property
+    def dissipated(self) -> Float[Array, "..."]:
+        """Everything lost [J]."""
+        return self.axial_damper + self.torsional_damper + self.hysteresis + self.friction
+
+    @property
+    def total(self) -> Float[Array, "..."]:
+        """The sum, constant in time [J]."""
+        return self.kinetic + self.spring + self.contact + self.dissipated
+
+
+def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Energy:
+    """The ledger of one state."""
+    return Energy(*map(jnp.asarray, mechanism.stored(state, active)), *mechanism.losses(state))
+
+
+class Balance(eqx.Module):
+    """What should not change, and by how much it did over the run.
+
+    ``energy``: relative to the initial energy; ``linear_momentum`` relative to m_S v0, ``angular_momentum`` to
+    m_S v0 · 1 m; ``drift``: largest constraint error [m, rad] at any located event.
+    """
+
+    energy: Float[Array, ""]
+    linear_momentum: Float[Array, ""]
+    angular_momentum: Float[Array, ""]
+    drift: Float[Array, ""]
+
+
+def balance(mechanism: CaptureMechanism, log: Log, drift: Float[Array, " slots"]) -> tuple[Energy, Balance]:
+    """The ledger at the end of a run, and conservation from its first state to its last, with the constraints' error
+    at each entry of the log."""
+    first, active = mechanism.start()
+    last = jnp.maximum(log.count - 1, 0)
+
+    def conserved(state: Array, active: Array) -> tuple[Energy, Array, Array]:
+        kin = mechanism.kinematics(state)
+        angular = mechanism.system.angular_momentum(kin.q, kin.v)
+        if mechanism.spins:
+            angular = angular + mechanism.probe.tip_inertia * state[2 * N]
+        return energy(mechanism, state, active), mechanism.system.linear_momentum(kin.v), angular
+
+    states, closed = jnp.stack([first, log.rows[last, 0]]), jnp.stack([active, log.active[last]])
+    ledger, linear, angular = jax.vmap(conserved)(states, closed)
+    total, scale = ledger.total, mechanism.design.active.mass * mechanism.scenario.approach_speed
+    used = jnp.arange(log.kind.shape[0]) < log.count
+    return jax.tree.map(lambda both: both[1], ledger), Balance(
+        energy=(total[1] - total[0]) / total[0],
+        linear_momentum=jnp.max(jnp.abs(linear[1] - linear[0])) / scale,
+        angular_momentum=jnp.abs(angular[1] - angular[0]) / scale,
+        drift=jnp.max(jnp.where(used, drift, 0.0)),
+    )
