@@ -88,7 +88,8 @@ def run(
         fits = norm <= 1.0
 
         # A step that holds an event is taken again, shortened until it ends on the event: the run goes on from there.
-        # Only where that is a maximum and nothing else, the step itself stands, and the run goes on from its end.
+        # Only where that is a maximum and nothing else, the step itself stands, and the run goes on from its end. What
+        # a step shows whose error is too large may be a touchdown, but no maximum.
         maxima = fits & (c.landing.tries < MAX_TRIES)
         crossing = first_crossing(c.at.guards, after, step, c.active, c.best, c.landing.target, maxima)
         guard, guard_rate = signed(after, c.active)
@@ -108,8 +109,8 @@ def run(
         found = Landing.begin(crossing, signed(c.at.guards, c.active)[0], guard, tries, stands)
         next_landing = _where(starts, found, going)
 
-        # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
-        # refuse it.
+        # Sensitivities, the dear part, are carried along only where the state's own step stands, behind that very state;
+        # their errors may yet refuse it.
         if lanes.count:
             trial = lax.cond(
                 accept,
