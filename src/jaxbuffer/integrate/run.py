@@ -109,8 +109,8 @@ def run(
         found = Landing.begin(crossing, signed(c.at.guards, c.active)[0], guard, tries, stands)
         next_landing = _where(starts, found, going)
 
-        # Sensitivities, the dear part, are carried along only where the state's own step stands, behind that very state;
-        # their errors may yet refuse it.
+        # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
+        # refuse it.
         if lanes.count:
             trial = lax.cond(
                 accept,
