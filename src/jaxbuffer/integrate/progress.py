@@ -68,7 +68,8 @@ def begin(
     """The loop's first state. A run may start in contact: that is its first touchdown.
 
     Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
-    compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps.
+    compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps, and, with
+    sensitivities, after a release: there the force's derivative goes with the root of a gap of mere rounding.
     """
     zero, one = jnp.zeros(()), jnp.ones(())
     contacts = active.shape[0]

@@ -112,11 +112,15 @@ def run(
         # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
         # refuse it.
         if lanes.count:
-            trial = lax.cond(
-                accept,
-                lambda: _behind(trial, take(lanes, c.at.rows, c.at.rate)),
-                lambda: Step(c.at.rows, c.at.rate, jnp.zeros_like(c.at.rows), trial.order),
-            )
+
+            def follow() -> tuple[Step, tuple[Array, Array]]:
+                step = take(lanes, c.at.rows, c.at.rate)
+                return step, system.invariant(step.end[0], c.active)
+
+            rest = Step(c.at.rows, c.at.rate, jnp.zeros_like(c.at.rows), trial.order)
+            # With rows an implicit stage may be iterated once more: the state then moves, within the tolerance.
+            trial, kept = lax.cond(accept, follow, lambda: (rest, (after.invariant, after.rounding)))
+            after = after._replace(invariant=kept[0], rounding=kept[1])
             norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.at.rows, trial.end, scales))
             finite, refused = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
             accept, dropped = accept & ~refused, dropped | refused
@@ -229,11 +233,6 @@ def _step(
     step = solver.step(which, field, stiff, time, columns(rows), columns(rate), stride, allowed)
     back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
     return Step(back(step.end), back(step.rate), back(step.error), step.order)
-
-
-def _behind(state: Step, rows: Step) -> Step:
-    """Rows behind the state that was judged: with them an implicit stage may be iterated once more, or once less."""
-    return rows._replace(end=rows.end.at[0].set(state.end[0]), rate=rows.rate.at[0].set(state.rate[0]))
 
 
 def _shifted(step: Step, offset: Float[Array, ""], n: int) -> Rows:
