@@ -10,7 +10,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.integrate import ExplicitRungeKutta
 from jaxbuffer.sensitivity import linearised
-from verification.cases import CASES, WELDED
+from verification.cases import CASES
 from verification.designs import PARAMETERS, random_case
 
 STEP = 1e-3
@@ -63,10 +63,10 @@ def test_elasticities_over_random_designs(free_tip, count, capsys):
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
 def test_sensitivities_stop_no_run_and_hold_none_up(rtol):
-    """Whatever the tolerance: every welded reference capture ends as it should, after at most three times the attempts
+    """Whatever the tolerance: every reference capture ends as it should, after at most three times the attempts
     that it takes alone (2.4 measured). A random design besides whose slow slide into the throat holds a maximum that
     only a bad step sees."""
-    cases = [(CASES[name].design, CASES[name].scenario, CASES[name].values["outcome"]) for name in WELDED]
+    cases = [(case.design, case.scenario, case.values["outcome"]) for case in CASES.values()]
     slide = random_case(25)
     cases.append((*slide, jb.simulate(*slide, rtol=1e-8).outcome.name))
     for design, scenario, outcome in cases:
