@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.integrate.events import Guards, first_crossing, next_touchdown
+from jaxbuffer.integrate.events import Guards, first_crossing, next_release, next_touchdown
 
 STEP, SPEED, FALL = 1e-3, 0.1, 500.0  # s, m/s away from the surface, m/s² back to it
 NONE, OPEN = jnp.zeros(0), jnp.zeros(1)
@@ -50,3 +50,43 @@ def test_no_touchdown_is_foreseen(rate, bend, active):
     """Of a ball that leaves, one that turns back before the surface, and one that touches it already."""
     guards = thrown(0.1, 0.0)._replace(gap_rate=jnp.array([rate]), gap_bend=jnp.array([bend]))
     assert float(next_touchdown(guards, jnp.array([active]))) == np.inf
+
+
+@pytest.mark.parametrize("before", [1e-4, 1e-6])
+def test_a_release_is_foreseen(before):
+    """Of a tip that is slowed down exactly; of one that is pushed away as if it were not."""
+    slowed = thrown(-1e-6, 0.0)
+    time = (SPEED - np.sqrt(SPEED**2 - 2.0 * FALL * 1e-6)) / FALL
+    which, foreseen = next_release(slowed, jnp.ones(1))
+    assert int(which) == 0
+    np.testing.assert_allclose(float(foreseen), time, rtol=1e-12)
+    pushed = slowed._replace(gap=jnp.array([-SPEED * before]), gap_bend=jnp.array([FALL]))
+    np.testing.assert_allclose(float(next_release(pushed, jnp.ones(1))[1]), before, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("gap", "rate", "active"), [(-1e-6, -SPEED, 1.0), (-0.1, SPEED, 1.0), (-1e-6, SPEED, 0.0), (1e-6, SPEED, 1.0)]
+)
+def test_no_release_is_foreseen(gap, rate, active):
+    """Of a tip that goes deeper, one that turns back before it is out, of a contact open already, of one left."""
+    guards = thrown(gap, 0.0)._replace(gap=jnp.array([gap]), gap_rate=jnp.array([rate]))
+    assert float(next_release(guards, jnp.array([active]))[1]) == np.inf
+
+
+def observed(value, slope):
+    """Guards of one observable alone."""
+    return Guards(NONE, NONE, NONE, NONE, NONE, jnp.array([value]), jnp.array([slope]), jnp.zeros(()), jnp.zeros(()))
+
+
+def test_a_maximum_between_two_falling_ends_is_seen():
+    """After a maximum that was landed on, an observable may fall and rise to a higher one within a step."""
+    cubic = np.polynomial.Polynomial([0.0, -1.0, 8.0, -6.5])
+    slope = cubic.deriv()
+    assert slope(0.0) < 0.0
+    assert slope(1.0) < 0.0
+    assert cubic(1.0) > cubic(0.0)
+    ends = [observed(cubic(x), slope(x) / STEP) for x in (0.0, 1.0)]
+    best = jnp.array([cubic(0.0)])
+    found = first_crossing(*ends, jnp.asarray(STEP), NONE, best, jnp.asarray(-1), jnp.asarray(True))
+    assert int(found.which) == 0
+    np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-9)

@@ -32,14 +32,22 @@ class Guards(NamedTuple):
     rounding: Float[Array, ""]
 
 
-def signed(
-    guards: Guards, active: Float[Array, " contacts"]
-) -> tuple[Float[Array, " guards"], Float[Array, " guards"]]:
-    """All guards, negative before their event, and the rates of those that have one (0 for maxima)."""
-    sign = jnp.where(active > 0.5, 1.0, -1.0)
+class Signed(NamedTuple):
+    """All guards, negative before their event, with the derivatives that are known (0 for those of maxima, and for
+    second ones of the end's)."""
+
+    value: Float[Array, " guards"]
+    rate: Float[Array, " guards"]
+    bend: Float[Array, " guards"]
+
+
+def signed(guards: Guards, active: Float[Array, " contacts"]) -> Signed:
+    """The guards of contacts, of the run's end and of maxima, in this order."""
+    sign, none = jnp.where(active > 0.5, 1.0, -1.0), jnp.zeros_like(guards.slope)
     value = jnp.concatenate([sign * guards.gap, guards.terminal, -guards.slope])
-    rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, jnp.zeros_like(guards.slope)])
-    return value, rate
+    rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, none])
+    bend = jnp.concatenate([sign * guards.gap_bend, jnp.zeros_like(guards.terminal), none])
+    return Signed(value, rate, bend)
 
 
 def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
@@ -76,6 +84,17 @@ def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[A
     return jnp.min(jnp.where((active < 0.5) & (square > 0.0) & (gap > 0.0), at, jnp.inf), initial=jnp.inf)
 
 
+def next_release(guards: Guards, active: Float[Array, " contacts"]) -> tuple[Int[Array, ""], Float[Array, ""]]:
+    """Which closed contact opens first, and in what time [s] if its gap goes on growing as it does, or more slowly by
+    the acceleration it has; infinite if none does."""
+    gap, rate, slower = guards.gap, guards.gap_rate, jnp.minimum(guards.gap_bend, 0.0)
+    square = rate * rate - 2.0 * slower * gap
+    opens = (active > 0.5) & (gap < 0.0) & (rate > 0.0) & (square > 0.0)
+    at = jnp.where(opens, -2.0 * gap / jnp.where(opens, rate + jnp.sqrt(jnp.maximum(square, 0.0)), 1.0), jnp.inf)
+    which = jnp.argmin(at) if at.shape[0] else jnp.asarray(-1)
+    return which, jnp.min(at, initial=jnp.inf)
+
+
 class Crossing(NamedTuple):
     """The first crossing in a step: which guard (-1: none), where [s from the step's start], the bracket's far end,
     whether the step holds no other."""
@@ -94,7 +113,8 @@ def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Ar
 
 
 def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) -> Float[Array, " n"]:
-    """Where in (0, 1] the Hermite cubic's derivative falls (or rises) through zero, its ends being of opposite sign."""
+    """Where in (0, 1] the Hermite cubic's derivative falls through zero: it is negative at the end, and at the start
+    where the cubic rises only in between."""
     jump = end - start
     a = 3.0 * (rate_start + rate_end - 2.0 * jump)
     b = 2.0 * (3.0 * jump - 2.0 * rate_start - rate_end)
@@ -103,22 +123,27 @@ def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) ->
     q = -0.5 * (b + jnp.where(b >= 0.0, root, -root))
     first = c / jnp.where(q == 0.0, 1.0, q)
     second = q / jnp.where(a == 0.0, 1e-300, a)
-    inside = (first >= 0.0) & (first <= 1.0) & (q != 0.0)
+    inside = (first >= 0.0) & (first <= 1.0) & (q != 0.0) & (c > 0.0)
     return jnp.clip(jnp.where(inside, first, second), 0.0, 1.0)
 
 
-def _cubic_root(z0: Array, z1: Array, m0: Array, m1: Array, far: Array) -> Float[Array, " n"]:
-    """Root of Hermite cubics in (0, far] that are negative at 0 and positive at ``far``: Newton kept in its bracket."""
-    jump = z1 - z0
-    c2, c3 = 3.0 * jump - 2.0 * m0 - m1, m0 + m1 - 2.0 * jump
+def _root(before: Signed, after: Signed, step: Array, far: Array, bent: Array) -> Float[Array, " n"]:
+    """Root in (0, far] of the polynomials through both ends that are negative at 0 and positive at ``far``, by Newton's
+    method kept in its bracket: of degree five where second derivatives are known (``bent``), else three."""
+    z0, m0, m1 = before.value, before.rate * step, after.rate * step
+    jump = after.value - z0
+    b0 = jnp.where(bent, before.bend * step**2, 6.0 * jump - 4.0 * m0 - 2.0 * m1)
+    b1 = jnp.where(bent, after.bend * step**2, 2.0 * m0 + 4.0 * m1 - 6.0 * jump)
+    c2, j, k, n = 0.5 * b0, jump - m0 - 0.5 * b0, m1 - m0 - b0, 0.5 * (b1 - b0)
+    c3, c4, c5 = 10.0 * j - 4.0 * k + n, -15.0 * j + 7.0 * k - 2.0 * n, 6.0 * j - 3.0 * k + n
     low, high = jnp.zeros_like(far), far
     x = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
     for _ in range(7):
-        z = z0 + x * (m0 + x * (c2 + x * c3))
-        slope = m0 + x * (2.0 * c2 + 3.0 * x * c3)
+        z = z0 + x * (m0 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+        slope = m0 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + 5.0 * x * c5)))
         low, high = jnp.where(z < 0.0, x, low), jnp.where(z < 0.0, high, x)
         newton = x - z / jnp.where(slope == 0.0, 1.0, slope)
-        x = jnp.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        x = jnp.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
     return x
 
 
@@ -137,43 +162,46 @@ def first_crossing(
     maxima that (nearly) exceed it matter; ``ignored``: a guard left out (-1 for none); ``maxima``: whether to look for
     maxima at all.
     """
-    z1, rate1 = signed(after, active)
+    start, end = signed(before, active), signed(after, active)
     rises = slice(0, before.gap.shape[0] + before.terminal.shape[0])
-    turned = (before.slope > 0.0) & (after.slope <= 0.0)
-    dipping = (signed(before, active)[1] > 0.0) & (rate1 < 0.0)
-    worth = jnp.concatenate([(z1 > 0.0)[rises] | dipping[rises], turned])
+    dipping = (start.rate > 0.0) & (end.rate < 0.0)
+    worth = jnp.concatenate([((end.value > 0.0) | dipping)[rises], _turned(before, after)])
     none = Crossing(jnp.asarray(-1), step, step, jnp.asarray(False))
     search = lambda: _first_crossing(before, after, step, active, best, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(worth), search, lambda: none)
+
+
+def _turned(before: Guards, after: Guards) -> Bool[Array, " observables"]:
+    """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first."""
+    return ((before.slope > 0.0) | (after.value > before.value)) & (after.slope <= 0.0)
 
 
 def _first_crossing(
     before: Guards, after: Guards, step: Array, active: Array, best: Array, ignored: Array, maxima: Array
 ) -> Crossing:
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
-    z0, rate0 = signed(before, active)
-    z1, rate1 = signed(after, active)
-    m0, m1 = rate0 * step, rate1 * step
     rises = slice(0, contacts + terminals)
+    start, end = (Signed(*(part[rises] for part in signed(guards, active))) for guards in (before, after))
     # A guard left on zero or a little past it by the landing on its last event, and on its way back, has not crossed.
-    z0 = jnp.where((z0 >= 0.0) & (m0 < 0.0), -1e-300, z0)
+    start = start._replace(value=jnp.where((start.value >= 0.0) & (start.rate < 0.0), -1e-300, start.value))
+    z0, z1, m0, m1 = start.value, end.value, start.rate * step, end.rate * step
 
     # A contact may touch and leave, or leave and touch, within one step: its guard has a maximum above zero inside.
-    hump = _stationary(z0[rises], z1[rises], m0[rises], m1[rises])
-    top = _hermite(z0[rises], z1[rises], m0[rises], m1[rises], hump)
-    open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
+    hump = _stationary(z0, z1, m0, m1)
+    top = _hermite(z0, z1, m0, m1, hump)
     contact = jnp.arange(contacts + terminals) < contacts
-    dips = contact & (z0[rises] < 0.0) & (z1[rises] <= 0.0) & (m0[rises] > 0.0) & (m1[rises] < 0.0) & (top > 0.0)
+    open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
+    dips = contact & (z0 < 0.0) & (z1 <= 0.0) & (m0 > 0.0) & (m1 < 0.0) & (top > 0.0)
     far = jnp.where(dips, hump, 1.0)
-    root = _cubic_root(z0[rises], z1[rises], m0[rises], m1[rises], far)
+    root = _root(start, end, step, far, contact)
     # A guard already past zero at the start (by the tolerance of an earlier landing) acts at once if it stays there.
-    root = jnp.where(z0[rises] > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
-    crossed = (z1[rises] > 0.0) | dips
+    root = jnp.where(z0 > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
+    crossed = (z1 > 0.0) | dips
 
     rise, fall = before.slope * step, after.slope * step
     peak = _stationary(before.value, after.value, rise, fall)
     height = _hermite(before.value, after.value, rise, fall, peak)
-    peaked = (before.slope > 0.0) & (after.slope <= 0.0) & (jnp.maximum(height, after.value) > NEARLY * best) & maxima
+    peaked = _turned(before, after) & (jnp.maximum(height, after.value) > NEARLY * best) & maxima
 
     where = jnp.concatenate([jnp.where(crossed, root, jnp.inf), jnp.where(peaked, peak, jnp.inf)])
     where = jnp.where(jnp.arange(where.shape[0]) == ignored, jnp.inf, where)

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from .events import Crossing
+from .events import Crossing, Signed
 
 MAX_TRIES = 12  # for a maximum, which may be one of rounding only
 SHARPER = 0.01  # a maximum may be much narrower than an impact
 PATIENT = 2  # tries by Newton's method alone
+FAR = 4.0  # times as far as a release is foreseen: where it is looked for
 MOST_TRIES = 2 * MAX_TRIES  # for a guard with a rate, so that a maximum given up never costs a touchdown
 
 
@@ -17,7 +18,8 @@ class Landing(NamedTuple):
     """A step on its way onto a guard's zero.
 
     ``target``: the guard (-1: no landing under way); ``aim``: the length to try [s]; ``low``, ``high``: bracket [s]
-    with the guard's values there; ``tries`` so far; ``aside``: it only looks at a maximum within a step that stands.
+    with the guard's values there; ``tries`` so far; ``aside``: it only looks at a maximum within a step that stands;
+    ``there``: the last try ended on the event, and is taken again with sensitivities.
     """
 
     target: Int[Array, ""]
@@ -28,12 +30,13 @@ class Landing(NamedTuple):
     high_value: Float[Array, ""]
     tries: Int[Array, ""]
     aside: Bool[Array, ""]
+    there: Bool[Array, ""]
 
     @staticmethod
     def none() -> "Landing":
         """No landing under way."""
-        zero = jnp.zeros(())
-        return Landing(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False))
+        zero, no = jnp.zeros(()), jnp.asarray(False)
+        return Landing(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), no, no)
 
     @staticmethod
     def begin(
@@ -44,8 +47,15 @@ class Landing(NamedTuple):
         aside: Bool[Array, ""],
     ) -> "Landing":
         """Aim at a crossing found in a step, given the signed guards at its ends and the tries spent on others."""
-        which, zero = crossing.which, jnp.zeros(())
-        return Landing(which, crossing.at, zero, crossing.far, before[which], after[which], tries, aside)
+        which, zero, no = crossing.which, jnp.zeros(()), jnp.asarray(False)
+        return Landing(which, crossing.at, zero, crossing.far, before[which], after[which], tries, aside, no)
+
+    @staticmethod
+    def toward(contact: Int[Array, ""], time: Float[Array, ""], gaps: Float[Array, " contacts"]) -> "Landing":
+        """Aim at the release of a closed contact as foreseen [s], given the gaps now."""
+        zero, no = jnp.zeros(()), jnp.asarray(False)
+        low = jnp.sum(jnp.where(jnp.arange(gaps.shape[0]) == contact, gaps, 0.0))
+        return Landing(contact, time, zero, FAR * time, low, (1.0 - FAR) * low, jnp.asarray(0), no, no)
 
     @property
     def under_way(self) -> Bool[Array, ""]:
@@ -54,11 +64,13 @@ class Landing(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """``settled``: the landing is over; ``happened``: on its event rather than beside one that is not there;
-    ``offset``: time from the step's end to the event itself [s]; ``rate``: the guard's; ``next``: what to try if not.
+    """``settled``: the landing is over; ``there``: the step ends on the event; ``happened``: it does, or just beyond,
+    rather than beside one that is not there; ``offset``: time from the step's end to the event itself [s]; ``rate``:
+    the guard's; ``next``: what to try if not.
     """
 
     settled: Bool[Array, ""]
+    there: Bool[Array, ""]
     happened: Bool[Array, ""]
     offset: Float[Array, ""]
     rate: Float[Array, ""]
@@ -68,25 +80,27 @@ class Verdict(NamedTuple):
 def judge(
     landing: Landing,
     step: Float[Array, ""],
-    guard: Float[Array, " guards"],
-    guard_rate: Float[Array, " guards"],
+    guards: Signed,
     rated: int,
     tolerance: Float[Array, ""] | float,
     shortfall: Float[Array, ""] | float,
 ) -> Verdict:
     """How far a landing is off.
 
-    **Arguments:** ``guard``, ``guard_rate``: signed guards at the step's end; the first ``rated`` have exact rates, the
-    others get theirs from the parabola through both ends of the bracket and this point; ``tolerance`` [s];
+    **Arguments:** ``guards`` at the step's end; the first ``rated`` have exact rates, the others get theirs from the
+    parabola through both ends of the bracket and this point; ``tolerance`` [s];
     ``shortfall``: by how much an observable may be below its maximum where the step ends.
     """
-    z = guard[landing.target]
+    z = guards.value[landing.target]
     to_low = (z - landing.low_value) / (step - landing.low)
     to_high = (landing.high_value - z) / (landing.high - step)
     across = (landing.high_value - landing.low_value) / (landing.high - landing.low)
-    rate = jnp.where(landing.target < rated, guard_rate[landing.target], to_low + to_high - across)
+    rate = jnp.where(landing.target < rated, guards.rate[landing.target], to_low + to_high - across)
     rising = (rate > 0.0) & jnp.isfinite(rate)
-    offset = jnp.where(rising, -z / jnp.where(rising, rate, 1.0), jnp.inf)
+    rate = jnp.where(rising, rate, 1.0)
+    straight = -z / rate
+    bent = jnp.sqrt(jnp.maximum(1.0 + 2.0 * guards.bend[landing.target] * straight / rate, 0.0))
+    offset = jnp.where(rising, straight * 2.0 / (1.0 + bent), jnp.inf)
     under = z < 0.0
     low, low_value = jnp.where(under, step, landing.low), jnp.where(under, z, landing.low_value)
     high, high_value = jnp.where(under, landing.high, step), jnp.where(under, landing.high_value, z)
@@ -97,13 +111,17 @@ def judge(
     proposal = jnp.where((proposal > low) & (proposal < high), proposal, 0.5 * (low + high))
     maximum = landing.target >= rated
     tolerance = jnp.where(maximum, SHARPER * tolerance, tolerance)
-    on_target = (jnp.abs(offset) <= tolerance) | maximum & (0.5 * jnp.abs(z * offset) <= shortfall)
+    close = (jnp.abs(offset) <= tolerance) | maximum & (0.5 * jnp.abs(z * offset) <= shortfall)
+    there = close | landing.there & rising
     patience = jnp.where(landing.target < rated, MOST_TRIES, MAX_TRIES)
-    settled = on_target | (high - low <= tolerance) | (landing.tries >= patience) | (step == 0.0)
+    settled = there | (high - low <= tolerance) | (landing.tries >= patience) | (step == 0.0)
     return Verdict(
         settled=settled,
-        happened=settled & (on_target | ~under),
-        offset=jnp.where(on_target, offset, 0.0),
-        rate=jnp.where(rising, rate, 1.0),
-        next=Landing(landing.target, proposal, low, high, low_value, high_value, landing.tries + 1, landing.aside),
+        there=there,
+        happened=settled & (there | ~under),
+        offset=jnp.where(there, offset, 0.0),
+        rate=rate,
+        next=landing._replace(
+            aim=proposal, low=low, high=high, low_value=low_value, high_value=high_value, tries=landing.tries + 1
+        ),
     )

@@ -39,8 +39,9 @@ class Place(NamedTuple):
 class Progress(NamedTuple):
     """What the loop carries: the place ``at`` which the next step starts; the end ``ahead`` of a step that stands while
     a maximum within it is looked at; closed contacts; each observable's ``best`` so far; when a contact closed last;
-    how far steps go, and went before that contact; a landing under way; whether the rate has to be found anew; status,
-    count of attempts and records.
+    ``onset``, how long a step next to its touchdown or its release may be [s]; how far steps go, and went before that
+    contact; a landing under way; whether the next step is taken ``whole``, with sensitivities, whatever is foreseen;
+    whether the rate has to be found anew; status, count of attempts and records.
     """
 
     at: Place
@@ -48,9 +49,11 @@ class Progress(NamedTuple):
     active: Float[Array, " contacts"]
     best: Float[Array, " observables"]
     touched: Float[Array, ""]
+    onset: Float[Array, ""]
     pace: Pace
     before_contact: Pace
     landing: Landing
+    whole: Bool[Array, ""]
     renew: Bool[Array, ""]
     status: Int[Array, ""]
     attempts: Int[Array, ""]
@@ -78,7 +81,7 @@ def begin(
     guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
     log = Log.empty(options.max_events, start, contacts, value.shape[0])
     highest = after_touchdown(system, zero, start[0], active) if system.jumps else value
-    first_step = options.tolerance.first_step(start.shape[0]) * system.impact_step(start[0])
+    first_step = options.tolerance.first_step(start.shape[0] - 1) * system.impact_step(start[0])
     pace = Pace.of(jnp.minimum(first_step, duration), len(options.solver.methods))
     place = Place(zero, start, jnp.zeros_like(start), guards)
     for contact in range(contacts):
@@ -91,9 +94,11 @@ def begin(
         active=active,
         best=guards.value,
         touched=zero,
+        onset=first_step,
         pace=pace,
         before_contact=pace,
         landing=Landing.none(),
+        whole=jnp.asarray(False),
         renew=jnp.asarray(True),
         status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
         attempts=jnp.asarray(0),

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Int
 
 from ..mechanisms.hybrid import HybridSystem, Linearisation
 from .controller import Pace
-from .events import first_crossing, next_touchdown, observe, signed
+from .events import first_crossing, next_release, next_touchdown, observe, signed
 from .landing import MAX_TRIES, MOST_TRIES, Landing, judge
 from .lanes import Lanes, Rows, columns
 from .log import Kind, Log, Steps
@@ -27,6 +27,7 @@ from .stride import Stride
 P = TypeVar("P")
 CONSERVED = 0.03  # of the tolerance: by how much a step may change what the motion does not
 BEYOND = 1.5  # of the way to the next touchdown as foreseen: from a step much beyond it, where it is is a poor guess
+SHY = 0.6  # of the way to the next release as foreseen: near it no step is accurate that does not end there
 OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by that and still say where the event is
 
 
@@ -64,9 +65,11 @@ def run(
     def body(c: Progress) -> Progress:
         landing, first = c.landing.under_way, c.renew
         stiff = system.linearisation(c.at.time, c.at.rows[0], c.active)
-        which, step = options.solver.choose(stiff, c.pace.steps)
+        touchdown, (_, release) = next_touchdown(c.at.guards, c.active), next_release(c.at.guards, c.active)
+        well_before = jnp.where(release > c.onset, SHY * release, jnp.inf)
+        which, step = options.solver.choose(stiff, jnp.minimum(c.pace.steps, well_before))
         which = jnp.where(landing, options.solver.suited(stiff, c.landing.aim), which)
-        step = jnp.minimum(step, BEYOND * next_touchdown(c.at.guards, c.active))
+        step = jnp.minimum(step, BEYOND * touchdown)
         step = jnp.where(landing, c.landing.aim, jnp.minimum(step, duration - c.at.time))
         step = jnp.where(first, 0.0, step)
         releasing = landing & jnp.any((each_contact == c.landing.target) & (c.active > 0.5))
@@ -78,12 +81,18 @@ def run(
             allowance = options.tolerance.allowance(rows, scales)
             return _step(options.solver, which, field, stiff, c.at.time, rows, rate, stride, allowance)
 
-        trial = take(Lanes(lanes.primal), c.at.rows[:1], c.at.rate[:1])
-        norm = options.tolerance.norm(trial.error, c.at.rows[:1], trial.end, scales)
+        def alone() -> Step:
+            return take(Lanes(lanes.primal), c.at.rows[:1], c.at.rate[:1]).filled_up(lanes.count)
+
+        # Sensitivities, the dear part, ride along only where the step is likely to stand.
+        whole = c.whole | ~landing & (step < jnp.minimum(touchdown, release))
+        trial = lax.cond(whole, lambda: take(lanes, c.at.rows, c.at.rate), alone) if lanes.count else alone()
+        norms = options.tolerance.norms(trial.error, c.at.rows, trial.end, scales)
         after = observe(system, c.at.time + step, trial.end[0], trial.rate[0], c.active, c.best)
         # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say.
         lost = jnp.where(first, 0.0, jnp.abs(after.invariant - c.at.guards.invariant))
-        norm = jnp.maximum(norm, lost / (CONSERVED * options.tolerance.rtol + after.rounding))
+        own_norm = jnp.maximum(norms[0], lost / (CONSERVED * options.tolerance.rtol + after.rounding))
+        norm = jnp.maximum(own_norm, jnp.max(norms))
         finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(trial.rate))
         fits = norm <= 1.0
 
@@ -92,39 +101,27 @@ def run(
         # a step shows whose error is too large may be a touchdown, but no maximum.
         maxima = fits & (c.landing.tries < MAX_TRIES)
         crossing = first_crossing(c.at.guards, after, step, c.active, c.best, c.landing.target, maxima)
-        guard, guard_rate = signed(after, c.active)
+        guard = signed(after, c.active)
         own = each_observable == c.landing.target - rated
         shortfall = options.shortfall * jnp.sum(jnp.where(own, jnp.abs(after.value), 0.0))
-        verdict = judge(c.landing, step, guard, guard_rate, rated, options.event_time, shortfall)
+        verdict = judge(c.landing, step, guard, rated, options.event_time, shortfall)
         # On arrival another event may turn out to lie a little before: then land on that one first.
         arrives = landing & verdict.settled & (c.landing.tries < MOST_TRIES)
         # The error of a step that overshoots an event is mostly what is not smooth there.
-        near = norm <= jnp.where(options.solver.is_implicit(which), 1.0, OVERSHOT)
+        near = own_norm <= jnp.where(options.solver.is_implicit(which), 1.0, OVERSHOT)
         starts = (~landing & ~first & near | arrives) & finite & (crossing.which >= 0)
         stands = starts & ~landing & fits & crossing.alone & (crossing.which >= rated)
         accept = fits & (~landing | verdict.settled) & (~starts | stands) & finite
         dropped = landing & ~starts & (verdict.settled & ~fits | ~finite)
         tries = jnp.where(landing, c.landing.tries + 1, 0)
         going = _where(landing & ~verdict.settled, verdict.next, Landing.none())
-        found = Landing.begin(crossing, signed(c.at.guards, c.active)[0], guard, tries, stands)
+        found = Landing.begin(crossing, signed(c.at.guards, c.active).value, guard.value, tries, stands)
         next_landing = _where(starts, found, going)
-
-        # Sensitivities, the dear part, are carried along only where the state's own step stands; their errors may yet
-        # refuse it.
-        if lanes.count:
-
-            def follow() -> tuple[Step, tuple[Array, Array]]:
-                step = take(lanes, c.at.rows, c.at.rate)
-                return step, system.invariant(step.end[0], c.active)
-
-            rest = Step(c.at.rows, c.at.rate, jnp.zeros_like(c.at.rows), trial.order)
-            # With rows an implicit stage may be iterated once more: the state then moves, within the tolerance.
-            trial, kept = lax.cond(accept, follow, lambda: (rest, (after.invariant, after.rounding)))
-            after = after._replace(invariant=kept[0], rounding=kept[1])
-            norm = jnp.maximum(norm, options.tolerance.norm(trial.error, c.at.rows, trial.end, scales))
-            finite, refused = finite & jnp.isfinite(norm), accept & ~(norm <= 1.0)
-            accept, dropped = accept & ~refused, dropped | refused
         next_landing = _where(dropped, Landing.none(), next_landing)
+        # A step of the state alone that stands is taken again with its sensitivities.
+        again = accept & ~whole & bool(lanes.count)
+        next_landing = _where(again, c.landing._replace(there=verdict.there), next_landing)
+        accept = accept & ~again
         stands = stands & accept
         arrived = accept & ~stands
 
@@ -138,11 +135,12 @@ def run(
         active = jnp.where(chosen, 1.0 - c.active, c.active)
         offset = jnp.where(landing, verdict.offset, 0.0)
         at_event = _shifted(trial, offset, system.coordinates)
-        jump = lax.cond(
-            closing,
-            lambda: lanes.lift(lambda p, y: build(p).touchdown(y, trial.rate[0], target) - y)(at_event),
-            lambda: jnp.zeros_like(at_event),
-        )
+
+        def touch() -> tuple[Rows, Array]:
+            jump = lanes.lift(lambda p, y: build(p).touchdown(y, trial.rate[0], target) - y)(at_event)
+            return jump, options.tolerance.first_step(lanes.count) * system.impact_step(trial.end[0] + jump[0])
+
+        jump, onset = lax.cond(closing, touch, lambda: (jnp.zeros_like(at_event), c.onset))
         rows = trial.end + jump
         time = c.at.time + step
         timed_out = arrived & ~is_terminal & (time >= duration * (1.0 - 1e-15))
@@ -175,18 +173,22 @@ def run(
         # Out of contact again, steps go on as they went before.
         told = jnp.where(finite, norm, jnp.inf)
         pace = options.controller.paced(c.pace, which, step, told, trial.order, accept)
-        pace = _where((landing | starts & ~stands | first) & ~dropped, c.pace, pace)
+        pace = _where((landing | starts & ~stands | first) & ~dropped | again, c.pace, pace)
         # What is refused on the way to an event may have been found by a longer step of another method.
         shorter = jnp.minimum(pace.steps, pace.steps[which])
         pace = pace._replace(steps=jnp.where(landing & dropped, shorter, pace.steps))
         opening, closing = is_contact & accept & ~closing, closing & accept
-        pace = _where(
-            closing, Pace.of(options.tolerance.first_step(len(rows)) * system.impact_step(rows[0]), count), pace
-        )
+        pace = _where(closing, Pace.of(onset, count), pace)
         pace = _where(opening, c.before_contact, pace)
 
+        at = _where(returns, c.ahead, _where(arrived, reached, c.at))
+        # A release so near that no other step can be accurate is landed on without looking for it first.
+        contact, release = next_release(at.guards, active)
+        foreseen = arrived & ~is_contact & (release <= jnp.minimum(onset, pace.steps[0]))
+        next_landing = _where(foreseen, Landing.toward(contact, release, at.guards.gap), next_landing)
+
         attempts = c.attempts + 1
-        stuck = ~accept & (~landing | dropped) & ~starts & (first | (jnp.min(pace.steps) < 1e-14))
+        stuck = ~accept & ~again & (~landing | dropped) & ~starts & (first | (jnp.min(pace.steps) < 1e-14))
         status = jnp.where(is_terminal, target - contacts, jnp.where(timed_out, Status.TIMEOUT, Status.RUNNING))
         for failed, code in (
             (attempts >= options.max_steps, Status.TOO_MANY_STEPS),
@@ -197,14 +199,16 @@ def run(
             status = jnp.where((status == Status.RUNNING) & failed, code, status)
 
         return Progress(
-            at=_where(returns, c.ahead, _where(arrived, reached, c.at)),
+            at=at,
             ahead=_where(stands, reached, c.ahead),
             active=jnp.where(arrived, active, c.active),
             best=jnp.where(arrived, best, c.best),
             touched=jnp.where(closing, time + offset, c.touched),
+            onset=jnp.where(closing, onset, c.onset),
             pace=pace,
             before_contact=_where(closing, c.pace, c.before_contact),
             landing=next_landing,
+            whole=again,
             renew=closing & system.jumps | opening & bool(lanes.count),
             status=status,
             attempts=attempts,

@@ -20,10 +20,10 @@ from .options import Options
 from .run import Result, run
 
 # How closely steps land on events while sensitivities ride along [s], and on maxima, of their height: where a parameter
-# moves the arrival of an impact by a second, that much of the force's slope is in the sensitivity at its peak, and
-# cancels at the peak only.
+# moves the arrival of an impact by a second, that much of the force's slope is in the sensitivity beside its peak, and
+# cancels at the peak only (a step of first order onto it leaves little of that: docs/numerics.md).
 EVENT_TIME = 1e-12
-SHORTFALL = 1e-16
+SHORTFALL = 1e-12
 
 
 def solve(

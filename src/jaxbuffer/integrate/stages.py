@@ -32,6 +32,11 @@ class Step(NamedTuple):
     error: Rows | Columns
     order: Float[Array, ""]
 
+    def filled_up(self, count: int) -> "Step":
+        """With ``count`` rows of zeros more."""
+        rows = lambda x: jnp.pad(x, [(0, count), (0, 0)])  # noqa: E731
+        return Step(rows(self.end), rows(self.rate), rows(self.error), self.order)
+
 
 class _Stages(NamedTuple):
     """Stages on their way: which one is being solved for, how often it was improved, what the earlier ones add up to
