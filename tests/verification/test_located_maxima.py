@@ -41,6 +41,7 @@ def test_no_step_exceeds_a_reported_maximum(free):
     exceeded = []
     for seed in range(30):
         capture = simulate(*random_case(seed, free), history=True)
+        assert float(capture.history.time[-1]) == float(capture.end_time)
         for reported, sampled in REPORTED.items():
             largest = float(np.max(np.abs(getattr(capture.history, sampled))))
             allowed = 1e-4 if free and reported == "peak_hinge_force" else 1e-8

@@ -213,7 +213,10 @@ def run(
             status=status,
             attempts=attempts,
             log=log,
-            steps=c.steps.append(arrived, time, active, rows[0]),
+            # A history ends where the run does, not where the last step landed beside that.
+            steps=c.steps.append(
+                arrived, time + is_terminal * offset, active, jnp.where(is_terminal, at_event[0], rows[0])
+            ),
         )
 
     end = lax.while_loop(lambda c: c.status == Status.RUNNING, body, beginning)
