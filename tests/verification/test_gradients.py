@@ -64,7 +64,7 @@ def test_elasticities_over_random_designs(free_tip, count, capsys):
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
 def test_sensitivities_stop_no_run_and_hold_none_up(rtol):
     """Whatever the tolerance: every reference capture ends as it should, after at most three times the attempts
-    that it takes alone (2.4 measured). A random design besides whose slow slide into the throat holds a maximum that
+    that it takes alone (2.2 measured). A random design besides whose slow slide into the throat holds a maximum that
     only a bad step sees."""
     cases = [(case.design, case.scenario, case.values["outcome"]) for case in CASES.values()]
     slide = random_case(25)
