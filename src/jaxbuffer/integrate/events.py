@@ -50,49 +50,52 @@ def signed(guards: Guards, active: Float[Array, " contacts"]) -> Signed:
     return Signed(value, rate, bend)
 
 
-def observe(system: HybridSystem, time: Array, state: Array, rate: Array, active: Array, best: Array) -> Guards:
-    """Guards and observables with their rates.
+def nearly_best(system: HybridSystem, state: Array, rate: Array, active: Array, best: Array) -> Bool[Array, ""]:
+    """Whether an observable of the state's rate comes near its best so far: its own rate takes the state's second
+    derivative, which costs two right-hand sides."""
+    value = system.observables(state, rate, active)
+    # one by one, so that what the others take is not evaluated
+    near = [value[k] > NEAR_BEST * best[k] for k, of_rate in enumerate(system.rate_observables()) if of_rate]
+    return jnp.any(jnp.stack(near))
 
-    Observables of the state's rate need its second derivative, which costs as much as two right-hand sides: only where
-    such an observable comes near its best so far. Elsewhere it counts as rising, slowly.
-    """
+
+def observe(system: HybridSystem, state: Array, rate: Array, second: Array, active: Array) -> Guards:
+    """Guards and observables with their rates, from the state and its derivatives. Where the second one is not known
+    (zeros: see `nearly_best`), observables of the state's rate count as rising, slowly."""
     n = system.coordinates
     acceleration = jnp.zeros_like(rate).at[:n].set(rate[n : 2 * n])
     approach = lambda y, r: jax.jvp(system.gaps, (y,), (r,))  # noqa: E731
     (gap, gap_rate), (_, gap_bend) = jax.jvp(approach, (state, rate), (rate, acceleration))
     terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
     of_rate = jnp.asarray(system.rate_observables(), bool)
-    near = of_rate & (system.observables(state, rate, active) > NEAR_BEST * best)
-    second = lax.cond(
-        jnp.any(near),
-        lambda: jax.jvp(lambda y: system.derivative(time, y, active), (state,), (rate,))[1],
-        lambda: jnp.zeros_like(state),
-    )
     value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
-    slope = jnp.where(of_rate & ~near, 1e-300, slope)
+    slope = jnp.where(of_rate & ~jnp.any(second != 0.0), 1e-300, slope)
     return Guards(gap, gap_rate, gap_bend, terminal, terminal_rate, value, slope, *system.invariant(state, active))
 
 
 def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[Array, ""]:
     """Until an open contact closes, if all go on with the acceleration they have [s]; infinite if none does."""
-    gap, rate, bend = guards.gap, guards.gap_rate, guards.gap_bend
-    square = rate * rate - 2.0 * bend * gap
-    root = jnp.sqrt(jnp.maximum(square, 0.0))
-    closing = 2.0 * gap / jnp.maximum(root - rate, 1e-300)
-    turning = (rate + root) / jnp.where(bend < 0.0, -bend, 1.0)
-    at = jnp.where(rate < 0.0, closing, jnp.where(bend < 0.0, turning, jnp.inf))
-    return jnp.min(jnp.where((active < 0.5) & (square > 0.0) & (gap > 0.0), at, jnp.inf), initial=jnp.inf)
+    at = _until_zero(guards.gap, guards.gap_rate, guards.gap_bend)
+    return jnp.min(jnp.where(active < 0.5, at, jnp.inf), initial=jnp.inf)
 
 
 def next_release(guards: Guards, active: Float[Array, " contacts"]) -> tuple[Int[Array, ""], Float[Array, ""]]:
     """Which closed contact opens first, and in what time [s] if its gap goes on growing as it does, or more slowly by
     the acceleration it has; infinite if none does."""
-    gap, rate, slower = guards.gap, guards.gap_rate, jnp.minimum(guards.gap_bend, 0.0)
-    square = rate * rate - 2.0 * slower * gap
-    opens = (active > 0.5) & (gap < 0.0) & (rate > 0.0) & (square > 0.0)
-    at = jnp.where(opens, -2.0 * gap / jnp.where(opens, rate + jnp.sqrt(jnp.maximum(square, 0.0)), 1.0), jnp.inf)
+    at = _until_zero(-guards.gap, -guards.gap_rate, jnp.maximum(-guards.gap_bend, 0.0))
+    at = jnp.where(active > 0.5, at, jnp.inf)
     which = jnp.argmin(at) if at.shape[0] else jnp.asarray(-1)
     return which, jnp.min(at, initial=jnp.inf)
+
+
+def _until_zero(distance: Array, rate: Array, bend: Array) -> Float[Array, " contacts"]:
+    """Until the parabola through a positive distance reaches zero [s]; infinite if it does not."""
+    square = rate * rate - 2.0 * bend * distance
+    root = jnp.sqrt(jnp.maximum(square, 0.0))
+    closing = 2.0 * distance / jnp.maximum(root - rate, 1e-300)
+    turning = (rate + root) / jnp.where(bend < 0.0, -bend, 1.0)
+    at = jnp.where(rate < 0.0, closing, jnp.where(bend < 0.0, turning, jnp.inf))
+    return jnp.where((square > 0.0) & (distance > 0.0), at, jnp.inf)
 
 
 class Crossing(NamedTuple):

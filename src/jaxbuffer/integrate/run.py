@@ -14,20 +14,21 @@ from jaxtyping import Array, Float, Int
 
 from ..mechanisms.hybrid import HybridSystem, Linearisation
 from .controller import Pace
-from .events import first_crossing, next_release, next_touchdown, observe, signed
+from .events import first_crossing, nearly_best, next_release, next_touchdown, observe, signed
 from .landing import MAX_TRIES, MOST_TRIES, Landing, judge
 from .lanes import Lanes, Rows, columns
 from .log import Kind, Log, Steps
 from .options import Options
 from .progress import Place, Progress, Status, after_touchdown, begin
 from .solvers import Solver
-from .stages import Field, Step
+from .stages import Field, Step, Watch
 from .stride import Stride
 
 P = TypeVar("P")
 CONSERVED = 0.03  # of the tolerance: by how much a step may change what the motion does not
 BEYOND = 1.5  # of the way to the next touchdown as foreseen: from a step much beyond it, where it is is a poor guess
 SHY = 0.6  # of the way to the next release as foreseen: near it no step is accurate that does not end there
+LOOK = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
 OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by that and still say where the event is
 
 
@@ -79,7 +80,9 @@ def run(
         def take(lanes: Lanes[P], rows: Rows, rate: Rows) -> Step:
             field = lambda time, at: lanes.field(lambda p, y: build(p).derivative(time, y, c.active))(at)  # noqa: E731
             allowance = options.tolerance.allowance(rows, scales)
-            return _step(options.solver, which, field, stiff, c.at.time, rows, rate, stride, allowance)
+            near = lambda state, rate: nearly_best(system, state, rate, c.active, c.best)  # noqa: E731
+            watch = Watch(near, LOOK * jnp.min(c.pace.steps)) if any(system.rate_observables()) else None
+            return _step(options.solver, which, field, stiff, c.at.time, rows, rate, stride, allowance, watch)
 
         def alone() -> Step:
             return take(Lanes(lanes.primal), c.at.rows[:1], c.at.rate[:1]).filled_up(lanes.count)
@@ -88,7 +91,7 @@ def run(
         whole = c.whole | ~landing & (step < jnp.minimum(touchdown, release))
         trial = lax.cond(whole, lambda: take(lanes, c.at.rows, c.at.rate), alone) if lanes.count else alone()
         norms = options.tolerance.norms(trial.error, c.at.rows, trial.end, scales)
-        after = observe(system, c.at.time + step, trial.end[0], trial.rate[0], c.active, c.best)
+        after = observe(system, trial.end[0], trial.rate[0], trial.second, c.active)
         # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say.
         lost = jnp.where(first, 0.0, jnp.abs(after.invariant - c.at.guards.invariant))
         own_norm = jnp.maximum(norms[0], lost / (CONSERVED * options.tolerance.rtol + after.rounding))
@@ -233,13 +236,14 @@ def _step(
     rate: Rows,
     stride: Stride,
     allowance: Rows,
+    watch: Watch | None,
 ) -> Step:
     """A step of rows within a mode."""
     # lanes that only fill up a vector register are zeros: any allowance does
     allowed = jnp.maximum(columns(allowance), 1e-300)
-    step = solver.step(which, field, stiff, time, columns(rows), columns(rate), stride, allowed)
+    step = solver.step(which, field, stiff, time, columns(rows), columns(rate), stride, allowed, watch)
     back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
-    return Step(back(step.end), back(step.rate), back(step.error), step.order)
+    return step._replace(end=back(step.end), rate=back(step.rate), error=back(step.error))
 
 
 def _shifted(step: Step, offset: Float[Array, ""], n: int) -> Rows:

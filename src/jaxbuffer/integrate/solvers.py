@@ -10,7 +10,7 @@ from ..mechanisms.hybrid import Linearisation
 from . import methods, stages
 from .dop853 import DOP853
 from .lanes import Columns
-from .stages import Field, Step
+from .stages import Field, Step, Watch
 from .stride import Stride
 
 
@@ -49,11 +49,13 @@ class Solver(eqx.Module):
         rate: Columns,
         stride: Stride,
         allowance: Columns,
+        watch: Watch | None = None,
     ) -> Step:
-        """Advance columns from ``time`` by a stride; ``rate`` is the field there, ``allowance`` the error allowed."""
+        """Advance columns from ``time`` by a stride; ``rate`` is the field there, ``allowance`` the error allowed;
+        ``watch``: when the second derivative at the end is wanted."""
         method = self.methods[0] if len(self.methods) == 1 else methods.one_of(self.methods, which)
         explicit = not any(method.gamma for method in self.methods)
-        step = stages.take(method, field, None if explicit else stiff, time, columns, rate, stride, allowance)
+        step = stages.take(method, field, None if explicit else stiff, time, columns, rate, stride, allowance, watch)
         return step._replace(error=step.error * jnp.where(self.is_implicit(which), self.caution, 1.0))
 
 

@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
-from ..mechanisms.hybrid import Linearisation
+from ..mechanisms.hybrid import Linearisation, State
 from ..multibody import inverse
 from .lanes import Columns, Rows
 from .methods import Method
@@ -23,25 +23,36 @@ SOLVED = 0.02  # of the allowed error: the last change of a stage's iteration th
 MOST_IMPROVEMENTS = 8  # to improve a stage; then the step is refused
 
 
+class Watch(NamedTuple):
+    """When the second derivative is wanted, at the end of a step: where ``near`` says so of the state and its
+    derivative there. It comes from two derivatives ``apart`` [s] after and before, along the tangent: two stages more,
+    where a push-forward of the field would be compiled anew, a fifth of a capture's compilation."""
+
+    near: Callable[[State, State], Bool[Array, ""]]
+    apart: Float[Array, ""]
+
+
 class Step(NamedTuple):
     """A trial step: state and derivative at its end, the estimate of its local error and that estimate's order; in
-    columns as a method returns it, in rows for the loop."""
+    columns as a method returns it, in rows for the loop. ``second``: the state's second derivative there, zeros where
+    it is not watched."""
 
     end: Rows | Columns
     rate: Rows | Columns
     error: Rows | Columns
     order: Float[Array, ""]
+    second: State
 
     def filled_up(self, count: int) -> "Step":
         """With ``count`` rows of zeros more."""
         rows = lambda x: jnp.pad(x, [(0, count), (0, 0)])  # noqa: E731
-        return Step(rows(self.end), rows(self.rate), rows(self.error), self.order)
+        return self._replace(end=rows(self.end), rate=rows(self.rate), error=rows(self.error))
 
 
 class _Stages(NamedTuple):
     """Stages on their way: which one is being solved for, how often it was improved, what the earlier ones add up to
-    and the guess of what this one adds; all slopes so far times the pace (the last one as it is); the norm of the error
-    of a stage given up."""
+    and the guess of what this one adds; all slopes so far times the pace (the last one as it is, and after it those
+    beside the end); the norm of the error of a stage given up; how many slopes are wanted."""
 
     i: Int[Array, ""]
     tries: Int[Array, ""]
@@ -49,6 +60,7 @@ class _Stages(NamedTuple):
     guess: Columns
     slopes: Float[Array, "stages state lanes"]
     left: Float[Array, ""]
+    wanted: Int[Array, ""]
 
 
 def take(
@@ -60,9 +72,11 @@ def take(
     rate: Columns,
     stride: Stride,
     allowance: Columns,
+    watch: Watch | None,
 ) -> Step:
     """Advance columns from ``time`` by a stride; ``rate`` is the field there. ``stiff``: its stiff part there, None
-    for explicit methods alone; ``allowance``: the error allowed in each number.
+    for explicit methods alone; ``allowance``: the error allowed in each number; ``watch``: None for no second
+    derivative.
 
     An implicit stage y = known + shift f(y) is iterated by Newton's method until what changes is far below the
     allowance. Its Jacobian holds the stiff forces at the step's start only: of low rank, so that the linear solve is a
@@ -78,10 +92,15 @@ def take(
     def known_of(i: Int[Array, ""] | int, slopes: Array) -> Columns:
         return columns + _weighted(method.weights, method.first + i, slopes)
 
-    last = method.stages - 1
+    last, stages = method.stages - 1, jnp.asarray(method.stages)
+
+    def when(i: Int[Array, ""]) -> Float[Array, ""]:
+        if watch is None:
+            return times[i]
+        return times[jnp.minimum(i, last)] + jnp.where(i > last, watch.apart * (1 + 2 * (stages - i)), 0.0)
 
     def improved(s: _Stages) -> _Stages:
-        slope = field(times[s.i], s.known + s.guess)
+        slope = field(when(s.i), s.known + s.guess)
         change, size = none, jnp.zeros(())
         gain = jnp.where(s.i < last, pace[s.i], 1.0) * slope
         if solve is not None:
@@ -97,26 +116,36 @@ def take(
         done = solved | (s.tries >= MOST_IMPROVEMENTS)
         hopeless = done & ~solved
         slopes = put(s.slopes, gain, s.i, 0)
+        guess, wanted = jnp.where(s.i < last - 1, method.gamma, 0.0) * gain, s.wanted
+        if watch is not None:
+            guess = jnp.where(s.i < last, guess, jnp.where(s.i == last, watch.apart * slope, -s.guess))
+            near = (s.i == last) & watch.near(s.known[:, 0], slope[:, 0])
+            wanted = jnp.where(near, stages + 2, wanted)
         return _Stages(
-            i=jnp.where(hopeless, method.stages, s.i + done),
+            i=jnp.where(hopeless, stages, s.i + done),
             tries=jnp.where(done, 0, s.tries + 1),
             known=jnp.where(done & (s.i < last), known_of(s.i + 1, slopes), s.known),
-            guess=jnp.where(done, jnp.where(s.i < last - 1, method.gamma, 0.0) * gain, s.guess + change),
+            guess=jnp.where(done, guess, s.guess + change),
             slopes=slopes,
             left=jnp.where(hopeless, size / SOLVED, s.left),
+            wanted=wanted,
         )
 
-    slopes = jnp.zeros((len(method.nodes), *columns.shape)).at[0].set(pace[0] * rate)
+    room = len(method.nodes) + 2 * (watch is not None)
+    slopes = jnp.zeros((room, *columns.shape)).at[0].set(pace[0] * rate)
     # a step of length zero is asked for the derivative alone, which is the last stage's
     begin = jnp.where(stride.length > 0.0, 1, last)
-    s = _Stages(begin, 0 * begin, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()))
-    s = lax.while_loop(lambda s: s.i < method.stages, improved, s)
+    s = _Stages(begin, 0 * begin, known_of(1, slopes), method.gamma * slopes[0], slopes, jnp.zeros(()), stages)
+    s = lax.while_loop(lambda s: s.i < s.wanted, improved, s)
     # all slopes but the last are kept times the pace
     errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)[None]
     error, coarser = (_weighted(errors, k, s.slopes) for k in range(2))
     error = error**2 / jnp.sqrt(error**2 + 0.01 * coarser**2 + 1e-300)
-    slope = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False)
-    return Step(s.known, slope, error + s.left * allowance, jnp.asarray(method.order, float))
+    slope, second = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False), jnp.zeros(len(columns))
+    if watch is not None:
+        after, before = (lax.dynamic_index_in_dim(s.slopes[..., 0], stages + k, keepdims=False) for k in range(2))
+        second = jnp.where(s.wanted > stages, (after - before) / (2.0 * watch.apart), 0.0)
+    return Step(s.known, slope, error + s.left * allowance, jnp.asarray(method.order, float), second)
 
 
 class Shifted(NamedTuple):
@@ -157,7 +186,7 @@ def _weighted(weights: Array | np.ndarray, i: Int[Array, ""] | int, slopes: Arra
     row = lax.dynamic_index_in_dim(jnp.asarray(weights), i, keepdims=False)
     # written out: one pass over all numbers, in vector instructions (a sum over an axis costs a gradient 12 %)
     total = row[0] * slopes[0]
-    for k in range(1, len(slopes)):
+    for k in range(1, len(row)):
         total = total + row[k] * slopes[k]
     return total
 
