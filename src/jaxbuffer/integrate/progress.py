@@ -1,9 +1,8 @@
 """Where a run stands from one trip of its loop to the next."""
 
 import enum
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
@@ -13,7 +12,9 @@ from .events import Guards
 from .landing import Landing
 from .lanes import Rows
 from .log import Kind, Log, Steps
-from .options import Options
+from .task import Task
+
+P = TypeVar("P")
 
 
 class Status(enum.IntEnum):
@@ -61,28 +62,22 @@ class Progress(NamedTuple):
     steps: Steps
 
 
-def begin(
-    system: HybridSystem,
-    start: Rows,
-    active: Float[Array, " contacts"],
-    duration: Float[Array, ""],
-    options: Options,
-) -> Progress:
+def begin(task: Task[P]) -> Progress:
     """The loop's first state. A run may start in contact: that is its first touchdown.
 
     Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
     compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps, and, with
     sensitivities, after a release: there the force's derivative goes with the root of a gap of mere rounding.
     """
+    system, options, contacts = task.system, task.options, task.contacts
+    start, active = task.lanes.start(lambda p: task.build(p).start()[0]), system.start()[1]
     zero, one = jnp.zeros(()), jnp.ones(())
-    contacts = active.shape[0]
-    shapes = jax.eval_shape(lambda y: (system.terminals(y), system.observables(y, y, active)), jnp.zeros_like(start[0]))
-    none, terminal, value = jnp.zeros(contacts), *(jnp.zeros(shape.shape) for shape in shapes)
+    none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
     guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
-    log = Log.empty(options.max_events, start, contacts, value.shape[0])
+    log = Log.empty(options.max_events, start, contacts, task.observables)
     highest = after_touchdown(system, zero, start[0], active) if system.jumps else value
-    first_step = options.tolerance.first_step(start.shape[0] - 1) * system.impact_step(start[0])
-    pace = Pace.of(jnp.minimum(first_step, duration), len(options.solver.methods))
+    first_step = options.tolerance.first_step(task.lanes.count) * system.impact_step(start[0])
+    pace = Pace.of(jnp.minimum(first_step, task.duration), len(options.solver.methods))
     place = Place(zero, start, jnp.zeros_like(start), guards)
     for contact in range(contacts):
         log = log.append(

@@ -1,0 +1,61 @@
+"""What one run works with and never changes."""
+
+from collections.abc import Callable
+from typing import Generic, NamedTuple, TypeVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..mechanisms.hybrid import HybridSystem
+from .lanes import Lanes
+from .options import Options
+
+P = TypeVar("P")
+
+
+class Task(NamedTuple, Generic[P]):
+    """``build`` makes the system from the parameters in ``lanes``; ``system`` is the one with their values. Until when
+    it runs [s], how it is stepped, and its number of contacts, of guards of the run's end, and of observables."""
+
+    build: Callable[[P], HybridSystem]
+    lanes: Lanes[P]
+    system: HybridSystem
+    duration: Float[Array, ""]
+    options: Options
+    contacts: int
+    terminals: int
+    observables: int
+
+    @staticmethod
+    def of(
+        build: Callable[[P], HybridSystem], lanes: Lanes[P], duration: Float[Array, ""], options: Options
+    ) -> "Task[P]":
+        """With the system built and its guards counted."""
+        system = build(lanes.primal)
+        state, active = jax.eval_shape(system.start)
+        terminal, value = jax.eval_shape(
+            lambda y, open: (system.terminals(y), system.observables(y, y, open)), state, active
+        )
+        sizes = (active.shape[0], terminal.shape[0], value.shape[0])
+        return Task(build, lanes, system, duration, options, *sizes)
+
+    @property
+    def rated(self) -> int:
+        """How many guards have exact rates: those of contacts and of the end, which come before those of maxima."""
+        return self.contacts + self.terminals
+
+    @property
+    def each_contact(self) -> Int[Array, " contacts"]:
+        """Their numbers."""
+        return jnp.arange(self.contacts)
+
+    @property
+    def each_observable(self) -> Int[Array, " observables"]:
+        """Their numbers."""
+        return jnp.arange(self.observables)
+
+    @property
+    def of_rate(self) -> Bool[Array, " observables"]:
+        """Which observables depend on the state's rate."""
+        return jnp.asarray(self.system.rate_observables(), bool)
