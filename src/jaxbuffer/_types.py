@@ -1,12 +1,17 @@
 """Types shared by every room."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-Scalar = Float[Array, ""] | float
-"""A real number: a Python float at construction, a 0-d array (or tracer) inside compiled code."""
+if TYPE_CHECKING:  # an int is a float there, and NumPy's arrays are not told apart from JAX's
+    Scalar = Float[Array, ""] | float
+else:
+    Scalar = Float[Array | np.ndarray, ""] | float | int
+"""A real number: Python's or NumPy's at construction, a 0-d array (or tracer) inside compiled code."""
 
 Values = Float[Array, "*batch"]
 """One number, or an array of them treated together (a cone's flanks)."""

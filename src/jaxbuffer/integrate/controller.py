@@ -17,8 +17,8 @@ class Tolerance(eqx.Module):
     steps and made elasticities ten times worse.
     """
 
-    rtol: float | Array = 1e-7
-    atol: float | Array = 1e-7
+    rtol: Scalar = 1e-7
+    atol: Scalar = 1e-7
 
     def norms(self, error: Rows, rows: Rows, end: Rows, scales: Float[Array, " state"]) -> Float[Array, " rows"]:
         """Each row's root mean square of error over allowance; 1 is just allowed."""

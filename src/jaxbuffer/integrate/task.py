@@ -1,7 +1,8 @@
 """What one run works with and never changes."""
 
+import dataclasses
 from collections.abc import Callable
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +15,8 @@ from .options import Options
 P = TypeVar("P")
 
 
-class Task(NamedTuple, Generic[P]):
+@dataclasses.dataclass(frozen=True)
+class Task(Generic[P]):
     """``build`` makes the system from the parameters in ``lanes``; ``system`` is the one with their values. Until when
     it runs [s], how it is stepped, and its number of contacts, of guards of the run's end, and of observables."""
 

@@ -110,7 +110,7 @@ class Assembled(HybridSystem):
         return tuple(load for loads, _ in found for load in loads), [normal for _, normal in found]
 
     def derivative(
-        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " contacts"]
+        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Float[Array, " state"]:
         kin = self.kinematics(state)
         acceleration = self.system.motion(kin, self.forces(state, active)[0]).acceleration
@@ -170,7 +170,7 @@ class Assembled(HybridSystem):
         return jnp.min(jnp.stack(steps[1:] or steps))
 
     def linearisation(
-        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " contacts"]
+        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Linearisation:
         """Nothing is known to be stiff: explicit steps are held by their error alone."""
         return Linearisation.none(self.coordinates, self.coordinates)

@@ -176,7 +176,7 @@ class CaptureMechanism(HybridSystem):
         return self.system.motion(kin, (on_probe, on_cone)), forces, tip_moment
 
     def derivative(
-        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
+        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " flanks"]
     ) -> Float[Array, " state"]:
         kin = self.kinematics(state)
         motion, forces, tip_moment = self.dynamics(state, active)
@@ -304,6 +304,6 @@ class CaptureMechanism(HybridSystem):
         return 0.2 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, jnp.max(self.memory(state))))
 
     def linearisation(
-        self, time: Float[Array, ""], state: Float[Array, " state"], active: Float[Array, " flanks"]
+        self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " flanks"]
     ) -> Linearisation:
         return linearisation(self, state, active)

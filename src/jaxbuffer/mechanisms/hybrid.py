@@ -4,6 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from .._types import Scalar
+
 State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
 
@@ -66,7 +68,7 @@ class HybridSystem(eqx.Module):
         """State and open (0) or closed (1) contacts at t = 0."""
         raise NotImplementedError
 
-    def derivative(self, time: Float[Array, ""], state: State, active: Active) -> State:
+    def derivative(self, time: Scalar, state: State, active: Active) -> State:
         """dy/dt within a mode."""
         raise NotImplementedError
 
@@ -104,6 +106,6 @@ class HybridSystem(eqx.Module):
         """A first step after a touchdown [s], a fifteenth of the impact's duration."""
         raise NotImplementedError
 
-    def linearisation(self, time: Float[Array, ""], state: State, active: Active) -> Linearisation:
+    def linearisation(self, time: Scalar, state: State, active: Active) -> Linearisation:
         """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
         raise NotImplementedError

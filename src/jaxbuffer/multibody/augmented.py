@@ -61,7 +61,10 @@ def _solve(
     columns = [dict(row) for row in pattern]
     weighted = [{column: values[k] * inverse_mass[column] for column, k in row} for row in pattern]
     schur = [
-        [sum(weighted[j][c] * values[k] for c, k in columns[i].items() if c in weighted[j]) for j in range(i + 1)]
+        [
+            sum((weighted[j][c] * values[k] for c, k in columns[i].items() if c in weighted[j]), 0.0)
+            for j in range(i + 1)
+        ]
         for i in range(len(pattern))
     ]
     unheld = jacobian.times(inverse_mass * force)

@@ -38,7 +38,7 @@ class Found(NamedTuple):
     courses: np.ndarray
 
 
-def simulate(design: Design, scenario: Scenario, step: float, duration: float = 3.0, every: float = 1e-3) -> Found:
+def simulate(design: Design, scenario: Scenario, step: float, duration: float = 3.0, every: float = 1e-3) -> Found:  # noqa: PLR0915 # a model written out
     """Run the capture in Exudyn with its implicit trapezoidal rule (index 2) at a fixed ``step`` [s]."""
     container = exu.SystemContainer()
     mbs = container.AddSystem()
