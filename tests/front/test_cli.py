@@ -381,7 +381,11 @@ def test_a_real_capture_from_another_process(tmp_path):
 
 @pytest.mark.slow
 def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
-    with _started(tmp_path, "simulate") as process:
+    # what a shell without job control runs in the background ignores Ctrl-C, and so would what it starts
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    process = _started(tmp_path, "simulate")
+    signal.signal(signal.SIGINT, before)
+    with process:
         assert "compiling" in process.stderr.readline()
         time.sleep(3.0)  # s, into the compilation, which takes five at the least
         process.send_signal(signal.SIGINT)
