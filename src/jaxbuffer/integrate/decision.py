@@ -46,7 +46,7 @@ def decide(task: Task, c: Progress, a: Attempt) -> Decision:
     maxima = fits & (c.landing.tries < MAX_TRIES)
     crossing = first_crossing(c.at.guards, a.guards, a.step, c.active, c.best, c.landing.target, maxima)
     guard = signed(a.guards, c.active)
-    own = task.each_observable == c.landing.target - task.rated
+    own = task.sought(c.landing.target)
     shortfall = options.shortfall * jnp.sum(jnp.where(own, jnp.abs(a.guards.value), 0.0))
     verdict = judge(c.landing, a.step, guard, task.rated, options.event_time, shortfall)
     # On arrival another event may turn out to lie a little before: then land on that one first.

@@ -81,8 +81,7 @@ def occurrence(task: Task, c: Progress, a: Attempt, d: Decision) -> Occurrence:
 
 def logged(task: Task, c: Progress, a: Attempt, d: Decision, o: Occurrence) -> Log:
     """The log with the event, if there is one."""
-    own = task.each_observable == o.target - task.rated
-    values = a.guards.value + jnp.where(own & o.is_peak, 0.5 * o.offset * a.guards.slope, 0.0)
+    values = a.guards.value + jnp.where(task.sought(o.target) & o.is_peak, 0.5 * o.offset * a.guards.slope, 0.0)
     if task.system.jumps:  # what is largest right after a touchdown has no slope to be found by
         after = lambda: after_touchdown(task.system, o.time, o.rows[0], o.active)  # noqa: E731
         values = lax.cond(o.closing, after, lambda: values)

@@ -96,8 +96,7 @@ def _reached(
     A maximum landed on, or one of the rate given up as noise, must not be found again, so its slope counts as falling.
     The best force of a contact is that of its present impact, so that every impact's peak is located.
     """
-    sought = task.each_observable == c.landing.target - task.rated
-    done = c.landing.under_way & sought & (d.verdict.happened | task.of_rate)
+    done = c.landing.under_way & task.sought(c.landing.target) & (d.verdict.happened | task.of_rate)
     guards = a.guards._replace(slope=jnp.where(done, -1e-300, a.guards.slope))
     fresh = o.closing & (task.each_observable == o.target)
     best = jnp.where(fresh, 0.0, jnp.maximum(c.best, a.guards.value))

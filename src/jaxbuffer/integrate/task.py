@@ -57,6 +57,10 @@ class Task(Generic[P]):
         """Their numbers."""
         return jnp.arange(self.observables)
 
+    def sought(self, guard: Int[Array, ""]) -> Bool[Array, " observables"]:
+        """Which observable's maxima a guard stands for, if any."""
+        return self.each_observable == guard - self.rated
+
     @property
     def of_rate(self) -> Bool[Array, " observables"]:
         """Which observables depend on the state's rate."""
