@@ -74,10 +74,10 @@ def _freeze_arm() -> None:
 
     loads = CaptureMechanism._contact_loads
 
-    def broken(self, kin, state, forces):
-        probe, cone, moment = loads(self, kin, state, forces)
+    def broken(self, at, forces):
+        probe, cone, moment = loads(self, at, forces)
         flanks, b = self.pair.segments, self.scenario.contact_distance
-        frame = kin.frame(3)
+        frame = at.kin.frame(3)
         x, y = flanks.start_x + b * flanks.direction_x, flanks.start_y + b * flanks.direction_y
         arm_x, arm_y = frame.cos * x - frame.sin * y, frame.sin * x + frame.cos * y
         a = forces.approach
@@ -120,8 +120,8 @@ def _no_reaction_moment() -> None:
 
     loads = CaptureMechanism._contact_loads
 
-    def broken(self, kin, state, forces):
-        probe, cone, moment = loads(self, kin, state, forces)
+    def broken(self, at, forces):
+        probe, cone, moment = loads(self, at, forces)
         return probe, cone._replace(moment=0.0), moment
 
     CaptureMechanism._contact_loads = broken
@@ -132,23 +132,23 @@ def _no_friction_moment() -> None:
 
     loads = CaptureMechanism._contact_loads
 
-    def broken(self, kin, state, forces):
-        probe, cone, moment = loads(self, kin, state, forces)
+    def broken(self, at, forces):
+        probe, cone, moment = loads(self, at, forces)
         return (probe if self.spins else probe._replace(moment=probe.moment - moment)), cone, 0.0 * moment
 
     CaptureMechanism._contact_loads = broken
 
 
 def _wrong_inertia() -> None:
-    from jaxbuffer.mechanisms import assembly, capture
+    from jaxbuffer.mechanisms import probe_in_cone
 
-    masses = assembly.probe_masses
+    masses = probe_in_cone.probe_masses
 
     def broken(design):
         found = masses(design)
         return found._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
 
-    assembly.probe_masses = capture.probe_masses = broken
+    probe_in_cone.probe_masses = broken
 
 
 def _exponent() -> None:
@@ -177,18 +177,16 @@ def _damper_sign() -> None:
 def _mirror() -> None:
     import numpy as np
 
-    from jaxbuffer.mechanisms import assembly
+    from jaxbuffer.mechanisms import probe_in_cone
 
-    assemble = assembly.assemble_contact
+    assemble = probe_in_cone.assemble_contact
 
     def broken(design):
         import dataclasses
 
         return dataclasses.replace(assemble(design), side=np.ones(2))
 
-    from jaxbuffer.mechanisms import capture
-
-    assembly.assemble_contact = capture.assemble_contact = broken
+    probe_in_cone.assemble_contact = broken
 
 
 def _crooked() -> None:
@@ -196,16 +194,16 @@ def _crooked() -> None:
 
     import numpy as np
 
-    from jaxbuffer.mechanisms import assembly, capture
+    from jaxbuffer.mechanisms import probe_in_cone
 
-    assemble = assembly.assemble_contact
+    assemble = probe_in_cone.assemble_contact
 
     def broken(design):
         pair = assemble(design)
         moved = pair.segments.start_y * np.array([1.0, 1.002])
         return dataclasses.replace(pair, segments=dataclasses.replace(pair.segments, start_y=moved))
 
-    assembly.assemble_contact = capture.assemble_contact = broken
+    probe_in_cone.assemble_contact = broken
 
 
 def _stiffness() -> None:

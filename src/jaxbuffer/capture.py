@@ -151,13 +151,13 @@ def _array(value: Any) -> Any:
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 
-def _event_time(mechanism: CaptureMechanism, rtol: Array) -> Scalar:
-    """How closely steps land on events [s].
+def _event_time(mechanism: CaptureMechanism, start: Array, rtol: Array) -> Scalar:
+    """How closely steps of a run from ``start`` land on events [s].
 
     A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2} less
     impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
     """
-    duration = 15.0 * mechanism.impact_step(mechanism.start()[0])
+    duration = 15.0 * mechanism.impact_step(start)
     return duration * (rtol if mechanism.jumps else (0.01 * rtol) ** 0.4)
 
 
@@ -169,18 +169,18 @@ def _simulate(
     options: Options,
 ) -> Capture:
     rtol, mechanism = tolerances[0], CaptureMechanism(*parameters)
-    options = dataclasses.replace(
-        options, tolerance=Tolerance(*tolerances), event_time=_event_time(mechanism, rtol), shortfall=rtol
-    )
+    start, active = mechanism.first_posture()
+    event_time = _event_time(mechanism, start.state, rtol)
+    options = dataclasses.replace(options, tolerance=Tolerance(*tolerances), event_time=event_time, shortfall=rtol)
     result = solve(CaptureMechanism, parameters, duration, options)
-    log = moving_end(mechanism, result.log, result.rate, result.status < Status.TIMEOUT)
+    log = moving_end(mechanism, result.log, result.status < Status.TIMEOUT)
     seen = survey(mechanism, log)
     log = moving_events(log, seen)
     code = outcome_code(result.status)
     ok = code < Outcome.failed_steps
     top = maxima(mechanism, log)
     hits = impacts(mechanism, log, seen)
-    energy, conserved = balance(mechanism, log, seen.drift)
+    energy, conserved = balance(mechanism, (start.state, active), log, seen.drift)
     last = jnp.maximum(log.count - 1, 0)
     throat_distance, margin = throat(mechanism, log, duration)
     slots = hits.time.shape[0]
@@ -205,7 +205,7 @@ def _simulate(
         peak_impact=jnp.max(jnp.where(earlier, jnp.arange(slots), -1)),
         impact_count=hits.count,
         impacts=hits,
-        first_impact=predict(mechanism),
+        first_impact=predict(mechanism, start),
         energy=energy,
         balance=conserved,
         log=log,

@@ -13,8 +13,9 @@ from jaxtyping import Array, Float
 from ._types import Scalar
 from .contact.laws import HystereticLaw
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
-from .mechanisms.assembly import LOWER
-from .multibody import Kinematics
+from .mechanisms.assembly import LOWER, N
+from .mechanisms.probe_in_cone import Posture
+from .mechanisms.stiffness import contact_directions
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -46,16 +47,14 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
 
 @jax.jit
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
-    return predict(CaptureMechanism(*parameters))
+    mechanism = CaptureMechanism(*parameters)
+    return predict(mechanism, mechanism.first_posture()[0])
 
 
-def predict(mechanism: CaptureMechanism) -> FirstImpact:
-    """The first impact of a mechanism's run, which starts with the tip on the lower flank."""
-    state, _ = mechanism.start()
-    kin = mechanism.kinematics(state)
-    closing = lambda v: mechanism.approach(Kinematics(kin.q, v), state).approach_speed[LOWER]  # noqa: E731
-    speed = mechanism.memory(state)[LOWER]
-    mass = mechanism.system.effective_mass(kin, jax.grad(closing)(kin.v))
+def predict(mechanism: CaptureMechanism, at: Posture) -> FirstImpact:
+    """The first impact of a mechanism's run, which starts there with the tip on the lower flank."""
+    closing, speed = contact_directions(mechanism, at)[:N, LOWER], mechanism.memory(at.state)[LOWER]
+    mass = mechanism.system.effective_mass(at.kin, closing)
     energy = 0.5 * mass * speed**2
     law = mechanism.pair.law
     stiffness = jnp.asarray(mechanism.design.contact_stiffness)

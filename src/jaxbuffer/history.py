@@ -48,8 +48,8 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
     """Evaluate the mechanism at kept steps."""
 
     def at(time: Array, active: Array, state: Array) -> History:
-        kin = mechanism.kinematics(state)
-        motion, forces, _ = mechanism.dynamics(state, active)
+        posture = mechanism.posture(state)
+        kin, (motion, forces, _) = posture.kin, mechanism.dynamics(posture, active)
         seen = mechanism.observables(state, mechanism.derivative(time, state, active), active)
         angle = kin.q[5] - kin.q[2]
         return History(
@@ -67,8 +67,8 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
             buffer_force=jnp.copysign(seen[BUFFER_FORCE], mechanism.axial.tension(kin)),
             stroke=seen[STROKE],
             hinge_angle=jnp.copysign(seen[HINGE_ANGLE], angle),
-            throat_distance=mechanism.throat_distance(state),
-            energy=energy(mechanism, state, active),
+            throat_distance=mechanism.throat(kin, posture.tip)[0],
+            energy=energy(mechanism, posture, active),
         )
 
     slots = steps.time.shape[0] - 1

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from .integrate import Log
 from .mechanisms.assembly import N
 from .mechanisms.capture import CaptureMechanism
+from .mechanisms.probe_in_cone import Posture
 
 
 class Energy(eqx.Module):
@@ -32,16 +33,16 @@ class Energy(eqx.Module):
         return self.kinetic + self.spring + self.contact + self.dissipated
 
 
-def energy(mechanism: CaptureMechanism, state: Float[Array, " state"], active: Float[Array, " flanks"]) -> Energy:
+def energy(mechanism: CaptureMechanism, at: Posture, active: Float[Array, " flanks"]) -> Energy:
     """The ledger of one state."""
-    return Energy(*map(jnp.asarray, mechanism.stored(state, active)), *mechanism.losses(state))
+    return Energy(*map(jnp.asarray, mechanism.stored(at, active)), *mechanism.losses(at.state))
 
 
 class Balance(eqx.Module):
     """What should not change, and by how much it did over the run.
 
     ``energy``: relative to the initial energy; ``linear_momentum`` relative to m_S v0, ``angular_momentum`` to
-    m_S v0 · 1 m; ``drift``: largest constraint error [m, rad] at any located event.
+    m_S v0 · 1 m; ``drift``: largest constraint error [m, rad] at any located event. They have no derivatives.
     """
 
     energy: Float[Array, ""]
@@ -50,26 +51,30 @@ class Balance(eqx.Module):
     drift: Float[Array, ""]
 
 
-def balance(mechanism: CaptureMechanism, log: Log, drift: Float[Array, " slots"]) -> tuple[Energy, Balance]:
-    """The ledger at the end of a run, and conservation from its first state to its last, with the constraints' error
-    at each entry of the log."""
-    first, active = mechanism.start()
+def balance(
+    mechanism: CaptureMechanism, start: tuple[Array, Array], log: Log, drift: Float[Array, " slots"]
+) -> tuple[Energy, Balance]:
+    """The ledger at the end of a run, and conservation from its start (state, closed contacts) to its last state, with
+    the constraints' error at each entry of the log."""
     last = jnp.maximum(log.count - 1, 0)
-
-    def conserved(state: Array, active: Array) -> tuple[Energy, Array, Array]:
-        kin = mechanism.kinematics(state)
-        angular = mechanism.system.angular_momentum(kin.q, kin.v)
-        if mechanism.spins:
-            angular = angular + mechanism.probe.tip_inertia * state[2 * N]
-        return energy(mechanism, state, active), mechanism.system.linear_momentum(kin.v), angular
-
-    states, closed = jnp.stack([first, log.rows[last, 0]]), jnp.stack([active, log.active[last]])
-    ledger, linear, angular = jax.vmap(conserved)(states, closed)
-    total, scale = ledger.total, mechanism.design.active.mass * mechanism.scenario.approach_speed
+    states, closed = jnp.stack([start[0], log.rows[last, 0]]), jnp.stack([start[1], log.active[last]])
+    ledger = jax.vmap(lambda state, active: energy(mechanism, mechanism.posture(state), active))(states, closed)
+    held = jax.lax.stop_gradient
+    linear, angular = jax.vmap(lambda state: momentum(held(mechanism), state))(held(states))
+    total, scale = held(ledger.total), held(mechanism.design.active.mass * mechanism.scenario.approach_speed)
     used = jnp.arange(log.kind.shape[0]) < log.count
     return jax.tree.map(lambda both: both[1], ledger), Balance(
         energy=(total[1] - total[0]) / total[0],
         linear_momentum=jnp.max(jnp.abs(linear[1] - linear[0])) / scale,
         angular_momentum=jnp.abs(angular[1] - angular[0]) / scale,
-        drift=jnp.max(jnp.where(used, drift, 0.0)),
+        drift=jnp.max(jnp.where(used, held(drift), 0.0)),
     )
+
+
+def momentum(mechanism: CaptureMechanism, state: Float[Array, " state"]) -> tuple[Array, Array]:
+    """Linear [kg m/s] and angular momentum [kg m²/s] of a state."""
+    kin = mechanism.kinematics(state)
+    angular = mechanism.system.angular_momentum(kin.q, kin.v)
+    if mechanism.spins:
+        angular = angular + mechanism.probe.tip_inertia * state[2 * N]
+    return mechanism.system.linear_momentum(kin.v), angular

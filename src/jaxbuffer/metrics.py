@@ -10,7 +10,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .integrate import Kind, Log
-from .mechanisms.assembly import N
 from .mechanisms.capture import CaptureMechanism
 
 FLANKS = 2
@@ -57,7 +56,8 @@ def maxima(mechanism: CaptureMechanism, log: Log) -> Maxima:
 
     def observe(slot: Array) -> tuple[Array, Array]:
         state, active = state_of_maximum(mechanism, log, slot), log.active[slot]
-        rate = mechanism.derivative(log.time[slot], state, active)
+        # After a touchdown with a jump the rate is another than before it.
+        rate = mechanism.derivative(log.time[slot], state, active) if mechanism.jumps else log.rates[slot, 0]
         return mechanism.observables(state, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
@@ -78,7 +78,7 @@ def _peak_time(
 ) -> Float[Array, ""]:
     """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
     state, active = state_at(log, slot), log.active[slot]
-    slope = jax.jvp(lambda y: mechanism.contact(mechanism.kinematics(y), y, active).normal, (state,), (rate,))[1]
+    slope = jax.jvp(lambda y: mechanism.contact(mechanism.posture(y), active).normal, (state,), (rate,))[1]
     its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == flank)
     if mechanism.jumps:
         touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.time[slot] > 0.0)
@@ -87,14 +87,14 @@ def _peak_time(
     return _shifted(log.time[slot], -slope[flank], jnp.where(its_own, log.guard_rate[slot], jnp.inf))
 
 
-def moving_end(mechanism: CaptureMechanism, log: Log, rate: Float[Array, " state"], by_guard: Bool[Array, ""]) -> Log:
+def moving_end(mechanism: CaptureMechanism, log: Log, by_guard: Bool[Array, ""]) -> Log:
     """The same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero, and
-    the last state with it. Values stay as they are; ``rate``: the last state's."""
+    the last state with it. Values stay as they are."""
     last = jnp.maximum(log.count - 1, 0)
     end = state_at(log, last)
     terminal = mechanism.terminals(end)[jnp.clip(log.which[last], 0, 1)]
     time = _shifted(log.time[last], jnp.where(by_guard, terminal, 0.0), log.guard_rate[last])
-    rows = log.rows.at[last, 0].set(_carried(end, jax.lax.stop_gradient(rate), time))
+    rows = log.rows.at[last, 0].set(_carried(end, jax.lax.stop_gradient(log.rates[last, 0]), time))
     return dataclasses.replace(log, time=log.time.at[last].set(time), rows=rows)
 
 
@@ -112,14 +112,10 @@ def survey(mechanism: CaptureMechanism, log: Log) -> Survey:
 
     def look(slot: Array) -> Survey:
         state, active = state_at(log, slot), log.active[slot]
-        kin = mechanism.kinematics(state)
-        seen = mechanism.contact(kin, state, active)
-        force = seen.normal
-        if mechanism.jumps:
-            highest = state_of_maximum(mechanism, log, slot)
-            force = mechanism.contact(mechanism.kinematics(highest), highest, active).normal
-        drift = jnp.max(jnp.abs(mechanism.system.constraints(kin).phi))
-        return Survey(seen.approach.gap, force, drift)
+        at = mechanism.posture(state)
+        highest = mechanism.posture(state_of_maximum(mechanism, log, slot)) if mechanism.jumps else at
+        drift = jnp.max(jnp.abs(mechanism.system.errors(jax.lax.stop_gradient(at.kin))))
+        return Survey(at.approach.gap, mechanism.contact(highest, active).normal, drift)
 
     return jax.vmap(look)(jnp.arange(log.kind.shape[0]))
 
@@ -220,9 +216,7 @@ def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) ->
     where capture, or escape, happens just at ``duration``; grazing the plane without crossing it is a jump.
     """
     last = jnp.maximum(log.count - 1, 0)
-    end = state_at(log, last)
-    motion = jnp.zeros_like(end).at[:N].set(end[N : 2 * N])  # all that a distance sees of the state's rate
-    before, receding = jax.jvp(mechanism.throat_distance, (end,), (motion,))
+    before, receding = mechanism.throat_of(state_at(log, last))
     return before, -(before + receding * (duration - log.time[last]))
 
 

@@ -40,8 +40,8 @@ def test_start_satisfies_the_constraints(name, free):
 @each_scenario
 @each_tip
 def test_tip_just_touches_the_lower_flank_at_the_slant_distance(name, free):
-    mechanism, state, active, kin = start(name, free)
-    approach = mechanism.approach(kin, state)
+    mechanism, state, active, _ = start(name, free)
+    approach = mechanism.posture(state).approach
     assert abs(float(approach.gap[LOWER])) < 1e-16
     assert_allclose(approach.slant[LOWER], mechanism.scenario.contact_distance, rtol=1e-14)
     assert float(approach.gap[UPPER]) > 0.01
@@ -101,7 +101,7 @@ def test_memory_has_a_floor():
     """A cone turning away faster than the tip follows: the contact starts open, with δ̇⁻ at its least value."""
     mechanism = CaptureMechanism(table2(), Scenario(approach_speed=0.01, passive_rate=1.0))
     state, active = mechanism.start()
-    assert float(mechanism.approach(mechanism.kinematics(state), state).approach_speed[LOWER]) < -0.1
+    assert float(mechanism.posture(state).approach.approach_speed[LOWER]) < -0.1
     assert float(mechanism.memory(state)[LOWER]) == SLOWEST_TOUCHDOWN
     assert_allclose(active, [0.0, 0.0])
 

@@ -64,7 +64,7 @@ def _watch(parameters, duration, rtol) -> Seen:
         log.time[jnp.maximum(log.count - 1, 0)],
         maxima(mechanism, log),
         impacts(mechanism, log, seen),
-        balance(mechanism, log, seen.drift)[1],
+        balance(mechanism, mechanism.start(), log, seen.drift)[1],
         history(mechanism, result.steps),
         result.accepted,
     )

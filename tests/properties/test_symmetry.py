@@ -24,7 +24,7 @@ TURNS = np.arange(2, 12, 3)
 def evaluate(assembled, state, active):
     """Accelerations with the tip's, rates of the losses, and contact forces."""
     rate = np.asarray(assembled.derivative(0.0, state, active))
-    forces = assembled.contact(assembled.kinematics(state), state, active)
+    forces = assembled.contact(assembled.posture(state), active)
     return rate[12 : 24 + assembled.spins], assembled.losses(rate), forces.normal, forces.friction
 
 

@@ -62,15 +62,13 @@ def nearly_best(system: HybridSystem, state: Array, rate: Array, active: Array, 
 def observe(system: HybridSystem, state: Array, rate: Array, second: Array, active: Array) -> Guards:
     """Guards and observables with their rates, from the state and its derivatives. Where the second one is not known
     (zeros: see `nearly_best`), observables of the state's rate count as rising, slowly."""
-    n = system.coordinates
-    acceleration = jnp.zeros_like(rate).at[:n].set(rate[n : 2 * n])
-    approach = lambda y, r: jax.jvp(system.gaps, (y,), (r,))  # noqa: E731
-    (gap, gap_rate), (_, gap_bend) = jax.jvp(approach, (state, rate), (rate, acceleration))
-    terminal, terminal_rate = jax.jvp(system.terminals, (state,), (rate,))
+    look = lambda y, r: system.watched(y, r, active)  # noqa: E731
+    seen, moves = jax.jvp(look, (state, rate), (rate, second))
     of_rate = jnp.asarray(system.rate_observables(), bool)
-    value, slope = jax.jvp(lambda y, r: system.observables(y, r, active), (state, rate), (rate, second))
-    slope = jnp.where(of_rate & ~jnp.any(second != 0.0), 1e-300, slope)
-    return Guards(gap, gap_rate, gap_bend, terminal, terminal_rate, value, slope, *system.invariant(state, active))
+    slope = jnp.where(of_rate & ~jnp.any(second != 0.0), 1e-300, moves.value)
+    return Guards(
+        seen.gap, seen.gap_rate, moves.gap_rate, seen.terminal, moves.terminal, seen.value, slope, *seen.invariant
+    )
 
 
 def next_touchdown(guards: Guards, active: Float[Array, " contacts"]) -> Float[Array, ""]:

@@ -33,7 +33,8 @@ class Log(eqx.Module):
 
     ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
     ``values``: all observables; ``guard_rate``: rate of the signed guard at its zero, so that the
-    event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time.
+    event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time;
+    ``rates``: what their derivatives were just before it.
     """
 
     kind: Int[Array, " slots"]
@@ -43,6 +44,7 @@ class Log(eqx.Module):
     guard_rate: Float[Array, " slots"]
     active: Float[Array, "slots contacts"]
     rows: Float[Array, "slots rows state"]
+    rates: Float[Array, "slots rows state"]
     count: Int[Array, ""]
 
     @staticmethod
@@ -56,7 +58,7 @@ class Log(eqx.Module):
         none, zero = jnp.full(n, int(Kind.NONE)), jnp.zeros(n)
         start = jnp.broadcast_to(rows, (n, *rows.shape))
         values = jnp.zeros((n, observables))
-        return Log(none, none, zero, values, jnp.ones(n), jnp.zeros((n, contacts)), start, jnp.asarray(0))
+        return Log(none, none, zero, values, jnp.ones(n), jnp.zeros((n, contacts)), start, 0.0 * start, jnp.asarray(0))
 
     def append(
         self,
@@ -68,9 +70,10 @@ class Log(eqx.Module):
         guard_rate: Float[Array, ""],
         active: Float[Array, " contacts"],
         rows: Rows,
+        rates: Rows,
     ) -> "Log":
         """The log with one more entry if ``when``."""
-        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, values, guard_rate, active, rows)
+        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, values, guard_rate, active, rows, rates)
         slot = jnp.where(when, self.count, self.kind.shape[0] - 1)
         return _put(self, entry, slot, self.count + when)
 

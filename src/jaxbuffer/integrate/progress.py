@@ -80,9 +80,8 @@ def begin(task: Task[P]) -> Progress:
     pace = Pace.of(jnp.minimum(first_step, task.duration), len(options.solver.methods))
     place = Place(zero, start, jnp.zeros_like(start), guards)
     for contact in range(contacts):
-        log = log.append(
-            active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN), jnp.asarray(contact), zero, highest, one, active, start
-        )
+        closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
+        log = log.append(closed, kind, jnp.asarray(contact), zero, highest, one, active, start, place.rate)
     return Progress(
         at=place,
         ahead=place,

@@ -30,11 +30,9 @@ P = TypeVar("P")
 
 
 class Result(NamedTuple):
-    """A finished run: ``status`` (see `Status`), the last state's rate, located events, kept steps, counts of attempted
-    and accepted steps."""
+    """A finished run: ``status`` (see `Status`), located events, kept steps, counts of attempted and accepted steps."""
 
     status: Int[Array, ""]
-    rate: Float[Array, " state"]
     log: Log
     steps: Steps
     attempts: Int[Array, ""]
@@ -51,7 +49,7 @@ def run(
     """
     task = Task.of(build, lanes, jnp.asarray(duration, float), options)
     end = lax.while_loop(lambda c: c.status == Status.RUNNING, lambda c: _trip(task, c), begin(task))
-    return Result(end.status, end.at.rate[0], end.log, end.steps, end.attempts, end.steps.count)
+    return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
 
 
 def _trip(task: Task[P], c: Progress) -> Progress:

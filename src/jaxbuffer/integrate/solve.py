@@ -31,8 +31,9 @@ def solve(
 ) -> Result:
     """Run the system that ``build(*parameters)`` assembles; differentiable in the arrays of ``parameters``.
 
-    **Returns:** a `Result` whose ``log.rows`` has one row, the state at each event. Its tangent is the state's
-    derivative at the event's *fixed* time; an event's own time shifts by -guard/guard_rate (see `Log`).
+    **Returns:** a `Result` whose ``log.rows`` and ``log.rates`` have one row, the state at each event and its rate.
+    Their tangents are derivatives at the event's *fixed* time; an event's own time shifts by -guard/guard_rate (see
+    `Log`).
     """
     return _solve(
         parameters, build, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options)
@@ -65,16 +66,17 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
         return run(*through(assembled, [leaves[i] for i in chosen], directions), duration, options)
 
     result = _per_lane(with_rows, leaves, sizes, duration, options)
-    value = _with_rows(result, result.log.rows[:, :1])
-    tangent = jax.tree.map(lambda _: None, value)
-    moved = sum(
-        result.log.rows[:, 1 + k] * (moves[i] / size) for k, (i, size) in enumerate(zip(chosen, sizes, strict=True))
-    )
-    return value, _with_rows(tangent, moved[:, None])
+    shares = jnp.stack([moves[i] / size for i, size in zip(chosen, sizes, strict=True)])[None, :, None]
 
+    def moved(rows: Array) -> Array:
+        return jnp.sum(rows[:, 1:] * shares, axis=1, keepdims=True)
 
-def _with_rows(result: Result, rows: Array) -> Result:
-    return result._replace(log=dataclasses.replace(result.log, rows=rows))
+    def of(result: Result, rows: Array, rates: Array) -> Result:
+        return result._replace(log=dataclasses.replace(result.log, rows=rows, rates=rates))
+
+    log = result.log
+    value = of(result, log.rows[:, :1], log.rates[:, :1])
+    return value, of(jax.tree.map(lambda _: None, value), moved(log.rows), moved(log.rates))
 
 
 def _is_none(x: Any) -> bool:

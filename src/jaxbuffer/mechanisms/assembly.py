@@ -42,9 +42,8 @@ def probe_masses(design: Design) -> Masses:
     return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip)
 
 
-def assemble_system(design: Design, stabilisation: Scalar) -> System:
+def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
     """Bodies, joints and buffer of the capture mechanism."""
-    probe = probe_masses(design)
     half = design.buffer.cylinder_length / 2
     cylinder = Body(design.buffer.cylinder_mass, design.buffer.cylinder_mass * design.buffer.cylinder_length**2 / 12)
     return System(
@@ -104,7 +103,7 @@ def assemble_contact(design: Design) -> BallOnSegments:
 
 
 def start_motion(
-    design: Design, scenario: Scenario
+    design: Design, scenario: Scenario, masses: Masses
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
     """Positions and velocities at t = 0: the tip just touches the lower flank at the slant distance b, everything
     behind it lies along +x with the spring at its free length (the model's section 6)."""
@@ -116,7 +115,6 @@ def start_motion(
     )
     turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
     tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
-    masses = probe_masses(design)
     probe = tip.x - masses.front
     cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
     active = cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset

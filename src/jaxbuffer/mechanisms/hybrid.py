@@ -1,6 +1,9 @@
 """What time stepping needs to know of a mechanism whose contacts come and go."""
 
+from typing import NamedTuple
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
@@ -45,6 +48,17 @@ class Linearisation(eqx.Module):
         damping = jnp.sum(jnp.diagonal(self.damping) * jnp.sum(moved, axis=0))
         stiffness = jnp.sum(jnp.diagonal(self.stiffness) * jnp.sum(moved[:n], axis=0))
         return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+
+
+class Watched(NamedTuple):
+    """All that is watched of a state for events, looked at together: gaps with their rates, guards of the run's end,
+    observables, and `HybridSystem.invariant`."""
+
+    gap: Float[Array, " contacts"]
+    gap_rate: Float[Array, " contacts"]
+    terminal: Float[Array, " terminals"]
+    value: Float[Array, " observables"]
+    invariant: tuple[Float[Array, ""], Float[Array, ""]]
 
 
 class HybridSystem(eqx.Module):
@@ -101,6 +115,15 @@ class HybridSystem(eqx.Module):
         """What the motion within a mode does not change, of a size of the order of one, and how much of it may be
         rounding: a step that changes it by more is wrong by that. Zeros where nothing of the kind is known."""
         return jnp.zeros(()), jnp.zeros(())
+
+    def watched(self, state: State, rate: State, active: Active) -> Watched:
+        """`gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing needs
+        to know how the invariant changes: it may be held fixed."""
+        n = self.coordinates
+        motion = jnp.zeros_like(state).at[:n].set(state[n : 2 * n])
+        gap, gap_rate = jax.jvp(self.gaps, (state,), (motion,))
+        invariant = self.invariant(jax.lax.stop_gradient(state), active)
+        return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
 
     def impact_step(self, state: State) -> Float[Array, ""]:
         """A first step after a touchdown [s], a fifteenth of the impact's duration."""

@@ -12,9 +12,9 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..contact import Approach
-from ..multibody import Kinematics
 from .assembly import SIDE, N
 from .hybrid import Linearisation
+from .probe_in_cone import Posture
 
 if TYPE_CHECKING:
     from .capture import CaptureMechanism
@@ -24,14 +24,11 @@ def linearisation(
     mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " flanks"]
 ) -> Linearisation:
     """How the six forces act on the velocities and answer to motion at a state."""
-    kin = mechanism.kinematics(state)
-    buffer = mechanism.design.buffer
-    approach = mechanism.rounded(mechanism.approach(kin, state))
+    at, buffer = mechanism.posture(state), mechanism.design.buffer
+    approach = mechanism.rounded(at.approach)
     per_depth, per_speed, per_slip = _contact_slopes(mechanism, approach, mechanism.memory(state), active)
-    directions = jnp.concatenate(
-        [_buffer_directions(mechanism, kin), _contact_directions(mechanism, kin, state, approach)], 1
-    )
-    response = mechanism.system.response(kin, directions[:N])
+    directions = jnp.concatenate([_buffer_directions(mechanism, at), contact_directions(mechanism, at)], 1)
+    response = mechanism.system.response(at.kin, directions[:N])
     if mechanism.spins:
         response = jnp.concatenate([response, directions[N:] / mechanism.probe.tip_inertia])
     return Linearisation(
@@ -66,9 +63,9 @@ def _coupling(axial: Scalar, torsional: Scalar, contact: tuple[Array, Array], fr
     return jnp.eye(6) * diagonal[:, None] + shifted * below[:, None]
 
 
-def _buffer_directions(mechanism: "CaptureMechanism", kin: Kinematics) -> Float[Array, "velocities 2"]:
+def _buffer_directions(mechanism: "CaptureMechanism", at: Posture) -> Float[Array, "velocities 2"]:
     """Columns b with L̇ = b·w and θ̇_B - θ̇_S = b·w."""
-    axial = mechanism.axial.state(kin)
+    axial = mechanism.axial.state(at.kin)
     u, a, b = axial.along, axial.first_arm, axial.second_arm
     along = [0.0, 0.0, 0.0, -u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u), 0.0, 0.0, 0.0]
     twist = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -76,11 +73,9 @@ def _buffer_directions(mechanism: "CaptureMechanism", kin: Kinematics) -> Float[
     return jnp.stack([stacked([*along, *spin]), stacked([*twist, *spin])], axis=1)
 
 
-def _contact_directions(
-    mechanism: "CaptureMechanism", kin: Kinematics, state: Array, approach: Approach
-) -> Float[Array, "velocities 4"]:
+def contact_directions(mechanism: "CaptureMechanism", at: Posture) -> Float[Array, "velocities 4"]:
     """Columns b with δ̇ = b·w (both flanks), then v_t = b·w (both flanks)."""
-    _, arm = mechanism.tip(kin, state)
+    arm, approach = at.arm, at.approach
     x = jnp.concatenate([-approach.normal_x, approach.tangent_x])
     y = jnp.concatenate([-approach.normal_y, approach.tangent_y])
     foot_x, foot_y = jnp.tile(approach.foot_x, 2), jnp.tile(approach.foot_y, 2)

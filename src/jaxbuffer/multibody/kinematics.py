@@ -73,28 +73,23 @@ class Frame(NamedTuple):
 
 
 class Kinematics(eqx.Module):
-    """Frames of all bodies at one instant."""
+    """Frames of all bodies at one instant, each made once: what is not asked for is not compiled."""
 
     q: Float[Array, " coordinates"]
     v: Float[Array, " coordinates"]
-    cos: Float[Array, " bodies"]
-    sin: Float[Array, " bodies"]
+    frames: tuple[Frame, ...]
 
     def __init__(self, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"]):
         self.q, self.v = q, v
-        self.cos, self.sin = cos_sin(q[2::3])
+        cos, sin = cos_sin(q[2::3])
+        self.frames = tuple(
+            Frame(Vector(q[k], q[k + 1]), q[k + 2], cos[body], sin[body], Vector(v[k], v[k + 1]), v[k + 2])
+            for body, k in enumerate(range(0, q.shape[0], 3))
+        )
 
     def frame(self, body: int) -> Frame:
         """The frame of one body (or of ``GROUND``)."""
         if body == GROUND:
             zero, one = jnp.zeros(()), jnp.ones(())
             return Frame(Vector(zero, zero), zero, one, zero, Vector(zero, zero), zero)
-        k = 3 * body
-        return Frame(
-            Vector(self.q[k], self.q[k + 1]),
-            self.q[k + 2],
-            self.cos[body],
-            self.sin[body],
-            Vector(self.v[k], self.v[k + 1]),
-            self.v[k + 2],
-        )
+        return self.frames[body]

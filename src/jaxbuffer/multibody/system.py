@@ -78,6 +78,11 @@ class System(eqx.Module):
             return Constraints(jnp.zeros(0), jacobian, jnp.zeros(0))
         return Constraints(stacked([row.phi for row in rows]), jacobian, stacked([row.gamma for row in rows]))
 
+    def errors(self, kin: Kinematics) -> Float[Array, " rows"]:
+        """Φ alone."""
+        rows = self._rows(kin)
+        return stacked([row.phi for row in rows]) if rows else jnp.zeros(0)
+
     def _rows(self, kin: Kinematics) -> list[Row]:
         return [row for joint in self.joints for row in joint.rows(kin)]
 

@@ -1,0 +1,175 @@
+"""A design in a scenario at one instant: where everything is, and what acts on it.
+
+The state is ``[q (12), v (12), tip spin (if free), energy lost (4), contact memory (2)]``.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar, Values
+from ..contact import Approach, Ball, BallOnSegments, Carrier
+from ..multibody import AxialSpringDamper, Kinematics, Load, Motion, System, Vector, load_at
+from .assembly import Masses, N, P, T, assemble_contact, assemble_system, probe_masses
+from .design import Design, Scenario
+
+
+class Posture(NamedTuple):
+    """A state looked at once: the bodies' frames, the tip ball with its arm from the probe's centre of mass, geometry
+    and relative motion of the tip against both flanks."""
+
+    state: Float[Array, " state"]
+    kin: Kinematics
+    tip: Ball
+    arm: Vector
+    approach: Approach
+
+
+class Forces(NamedTuple):
+    """Contact at one instant, an entry a flank: geometry and speeds, F_n and F_t [N]."""
+
+    approach: Approach
+    normal: Float[Array, " flanks"]
+    friction: Float[Array, " flanks"]
+
+
+class ProbeInCone(eqx.Module):
+    """The capture mechanism at one instant.
+
+    **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s]. Assembled once: ``probe``,
+    masses and lengths of the probe with its tip; ``system``, bodies, joints and buffer; ``pair``, tip against flanks.
+    """
+
+    design: Design
+    scenario: Scenario
+    probe: Masses
+    system: System
+    pair: BallOnSegments
+
+    def __init__(self, design: Design, scenario: Scenario, stabilisation: Scalar = 20.0):
+        self.design, self.scenario = design, scenario
+        self.probe = probe_masses(design)
+        self.system = assemble_system(design, self.probe, stabilisation)
+        self.pair = assemble_contact(design)
+
+    @property
+    def axial(self) -> AxialSpringDamper:
+        """The buffer's axial spring-damper."""
+        element = self.system.forces[0]
+        assert isinstance(element, AxialSpringDamper)
+        return element
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the contact's memory is a state that follows, rather than set by events."""
+        return self.design.contact.memory == "smooth"
+
+    # --- the state's layout -------------------------------------------------------------------------------------------
+
+    @property
+    def spins(self) -> int:
+        """Number of tip spins in the state."""
+        return int(self.design.probe.free_tip)
+
+    @property
+    def velocities(self) -> int:
+        """Number of velocities: the coordinates' and the tip's spin."""
+        return N + self.spins
+
+    def kinematics(self, state: Float[Array, " state"]) -> Kinematics:
+        """Frames of the bodies."""
+        return Kinematics(state[:N], state[N : 2 * N])
+
+    def losses(self, state: Float[Array, " state"]) -> Float[Array, " 4"]:
+        """Energy lost so far in axial damper, torsional damper, contact and friction [J]."""
+        return state[2 * N + self.spins : 2 * N + self.spins + 4]
+
+    def memory(self, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
+        """δ̇⁻ of each flank [m/s]."""
+        return state[-2:]
+
+    # --- what acts ----------------------------------------------------------------------------------------------------
+
+    def tip(self, kin: Kinematics, state: Float[Array, " state"]) -> tuple[Ball, Vector]:
+        """The tip ball and its arm from the probe's centre of mass."""
+        probe = kin.frame(P)
+        arm = probe.turn(Vector(self.probe.front, 0.0))
+        centre, velocity = probe.origin + arm, probe.velocity_at(arm)
+        spin = state[2 * N] if self.spins else probe.spin
+        return Ball(centre.x, centre.y, velocity.x, velocity.y, spin), arm
+
+    def posture(self, state: Float[Array, " state"]) -> Posture:
+        """Where everything is; tip against both flanks."""
+        kin = self.kinematics(state)
+        (tip, arm), cone = self.tip(kin, state), kin.frame(T)
+        carrier = Carrier(cone.origin.x, cone.origin.y, cone.cos, cone.sin, cone.velocity.x, cone.velocity.y, cone.spin)
+        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier))
+
+    def contact(self, at: Posture, active: Float[Array, " flanks"]) -> Forces:
+        """Contact forces of both flanks; an open one exerts none (the smooth law knows no open and closed)."""
+        pair, approach = self.pair, at.approach
+        normal = self.exerting(active) * pair.normal_force(self.rounded(approach), self.memory(at.state))
+        return Forces(approach, normal, pair.friction_force(approach, normal))
+
+    def exerting(self, active: Float[Array, " flanks"]) -> Float[Array, " flanks"]:
+        """1 for flanks whose force follows the gap, 0 for open ones."""
+        return jnp.ones(2) if self.smooth else active
+
+    def rounded(self, approach: Approach) -> Approach:
+        """With the smooth law, the penetration is rounded over the onset length: δ → (δ + √(δ² + ε²))/2."""
+        if not self.smooth:
+            return approach
+        gap, onset = approach.gap, self.design.contact.onset_length
+        return approach._replace(gap=0.5 * (gap - jnp.sqrt(gap * gap + onset * onset)))
+
+    def _contact_loads(self, at: Posture, forces: Forces) -> tuple[Load, Load, Scalar]:
+        """Loads on probe and passive vehicle, and the moment that spins a free tip."""
+        a = at.approach
+        force_x = forces.normal * a.normal_x + forces.friction * a.tangent_x
+        force_y = forces.normal * a.normal_y + forces.friction * a.tangent_y
+        total = Vector(jnp.sum(force_x), jnp.sum(force_y))
+        # About the tip's centre the foot's arm is -distance · normal, so only friction turns the tip.
+        tip_moment: Scalar = -jnp.sum(a.distance * (a.normal_x * force_y - a.normal_y * force_x))
+        foot_x: Values | Scalar = a.foot_x
+        foot_y: Values | Scalar = a.foot_y
+        if self.design.contact.arms == "published":
+            flanks, cone = self.pair.segments, at.kin.frame(T)
+            frozen_x = flanks.start_x + self.scenario.contact_distance * flanks.direction_x
+            frozen_y = flanks.start_y + self.scenario.contact_distance * flanks.direction_y
+            foot_x, foot_y = cone.cos * frozen_x - cone.sin * frozen_y, cone.sin * frozen_x + cone.cos * frozen_y
+            tip_moment = jnp.zeros(())
+        cone_moment = -jnp.sum(foot_x * force_y - foot_y * force_x)
+        on_probe = load_at(P, total, at.arm)
+        if not self.spins:
+            on_probe = on_probe._replace(moment=on_probe.moment + tip_moment)
+        return on_probe, Load(T, -total, cone_moment), tip_moment
+
+    def dynamics(self, at: Posture, active: Float[Array, " flanks"]) -> tuple[Motion, Forces, Scalar]:
+        """Accelerations and multipliers, contact forces, and the moment on the tip about its centre [N m]."""
+        forces = self.contact(at, active)
+        on_probe, on_cone, tip_moment = self._contact_loads(at, forces)
+        return self.system.motion(at.kin, (on_probe, on_cone)), forces, tip_moment
+
+    def throat(self, kin: Kinematics, tip: Ball) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """How far the tip centre is before the capture plane x = -L_T - R sin β in the cone's axes [m], and how that
+        changes [m/s]."""
+        cone = kin.frame(T)
+        local = cone.unturn(Vector(tip.x, tip.y) - cone.origin)
+        moves = cone.unturn(Vector(tip.velocity_x, tip.velocity_y) - cone.velocity)
+        plane = -self.design.cone.offset - self.design.probe.tip_radius * jnp.sin(self.design.cone.half_angle)
+        return plane - local.x, -jnp.asarray(moves.x + cone.spin * local.y)
+
+    def throat_of(self, state: Float[Array, " state"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """`throat` of a state."""
+        kin = self.kinematics(state)
+        return self.throat(kin, self.tip(kin, state)[0])
+
+    def stored(self, at: Posture, active: Float[Array, " flanks"]) -> tuple[Scalar, Scalar, Float[Array, ""]]:
+        """Energy in motion, in the springs and in the contacts [J]."""
+        kinetic = self.system.kinetic_energy(at.kin.v)
+        if self.spins:
+            kinetic = kinetic + 0.5 * self.probe.tip_inertia * at.state[2 * N] ** 2
+        elastic = self.pair.stored_energy(self.rounded(at.approach))
+        return kinetic, self.system.stored_energy(at.kin), jnp.sum(self.exerting(active) * elastic)
