@@ -105,7 +105,7 @@ def _friction_sign() -> None:
 def _memory_not_set() -> None:
     from jaxbuffer.mechanisms.capture import CaptureMechanism
 
-    CaptureMechanism.touchdown = lambda self, state, rate, contact: state
+    CaptureMechanism.touchdown = lambda self, state, quickening, contact: state
 
 
 def _hysteresis() -> None:

@@ -25,6 +25,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax.experimental import serialize_executable
 from jax.experimental.compilation_cache import compilation_cache
+from jax.stages import Compiled
+
+from .halves import compiled, run
 
 R = TypeVar("R")
 
@@ -47,14 +50,14 @@ class Static(eqx.Module):
 
 
 class _Program(NamedTuple):
-    """A compiled function of numbers and arrays, and where the leaves of its result come from."""
+    """A compiled function of arrays, in its parts, and where the leaves of its result come from."""
 
-    call: Callable[[Any, list[Any]], list[Any]]
+    parts: list[Compiled]
     structure: Any
     sources: tuple[int | None, ...]  # the argument that a leaf of the result is, or None: the next one that is computed
 
-    def __call__(self, leaves: list[Any], numbers: Any, others: list[Any]) -> Any:
-        computed = iter(self.call(numbers, others))
+    def __call__(self, leaves: list[Any], given: list[Any]) -> Any:
+        computed = iter(run(self.parts, given))
         found = [next(computed) if source is None else leaves[source] for source in self.sources]
         return jax.tree.unflatten(self.structure, found)
 
@@ -81,18 +84,18 @@ class kept(Generic[R]):  # a decorator
         if any(kind is jax.core.Tracer for kind in kinds):
             return (self.function if _tracing() else self.jitted)(*arguments)
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
-        others = [leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float]
+        given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
         key = (_folder, structure, kinds)
         if key not in self.programs:
             with self.compiling:  # of many threads that come at once, one compiles
                 if key not in self.programs:
-                    self.programs[key] = self._program(structure, kinds, numbers, others)
-        return self.programs[key](leaves, numbers, others)
+                    self.programs[key] = self._program(structure, kinds, given)
+        return self.programs[key](leaves, given)
 
-    def _program(self, structure: Any, kinds: tuple[Any, ...], numbers: np.ndarray, others: list[Any]) -> _Program:
+    def _program(self, structure: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
         result: list[Any] = []
 
-        def flat(numbers: Any, others: list[Any]) -> list[Any]:
+        def flat(numbers: Any, *others: Any) -> list[Any]:
             each, rest = iter(numbers), iter(others)
             leaves = [next(each if kind is float else rest) for kind in kinds]
             found, structure_found = jax.tree.flatten(self.function(*jax.tree.unflatten(structure, leaves)))
@@ -102,20 +105,18 @@ class kept(Generic[R]):  # a decorator
             return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
 
         if _folder is None:
-            compiled = jax.jit(flat)
-            compiled(numbers, others)
-            return _Program(compiled, *result)
+            return _Program(compiled(flat, given), *result)
         file = _folder / f"{self.function.__name__}-{_digest(str(structure), str(kinds))}.program"
-        program = _read(file, numbers, others)
+        program = _read(file, given)
         if program is not None:
             return program
         with _without_cache():
-            stages = jax.jit(flat).lower(numbers, others).compile()
-        program = _Program(stages, *result)
+            program = _Program(compiled(flat, given), *result)
         # a tree of zeros stands for its structure, which cannot be pickled where it has static fields of its own
         example = jax.tree.unflatten(program.structure, [0] * len(program.sources))
         with contextlib.suppress(jax.errors.JaxRuntimeError, pickle.PicklingError, OSError, ValueError):
-            _write(file, pickle.dumps((serialize_executable.serialize(stages), example, program.sources)))
+            stored = [serialize_executable.serialize(part) for part in program.parts]
+            _write(file, pickle.dumps((stored, example, program.sources)))
         return program
 
 
@@ -147,20 +148,20 @@ def _without_cache() -> Iterator[None]:
         compilation_cache.reset_cache()
 
 
-def _read(file: Path, numbers: np.ndarray, others: list[Any]) -> _Program | None:
+def _read(file: Path, given: list[Any]) -> _Program | None:
     """The program of a file if there is one and it runs on these arguments."""
     try:
         stored, example, sources = pickle.loads(file.read_bytes())
         with contextlib.suppress(OSError):  # a folder shared read-only serves as well
             file.touch()
-        compiled = serialize_executable.deserialize_and_load(*stored)
-        jax.block_until_ready(compiled(numbers, others))
+        parts = [serialize_executable.deserialize_and_load(*part) for part in stored]
+        jax.block_until_ready(run(parts, given))
     except FileNotFoundError:
         return None
     except Exception as error:  # a torn file, another machine's: whatever it is, compiling helps
         _log.info("%s cannot be used: %s", file, error)
         return None
-    return _Program(compiled, jax.tree.structure(example), sources)
+    return _Program(parts, jax.tree.structure(example), sources)
 
 
 def _write(file: Path, content: bytes) -> None:

@@ -57,7 +57,8 @@ def occurrence(task: Task, c: Progress, a: Attempt, d: Decision) -> Occurrence:
     at_event = _shifted(a.trial, offset, system.coordinates)
 
     def touch() -> tuple[Rows, Array]:
-        jump = lanes.lift(lambda p, y: task.build(p).touchdown(y, a.trial.rate[0], target) - y)(at_event)
+        quickening = -jnp.sum(jnp.where(chosen, a.guards.gap_bend, 0.0))
+        jump = lanes.lift(lambda p, y: task.build(p).touchdown(y, quickening, target) - y)(at_event)
         return jump, task.options.tolerance.first_step(lanes.count) * system.impact_step(a.trial.end[0] + jump[0])
 
     jump, onset = lax.cond(closing, touch, lambda: (jnp.zeros_like(at_event), c.onset))

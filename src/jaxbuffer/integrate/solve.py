@@ -66,10 +66,10 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
         return run(*through(assembled, [leaves[i] for i in chosen], directions), duration, options)
 
     result = _per_lane(with_rows, leaves, sizes, duration, options)
-    shares = jnp.stack([moves[i] / size for i, size in zip(chosen, sizes, strict=True)])[None, :, None]
+    shares = [moves[i] / size for i, size in zip(chosen, sizes, strict=True)]
 
     def moved(rows: Array) -> Array:
-        return jnp.sum(rows[:, 1:] * shares, axis=1, keepdims=True)
+        return sum(rows[:, 1 + k, None] * share for k, share in enumerate(shares))
 
     def of(result: Result, rows: Array, rates: Array) -> Result:
         return result._replace(log=dataclasses.replace(result.log, rows=rows, rates=rates))

@@ -122,14 +122,12 @@ class Assembled(HybridSystem):
         return _row([contact.approach(kin)[0].gap for contact in self.contacts])
 
     def touchdown(
-        self, state: Float[Array, " state"], rate: Float[Array, " state"], contact: Int[Array, ""]
+        self, state: Float[Array, " state"], quickening: Float[Array, ""], contact: Int[Array, ""]
     ) -> Float[Array, " state"]:
         """The memory takes the approach speed at the crossing itself, a first-order step from the located state."""
         chosen = jnp.arange(len(self.contacts)) == contact
-        late = self._time_to_contact(state, chosen)
-        kin = self.kinematics(state + rate * late)
-        speeds = _row([c.approach(kin)[0].approach_speed for c in self.contacts])
-        memory = jnp.where(chosen, jnp.maximum(speeds, SLOWEST_TOUCHDOWN), self.memory(state))
+        late, speed = self._until_contact(state, chosen)
+        memory = jnp.where(chosen, jnp.maximum(speed + quickening * late, SLOWEST_TOUCHDOWN), self.memory(state))
         n = 2 * self.system.coordinates
         closed = jnp.concatenate([state[:n], memory, self.integral(state)])
         if not self.jumps:
@@ -138,11 +136,12 @@ class Assembled(HybridSystem):
         onset = self.derivative(zero, closed, alone) - self.derivative(zero, closed, jnp.zeros_like(alone))
         return closed - onset * late
 
-    def _time_to_contact(self, state: Float[Array, " state"], chosen: Array) -> Float[Array, ""]:
+    def _until_contact(self, state: Float[Array, " state"], chosen: Array) -> tuple[Array, Array]:
+        """Of the chosen contact: gap / δ̇ [s], and δ̇ [m/s]."""
         kin = self.kinematics(state)
         found = [contact.approach(kin)[0] for contact in self.contacts]
         gap, speed = (jnp.sum(jnp.where(chosen, _row([getattr(a, name) for a in found]), 0.0)) for name in GAP)
-        return gap / jnp.where(speed == 0.0, 1.0, speed)
+        return gap / jnp.where(speed == 0.0, 1.0, speed), speed
 
     def terminals(self, state: Float[Array, " state"]) -> Float[Array, " terminals"]:
         kin = self.kinematics(state)

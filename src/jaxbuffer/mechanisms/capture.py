@@ -66,14 +66,14 @@ class CaptureMechanism(ProbeInCone, HybridSystem):
         return self.posture(state).approach.gap
 
     def touchdown(
-        self, state: Float[Array, " state"], rate: Float[Array, " state"], contact: Int[Array, ""]
+        self, state: Float[Array, " state"], quickening: Float[Array, ""], contact: Int[Array, ""]
     ) -> Float[Array, " state"]:
         """δ̇⁻ takes the approach speed at the crossing itself, a first-order step away from the located state."""
         if self.smooth:
             return state
-        crossing = state + rate * self.time_to_contact(state, contact)
-        speed = self.posture(crossing).approach.approach_speed
-        memory = jnp.where(jnp.arange(2) == contact, jnp.maximum(speed, SLOWEST_TOUCHDOWN), self.memory(state))
+        late, speed = self._until_contact(state, contact)
+        mine = jnp.arange(2) == contact
+        memory = jnp.where(mine, jnp.maximum(speed + quickening * late, SLOWEST_TOUCHDOWN), self.memory(state))
         closed = jnp.concatenate([state[:-2], memory])
         return closed + self.saltation(closed, contact) if self.jumps else closed
 
@@ -89,13 +89,13 @@ class CaptureMechanism(ProbeInCone, HybridSystem):
 
     def time_to_contact(self, state: Float[Array, " state"], contact: Int[Array, ""]) -> Float[Array, ""]:
         """gap / δ̇ of one flank [s]."""
-        approach = self.posture(state).approach
-        chosen = jnp.arange(2) == contact
-        gap, speed = (
-            jnp.sum(jnp.where(chosen, approach.gap, 0.0)),
-            jnp.sum(jnp.where(chosen, approach.approach_speed, 0.0)),
-        )
-        return gap / jnp.where(speed == 0.0, 1.0, speed)
+        return self._until_contact(state, contact)[0]
+
+    def _until_contact(self, state: Float[Array, " state"], contact: Int[Array, ""]) -> tuple[Array, Array]:
+        """Of one flank: gap / δ̇ [s], and δ̇ [m/s]."""
+        approach, mine = self.posture(state).approach, jnp.arange(2) == contact
+        gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (approach.gap, approach.approach_speed))
+        return gap / jnp.where(speed == 0.0, 1.0, speed), speed
 
     def terminals(self, state: Float[Array, " state"]) -> Float[Array, " 2"]:
         """Captured, escaped."""

@@ -91,8 +91,9 @@ class HybridSystem(eqx.Module):
         (touchdown), upwards opens it (release)."""
         raise NotImplementedError
 
-    def touchdown(self, state: State, rate: State, contact: Int[Array, ""]) -> State:
-        """The state just after a contact closes, from the state and its rate at the crossing."""
+    def touchdown(self, state: State, quickening: Float[Array, ""], contact: Int[Array, ""]) -> State:
+        """The state just after a contact closes, from the state at the crossing; ``quickening``: how its approach speed
+        grows there [m/s²]."""
         raise NotImplementedError
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
