@@ -38,9 +38,10 @@ def step(solver, which, length, near):
 )
 @pytest.mark.parametrize("length", [0.0, 5e-3])
 def test_the_second_derivative_at_the_end(solver, which, length):
-    """By both methods, alone and one after the other in the longer one's room; and where no step is taken at all."""
+    """Of the state and of the rows beside it, by both methods, alone and one after the other in the longer one's room;
+    and where no step is taken at all."""
     found = step(solver, which, length, near=True)
-    (x, v), time = found.end[:, 0], 0.2 + length
+    (x, v), time = found.end, 0.2 + length
     exact = [-(FREQUENCY**2) * x + jnp.cos(DRIVE * time), -(FREQUENCY**2) * v - DRIVE * jnp.sin(DRIVE * time)]
     np.testing.assert_allclose(found.second, exact, rtol=1e-7)
 

@@ -66,7 +66,7 @@ def attempt(task: Task[P], c: Progress) -> Attempt:
         allowed = jnp.maximum(columns(tolerance.allowance(rows, scales)), 1e-300)
         trial = solver.step(which, field, stiff, c.at.time, columns(rows), columns(rate), stride, allowed, watch)
         back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
-        return trial._replace(end=back(trial.end), rate=back(trial.rate), error=back(trial.error))
+        return Step(back(trial.end), back(trial.rate), back(trial.error), trial.order, back(trial.second))
 
     def alone() -> Step:
         return take(Lanes(lanes.primal), c.at.rows[:1], c.at.rate[:1]).filled_up(lanes.count)
@@ -75,7 +75,7 @@ def attempt(task: Task[P], c: Progress) -> Attempt:
     whole = c.whole | ~landing & (step < jnp.minimum(touchdown, release))
     trial = lax.cond(whole, lambda: take(lanes, c.at.rows, c.at.rate), alone) if lanes.count else alone()
     norms = tolerance.norms(trial.error, c.at.rows, trial.end, scales)
-    guards = observe(system, trial.end[0], trial.rate[0], trial.second, c.active)
+    guards = observe(system, trial.end[0], trial.rate[0], trial.second[0], c.active)
     # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say.
     lost = jnp.where(c.renew, 0.0, jnp.abs(guards.invariant - c.at.guards.invariant))
     own_norm = jnp.maximum(norms[0], lost / (CONSERVED * tolerance.rtol + guards.rounding))

@@ -96,7 +96,7 @@ def logged(task: Task, c: Progress, a: Attempt, d: Decision, o: Occurrence) -> L
         guard_rate=d.verdict.rate,
         active=o.active,
         rows=o.there,
-        rates=a.trial.rate.at[0].add(o.offset * a.trial.second),
+        rates=a.trial.rate + o.offset * a.trial.second,
     )
 
 

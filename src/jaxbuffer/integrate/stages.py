@@ -34,19 +34,19 @@ class Watch(NamedTuple):
 
 class Step(NamedTuple):
     """A trial step: state and derivative at its end, the estimate of its local error and that estimate's order; in
-    columns as a method returns it, in rows for the loop. ``second``: the state's second derivative there, zeros where
-    it is not watched."""
+    columns as a method returns it, in rows for the loop. ``second``: the second derivative there, zeros where it is not
+    watched."""
 
     end: Rows | Columns
     rate: Rows | Columns
     error: Rows | Columns
     order: Float[Array, ""]
-    second: State
+    second: Rows | Columns
 
     def filled_up(self, count: int) -> "Step":
         """With ``count`` rows of zeros more."""
         rows = lambda x: jnp.pad(x, [(0, count), (0, 0)])  # noqa: E731
-        return self._replace(end=rows(self.end), rate=rows(self.rate), error=rows(self.error))
+        return Step(rows(self.end), rows(self.rate), rows(self.error), self.order, rows(self.second))
 
 
 class _Stages(NamedTuple):
@@ -141,9 +141,9 @@ def take(
     errors = method.errors * jnp.where(jnp.arange(len(method.nodes)) == last, pace[last], 1.0)[None]
     error, coarser = (_weighted(errors, k, s.slopes) for k in range(2))
     error = error**2 / jnp.sqrt(error**2 + 0.01 * coarser**2 + 1e-300)
-    slope, second = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False), jnp.zeros(len(columns))
+    slope, second = lax.dynamic_index_in_dim(s.slopes, last, keepdims=False), none
     if watch is not None:
-        after, before = (lax.dynamic_index_in_dim(s.slopes[..., 0], stages + k, keepdims=False) for k in range(2))
+        after, before = (lax.dynamic_index_in_dim(s.slopes, stages + k, keepdims=False) for k in range(2))
         second = jnp.where(s.wanted > stages, (after - before) / (2.0 * watch.apart), 0.0)
     return Step(s.known, slope, error + s.left * allowance, jnp.asarray(method.order, float), second)
 
