@@ -96,6 +96,7 @@ def logged(task: Task, c: Progress, a: Attempt, d: Decision, o: Occurrence) -> L
         guard_rate=d.verdict.rate,
         active=o.active,
         rows=o.there,
+        # where the second derivative matters, near a maximum of what depends on the rate, it is watched
         rates=a.trial.rate + o.offset * a.trial.second,
     )
 

@@ -79,7 +79,7 @@ class System(eqx.Module):
         return Constraints(stacked([row.phi for row in rows]), jacobian, stacked([row.gamma for row in rows]))
 
     def errors(self, kin: Kinematics) -> Float[Array, " rows"]:
-        """Φ alone."""
+        """Φ alone: how far the joints are from holding [m, rad]."""
         rows = self._rows(kin)
         return stacked([row.phi for row in rows]) if rows else jnp.zeros(0)
 

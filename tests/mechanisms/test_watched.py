@@ -1,0 +1,49 @@
+"""What is watched of a state for events, looked at together, against each quantity by itself and its derivatives."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from jaxbuffer.mechanisms import HybridSystem
+from jaxbuffer.mechanisms.assembly import N
+from mechanisms.states import PLACES, TIPS, mechanism, pressed
+
+each_place = pytest.mark.parametrize("place", PLACES)
+each_tip = pytest.mark.parametrize("tip", TIPS)
+
+
+def along(state):
+    """The motion of the coordinates alone."""
+    return jnp.zeros_like(state).at[:N].set(state[N : 2 * N])
+
+
+@each_place
+@each_tip
+def test_together_as_one_by_one(tip, place):
+    """Each from its own look at the state, with the gaps' rates by differentiation."""
+    assembled = mechanism(TIPS[tip])
+    state, active = pressed(assembled, place, 3)
+    rate = assembled.derivative(0.0, state, active)
+    push = jnp.asarray(np.random.default_rng(3).normal(size=state.shape))
+    look = {
+        "together": lambda y, r: assembled.watched(y, r, active),
+        "one by one": lambda y, r: HybridSystem.watched(assembled, y, r, active),
+    }
+    (seen, moves), (seen_alone, moves_alone) = (
+        jax.jit(lambda y, f=f: jax.jvp(f, (y, rate), (rate, push)))(state) for f in look.values()
+    )
+    for ours, other in zip(jax.tree.leaves((seen, moves)), jax.tree.leaves((seen_alone, moves_alone)), strict=True):
+        assert_allclose(ours, other, rtol=1e-9, atol=1e-12 * max(1.0, float(np.max(np.abs(other)))))
+    assert np.all(np.asarray(moves.invariant) == 0.0), "nothing needs to know how it changes"
+
+
+@each_place
+@each_tip
+def test_how_fast_the_tip_nears_the_throat(tip, place):
+    assembled = mechanism(TIPS[tip])
+    state, _ = pressed(assembled, place, 4)
+    distance = lambda y: assembled.throat_of(y)[0]  # noqa: E731
+    _, receding = jax.jvp(distance, (state,), (along(state),))
+    assert_allclose(assembled.throat_of(state)[1], receding, rtol=1e-13)
