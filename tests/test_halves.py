@@ -7,8 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer import halves
+from jaxbuffer import Scenario, get, halves, table2
+from jaxbuffer.capture import _options, _simulate
 from jaxbuffer.halves import compiled, run
+from jaxbuffer.programs import Static
+from jaxbuffer.sensitivity import PARAMETERS, _linearised
 
 TABLE = np.array([1.0, 2.0, 4.0])
 
@@ -57,6 +60,19 @@ def test_the_loop_of_a_function_within(monkeypatch, within):
     power = 1.5**4
     exact = [power, np.sin(power) + np.cos(power + 3.0) * np.tanh(1.5) + np.sqrt(1.5)]
     close(run(program, (np.asarray(1.5), np.asarray(4))), exact)
+
+
+def test_gradients_are_cut_and_captures_stay_whole():
+    """Where a second program is worth its call (docs/numerics.md)."""
+    design, scenario = (jax.tree.map(lambda x: jnp.asarray(x, float), x) for x in (table2(), Scenario()))
+    rtol, duration, gain = jnp.asarray(1e-6), jnp.asarray(8.0), jnp.asarray(20.0)
+    values = jnp.array([get(table2(), path) for path in PARAMETERS])
+    capture = lambda d, s: _simulate.function((d, s, gain), duration, (rtol, rtol), _options(1000, 512, 0))  # noqa: E731
+    gradient = lambda d, s: _linearised.function((d, s, duration, rtol), values, Static(PARAMETERS), None)  # noqa: E731
+    assert halves._cut(jax.make_jaxpr(capture)(design, scenario)) is None
+    first, second = halves._cut(jax.make_jaxpr(gradient)(design, scenario))
+    loops = [sum(e.primitive.name == "custom_vmap_call" for e in part.jaxpr.eqns) for part in (first, second)]
+    assert loops == [1, 0], "the time loop, one lane after the other under vmap, is in the first part alone"
 
 
 def test_without_operations():

@@ -387,7 +387,7 @@ def test_ctrl_c_ends_a_compilation_at_once(tmp_path):
     signal.signal(signal.SIGINT, before)
     with process:
         assert "compiling" in process.stderr.readline()
-        time.sleep(3.0)  # s, into the compilation, which takes five at the least
+        time.sleep(2.0)  # s, into the compilation, which takes four at the least
         process.send_signal(signal.SIGINT)
         sent = time.monotonic()
         _, errors = process.communicate(timeout=60)

@@ -34,7 +34,8 @@ class Log(eqx.Module):
     ``which``: the contact, observable or terminal guard concerned; ``active``: closed contacts after the event;
     ``values``: all observables; ``guard_rate``: rate of the signed guard at its zero, so that the
     event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time;
-    ``rates``: what their derivatives were just before it (a contact's own force left in them some rounding).
+    ``rates``: their derivatives just before it (where a contact opens or closes, its force's share in those of
+    sensitivities is rounding).
     """
 
     kind: Int[Array, " slots"]
