@@ -43,8 +43,8 @@ class Capture(eqx.Module):
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed capture they are NaN.
     ``peak_force`` [N] of either flank, with ``peak_time`` [s], ``peak_flank`` (0 lower, 1 upper) and ``peak_impact``
     (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force``, ``peak_stop_force`` [N] (of the end stop, 0
-    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus how
-    much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone exerts
+    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus
+    how much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone exerts
     the peak force, which the tip's deepest penetration does not exceed; ``end_time`` [s]; ``contact_time`` [s];
     ``throat_distance`` [m] of the tip from the capture plane at the end; ``capture_margin`` [m]: how far beyond that
     plane the tip would be at ``duration``, coasting on from the end of the run, or ``stroke_margin`` if that is less

@@ -80,7 +80,7 @@ class Buffer(Part):
 
     ``max_stroke``: stroke at which the buffer is at its end (None: ``free_length``, where the spring's ends meet). A
     run that gets there ends as "bottomed", unless ``stop_stiffness`` is given: an end stop then pushes the probe out
-    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m, and only ``free_length`` ends the run.
+    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m; only ``free_length`` ends that run.
     ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
     angular momentum.
     """
