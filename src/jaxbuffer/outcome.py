@@ -21,6 +21,7 @@ class Outcome(enum.IntEnum):
     failed_step_size = 4
     failed_not_finite = 5
     failed_log = 6
+    failed_input = 7
 
     @property
     def failed(self) -> bool:
@@ -41,6 +42,7 @@ _REASONS = {
     Outcome.failed_step_size: "failed: the step size fell below 1e-14 s; the tolerance can't be met",
     Outcome.failed_not_finite: "failed: the state stopped being finite",
     Outcome.failed_log: "failed: more events than max_events; raise it, or lower rtol if the tip sticks and slips",
+    Outcome.failed_input: "failed: a number of the design, the scenario or the options is out of its allowed range",
 }
 
 _FROM_STATUS = {
@@ -49,6 +51,7 @@ _FROM_STATUS = {
     Status.STEP_TOO_SMALL: Outcome.failed_step_size,
     Status.NOT_FINITE: Outcome.failed_not_finite,
     Status.LOG_FULL: Outcome.failed_log,
+    Status.INPUT: Outcome.failed_input,
 }
 
 
