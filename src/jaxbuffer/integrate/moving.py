@@ -52,8 +52,12 @@ class _Entry(NamedTuple):
     @property
     def moves(self) -> Bool[Array, ""]:
         """Whether its time depends on the parameters."""
-        starts = (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)
-        return (self.kind != Kind.NONE) & (self.which >= 0) & ~starts
+        return (self.kind != Kind.NONE) & (self.which >= 0) & ~self.starts
+
+    @property
+    def starts(self) -> Bool[Array, ""]:
+        """Whether the run starts in contact here; its rate is logged as zero."""
+        return (self.kind == Kind.TOUCHDOWN) & (self.time == 0.0)
 
     @property
     def before(self) -> Float[Array, " contacts"]:
@@ -78,6 +82,7 @@ def _moves(log: Log, rows_move: Array, parameters: Any, parameters_move: Any, bu
         later = jnp.where(entry.moves, -pushed(_guard, row_move) / entry.guard_rate, 0.0)
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)
         values, rate = pushed(_shown, moved)
+        rate = jnp.where(entry.starts, 0.0, rate)
         return {"time": later, "values": values, "guard_rate": jnp.nan * later, "rows": moved[None], "rates": rate[None]}
 
     entries = _Entry(log.kind, log.which, log.time, log.guard_rate, log.active)

@@ -34,8 +34,12 @@ def _declared(part: Part) -> Iterator[Bool[Array, ""]]:
 
 
 def _of_design(design: Design) -> Iterator[Bool[Array, ""]]:
-    """What `Contact` and `Design` check besides."""
-    contact, cone = design.contact, design.cone
+    """What `Buffer`, `Contact` and `Design` check besides."""
+    buffer, contact, cone = design.buffer, design.contact, design.cone
+    if buffer.max_stroke is not None:
+        yield inside(buffer.max_stroke, high=buffer.free_length, **POSITIVE)
+    if buffer.stop_stiffness is None:
+        yield inside(buffer.stop_damping, low=0.0, high=0.0)
     if contact.law != "adams" or contact.stiffness is None:
         yield inside(contact.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)
     mouth = cone.throat_radius + cone.length * jnp.sin(cone.half_angle)
