@@ -53,9 +53,9 @@ class Capture(eqx.Module):
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed capture they are NaN.
     ``peak_force`` [N] of either flank, with ``peak_time`` [s], ``peak_flank`` (0 lower, 1 upper) and ``peak_impact``
     (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force``, ``peak_stop_force`` [N] (of the end stop, 0
-    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus how
-    much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone exerts
-    the peak force, which the tip's deepest penetration does not exceed; ``end_time`` [s]; ``contact_time`` [s];
+    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus
+    how much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone
+    exerts the peak force, which the tip's deepest penetration does not exceed; ``end_time`` [s]; ``contact_time`` [s];
     ``throat_distance`` [m] of the tip from the capture plane at the end; ``capture_margin`` [m]: how far beyond that
     plane the tip would be at ``duration``, coasting on from the end of the run, or ``stroke_margin`` if that is less
     (positive exactly for a captured run); ``impact_count``; ``first_impact``: its closed form; ``energy`` at the end;
@@ -85,11 +85,11 @@ class Capture(eqx.Module):
     first_impact: FirstImpact
     energy: Energy
     balance: Balance
-    located: Log
-    stabilisation: Float[Array, ""]
     history: History | None
     attempts: Int[Array, ""]
     accepted: Int[Array, ""]
+    stabilisation: Float[Array, ""]
+    _located: Log  # `log` with derivatives at fixed times
 
     @property
     def outcome(self) -> Any:
@@ -100,11 +100,8 @@ class Capture(eqx.Module):
 
     @property
     def log(self) -> Log:
-        """Located events, which move with the design and the scenario: see `integrate.moving` for their derivatives.
-
-        ``located`` is the same log with derivatives of states at fixed times.
-        """
-        return moving(self.located, (self.design, self.scenario, self.stabilisation), CaptureMechanism)
+        """Located events, differentiable as they move with design and scenario: see `integrate.moving`."""
+        return moving(self._located, (self.design, self.scenario, self.stabilisation), CaptureMechanism)
 
     def __repr__(self) -> str:
         if isinstance(self.code, jax.core.Tracer) or np.ndim(self.code):
@@ -261,10 +258,10 @@ def _simulate(
         first_impact=predict(mechanism, start),
         energy=energy,
         balance=conserved,
-        located=result.log,
-        stabilisation=parameters[2],
         history=history(mechanism, result.steps) if options.keep else None,
         attempts=result.attempts,
         accepted=result.accepted,
+        stabilisation=parameters[2],
+        _located=result.log,
         **{name: value * told for name, value in numbers.items()},
     )

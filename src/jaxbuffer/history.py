@@ -21,8 +21,9 @@ class History(eqx.Module):
     ``time`` [s]; ``position`` (steps, 4 bodies, [x, y, angle]) [m, m, rad] and ``velocity`` of S, B, P, T;
     ``tip_spin`` [rad/s]; ``multipliers`` (steps, 4) [N, N, N m, N]; per flank (lower, upper) ``gap`` [m],
     ``approach_speed`` and ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``hinge_force`` and
-    ``buffer_force`` [N]; ``stop_force`` of the end stop [N], 0 without one; ``stroke`` [m]; ``hinge_angle`` [rad]; ``throat_distance`` [m] before the capture plane;
-    ``energy`` [J]. Inside `jit` the arrays have their full capacity, the last state repeated.
+    ``buffer_force`` [N]; ``stop_force`` of the end stop [N], 0 without one; ``stroke`` [m]; ``hinge_angle`` [rad];
+    ``throat_distance`` [m] before the capture plane; ``energy`` [J]. Inside `jit` the arrays have their
+    full capacity, the last state repeated.
 
     Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
     """

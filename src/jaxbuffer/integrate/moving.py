@@ -83,7 +83,8 @@ def _moves(log: Log, rows_move: Array, parameters: Any, parameters_move: Any, bu
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)
         values, rate = pushed(_shown, moved)
         rate = jnp.where(entry.starts, 0.0, rate)
-        return {"time": later, "values": values, "guard_rate": jnp.nan * later, "rows": moved[None], "rates": rate[None]}
+        unknown = jnp.nan * later
+        return {"time": later, "values": values, "guard_rate": unknown, "rows": moved[None], "rates": rate[None]}
 
     entries = _Entry(log.kind, log.which, log.time, log.guard_rate, log.active)
     found = jax.vmap(moves_of)(entries, rows, rows_move)

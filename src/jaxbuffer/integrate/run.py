@@ -49,7 +49,8 @@ def run(
     """Step a system from its start until a terminal guard, ``duration`` [s] or a failure.
 
     **Arguments:** ``build``: from parameters to the system; ``lanes``: its parameters and the directions of the wanted
-    sensitivities; ``allowed``: whether its parameters are in range, None for yes. **Returns:** a `Result` whose log holds every located event with those sensitivities.
+    sensitivities; ``allowed``: whether its parameters are in range, None for yes. **Returns:** a `Result` whose log
+    holds every located event with those sensitivities.
     """
     task = Task.of(build, lanes, jnp.asarray(duration, float), options)
     end = lax.while_loop(lambda c: c.status == Status.RUNNING, lambda c: _trip(task, c), begin(task, allowed))

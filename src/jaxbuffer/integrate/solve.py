@@ -29,7 +29,7 @@ SHORTFALL = 1e-12
 
 
 SECOND = (
-    "second derivatives are not offered: a capture can't be differentiated twice (jax.hessian, or jax.grad of jax.grad); "
+    "second derivatives are not offered: a run can't be differentiated twice (jax.hessian, or jax.grad of jax.grad); "
     "take differences of first derivatives instead, of jb.sensitivity(...).gradients say"
 )
 FIXED = (

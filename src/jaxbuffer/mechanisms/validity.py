@@ -1,4 +1,4 @@
-"""Whether numbers that are known only inside compiled code are in range: what the checks of `design` say, as an array."""
+"""Whether numbers known only inside compiled code are in range: what the checks of `design` say, as an array."""
 
 import dataclasses
 import functools
