@@ -46,14 +46,14 @@ def summary(capture: "Capture") -> str:
     outcome = capture.outcome
     if outcome.failed:
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
-    flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
+    flank = FLANKS[int(capture.peak_flank)]
     first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
-        f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
+        f" {flank} flank, {_which_impact(capture)}",
         f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
         f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
@@ -73,6 +73,14 @@ def summary(capture: "Capture") -> str:
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _which_impact(capture: "Capture") -> str:
+    count, listed = int(capture.impact_count), int(capture.impacts.count)
+    which = int(capture.peak_impact) + 1
+    if count == listed:
+        return f"impact {which} of {count}"
+    return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
 
 
 def _stop(capture: "Capture") -> str:
