@@ -70,9 +70,11 @@ class Standing(NamedTuple):
 
 
 def _families(search: Search, branches: tuple[Branch, ...]) -> list[float]:
+    """The best of each family; of a search that was given up before its end, only what agrees with the best."""
+    kept = [(search.goal.value(b.kept), b) for b in branches if search.goal.feasible(b.kept)]
+    lowest = min((value for value, _ in kept), default=np.inf)
     best: dict[int, float] = {}
-    for branch in branches:
-        if search.goal.feasible(branch.kept) and branch.status != BEHIND:
-            value = search.goal.value(branch.kept)
+    for value, branch in kept:
+        if branch.status != BEHIND or value <= (1.0 + AGREE) * lowest:
             best[branch.family] = min(best.get(branch.family, np.inf), value)
     return sorted(best.values())
