@@ -15,7 +15,7 @@ from .linear import residual
 from .problem import QUANTITIES, Problem
 from .progress import Progress
 from .search import CONVERGED, RUNNING, Branch, Search, Settings, advanced, without_hopeless
-from .starts import Places, Standing, anywhere, around
+from .starts import AGREE, Places, Standing, anywhere, around
 from .store import Record, Store
 from .tuned import Tuned
 
@@ -90,6 +90,9 @@ class _Run:
             search = self._search(progress)
             progress = self._ended(search, progress)
             best = _best(search, progress.branches)
+            if progress.stage == 0:
+                standing = Standing.of(search, progress.branches)
+                progress = progress._replace(searches=len(progress.branches), apart=standing.apart)
             if self._unsettled(search, progress):
                 progress = self._again(search, progress, best)
             elif self.problem.then is not None and progress.stage == 0 and search.goal.feasible(best.kept):
@@ -114,12 +117,12 @@ class _Run:
         """The first round, with the problem's own start among the designs screened."""
         goal, own, settings = Goal(self.problem, self.problem.objective), self.problem.start(), self.settings
         (first,) = self.evaluator([own], slopes=False)
-        progress = Progress(0, 0, *_scales(goal, first), np.nan, first, ())
+        progress = Progress(0, 0, *_scales(goal, first), np.nan, 0, np.inf, first, ())
         search = self._search(progress)
         self._log(0, 0, search, first, None)
         others = self._screened(search, 0, anywhere(settings, 0, len(own), settings.starts - 1))
         chosen = sorted([first, *others], key=search.rank)[: settings.searches]
-        branches = self._branches(search, progress, [(point.places, None) for point in chosen])
+        branches = self._branches(search, progress, [(point.places, k) for k, point in enumerate(chosen)])
         _check_starts(self.problem, [branch.point for branch in branches])
         progress = progress._replace(branches=branches, captures=self.evaluator.captures)
         self.store.keep(progress.written())
@@ -135,12 +138,13 @@ class _Run:
     def _again(self, search: Search, progress: Progress, best: Branch) -> Progress:
         """Another round: of designs around the best one and, in the first stage, anywhere."""
         settings, round_ = self.settings, max(branch.round for branch in progress.branches) + 1
-        count, size = settings.starts // 2, len(best.kept.places)
+        count, number = settings.starts // 2, len(progress.branches)
         near = self._screened(search, progress.stage, around(best.kept.places, settings, round_, count))
         picked = [(min(near, key=search.rank).places, best.family)]
         if progress.stage == 0:
-            far = self._screened(search, 0, anywhere(settings, round_, size, settings.starts - count))
-            picked += [(point.places, None) for point in sorted(far, key=search.rank)[: max(1, settings.searches - 1)]]
+            places = anywhere(settings, round_, len(best.kept.places), settings.starts - count)
+            far = sorted(self._screened(search, 0, places), key=search.rank)[: max(1, settings.searches - 1)]
+            picked += [(point.places, number + k) for k, point in enumerate(far, 1)]
         branches = progress.branches + self._branches(search, progress, picked, round_)
         return progress._replace(branches=branches, captures=self.evaluator.captures)
 
@@ -152,13 +156,12 @@ class _Run:
         return points
 
     def _branches(
-        self, search: Search, progress: Progress, picked: list[tuple[Places, int | None]], round_: int = 0
+        self, search: Search, progress: Progress, picked: list[tuple[Places, int]], round_: int = 0
     ) -> tuple[Branch, ...]:
-        """New searches from places, each of the family named or of its own."""
-        number, branches = len(progress.branches), list[Branch]()
-        points = self.evaluator([places for places, _ in picked])
-        for k, (point, (_, family)) in enumerate(zip(points, picked, strict=True), number):
-            branches.append(search.begin(point, round_, k if family is None else family))
+        """New searches from places, each with its family."""
+        branches, points = list[Branch](), self.evaluator([places for places, _ in picked])
+        for k, (point, (_, family)) in enumerate(zip(points, picked, strict=True), len(progress.branches)):
+            branches.append(search.begin(point, round_, family))
             self._log(progress.stage, k, search, point, branches[-1])
         return tuple(branches)
 
@@ -224,7 +227,7 @@ class _Run:
             residual=left,
             gradient_error=_disagreement(search.goal, branch.kept, after),
             converged=branch.status == CONVERGED,
-            message=_message(search.goal, branch, after, self.settings),
+            message=_message(search.goal, branch, after, progress, self.settings),
             floor=floor(self.problem, places),
             records=tuple(self.store.records),
             captures=self.evaluator.captures,
@@ -264,9 +267,16 @@ def _disagreement(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
     return float(np.max(np.abs(slope(usual) - exact)) / max(float(np.max(np.abs(exact))), 1e-300))
 
 
-def _message(goal: Goal, branch: Branch, after: Evaluation, settings: Settings) -> str:
+def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
+    """How the best search ended, how far others bear it out, and what to do."""
+    more = f"raise tune.starts (now {settings.starts}) or tune.rounds (now {settings.rounds}), or change tune.seed"
     if not goal.feasible(after):
-        return "no feasible design was found: " + "; ".join(goal.broken(after)[:3])
+        broken = "; ".join(goal.broken(after)[:3])
+        return f"no feasible design was found in {_counted(progress.searches)}: {broken}. To search on, {more}"
+    return f"{_ending(branch, settings)}. {_borne_out(progress, more)}"
+
+
+def _ending(branch: Branch, settings: Settings) -> str:
     if branch.status == CONVERGED:
         return f"converged: first-order residual {branch.residual:.1e} within {settings.tolerance:g}"
     if branch.steps >= settings.iterations:
@@ -275,3 +285,19 @@ def _message(goal: Goal, branch: Branch, after: Evaluation, settings: Settings) 
     if np.any(np.isfinite(branch.cliffs)):
         where = "stopped at a cliff: the designs ahead lose a capture by one bounce more or less"
     return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"
+
+
+def _borne_out(progress: Progress, more: str) -> str:
+    searches = _counted(progress.searches)
+    if progress.searches == 1:
+        return f"Only one search was made; for others {more}"
+    if not np.isfinite(progress.apart):
+        return f"Of {searches} none but the best ended at a feasible design; a better one may exist: {more}"
+    percent = f"{100.0 * progress.apart:.2g} %"
+    if progress.apart <= AGREE:
+        return f"Of {searches} the best two that began apart agree within {percent}"
+    return f"Of {searches} the best two that began apart differ by {percent}; a better design may exist: {more}"
+
+
+def _counted(searches: int) -> str:
+    return "1 search" if searches == 1 else f"{searches} searches"

@@ -45,6 +45,11 @@ class Tuned:
         return first.value(self.before), first.value(self.after)
 
     @property
+    def screened(self) -> int:
+        """How many of the captures were solved without derivatives."""
+        return len(self.problem.cases) * sum(record["status"] == "start" for record in self.records)
+
+    @property
     def feasible(self) -> bool:
         """Whether the result keeps to every constraint."""
         return self.goal.feasible(self.after)
