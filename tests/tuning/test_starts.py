@@ -49,7 +49,7 @@ def solve(monkeypatch):
     return run
 
 
-@pytest.mark.parametrize(("from_", "seed"), [(2.6, 0), (2.85, 0), (2.85, 1)])
+@pytest.mark.parametrize(("from_", "seed"), [(2.6, 0), (2.85, 0), (2.85, 2)])
 def test_the_far_side_of_a_cliff_is_found(solve, from_, seed):
     """The best design is at x = 3, y = 0, beyond a gap without a slope; on the near side none gets below 29."""
     tuned, _ = solve(island(from_), seed=seed)

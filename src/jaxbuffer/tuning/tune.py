@@ -43,14 +43,14 @@ def tune(
     inside a region that shrinks where the model was wrong (docs/tuning.md). An infeasible start is led to feasibility
     first. ``problem.then`` is a second search from the first one's best.
 
-    **Arguments:** ``iterations``: steps of each search at most; ``starts``: designs screened without derivatives in each
-    round, the problem's own and a Latin hypercube of the bounds drawn with ``seed`` (1: the problem's own only, and no
-    further round); ``searches``: the best of them that are followed, in one batch; ``rounds`` at most: others follow the
-    first where cliffs were met or searches disagree; ``tolerance`` [-]: a search has converged when first-order
-    information promises no larger decrease of the objective, relative, within a tenth of every range; ``folder``: where
-    log and state are kept, an earlier run's files there are overwritten unless ``resume`` goes on with it; ``workers``:
-    threads, by default one a core; ``report``: called with the log's record of each evaluation, also those of the run
-    that is resumed.
+    **Arguments:** ``iterations``: steps of each search at most; ``starts``: designs screened without derivatives in
+    each round, the problem's own and a Latin hypercube of the bounds drawn with ``seed`` (1: the problem's own only,
+    and no further round); ``searches``: the best of them that are followed, in one batch; ``rounds`` at most: others
+    follow the first where cliffs were met or searches disagree; ``tolerance`` [-]: a search has converged when
+    first-order information promises no larger decrease of the objective, relative, within a tenth of every range;
+    ``folder``: where log and state are kept, an earlier run's files there are overwritten unless ``resume`` goes on
+    with it; ``workers``: threads, by default one a core; ``report``: called with the log's record of each evaluation,
+    also those of the run that is resumed.
 
     **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9. The same arguments give the same result, interrupted or
     not. **Raises:** `InputError` for settings out of range, for starts of which no capture can be solved or climbed
