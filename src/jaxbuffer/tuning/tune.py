@@ -12,10 +12,11 @@ from .evaluation import Evaluation, Evaluator
 from .floor import floor
 from .goal import Ceiling, Goal, Tangent
 from .linear import residual
+from .message import message
 from .problem import QUANTITIES, Problem
 from .progress import Progress
 from .search import CONVERGED, RUNNING, Branch, Search, Settings, advanced, without_hopeless
-from .starts import AGREE, Places, Standing, anywhere, around
+from .starts import Places, Standing, anywhere, around
 from .store import Record, Store
 from .tuned import Tuned
 
@@ -229,7 +230,7 @@ class _Run:
             residual=left,
             gradient_error=_disagreement(search.goal, branch.kept, after),
             converged=branch.status == CONVERGED,
-            message=_message(search.goal, branch, after, progress, self.settings),
+            message=message(search.goal, branch, after, progress, self.settings),
             floor=floor(self.problem, places),
             records=tuple(self.store.records),
             captures=self.evaluator.captures,
@@ -267,39 +268,3 @@ def _disagreement(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
 
     exact = slope(tight)
     return float(np.max(np.abs(slope(usual) - exact)) / max(float(np.max(np.abs(exact))), 1e-300))
-
-
-def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
-    """How the best search ended, how far others bear it out, and what to do."""
-    more = f"raise tune.starts (now {settings.starts}) or tune.rounds (now {settings.rounds}), or change tune.seed"
-    if not goal.feasible(after):
-        broken = "; ".join(goal.broken(after)[:3])
-        return f"no feasible design was found in {_counted(progress.searches)}: {broken}. To search on, {more}"
-    return f"{_ending(branch, settings)}. {_borne_out(progress, more)}"
-
-
-def _ending(branch: Branch, settings: Settings) -> str:
-    if branch.status == CONVERGED:
-        return f"converged: first-order residual {branch.residual:.1e} within {settings.tolerance:g}"
-    if branch.steps >= settings.iterations:
-        return f"stopped at the limit of {settings.iterations} steps, first-order residual {branch.residual:.1e}"
-    where = "stalled: steps gain less than the tolerance"
-    if np.any(np.isfinite(branch.cliffs)):
-        where = "stopped at a cliff: the designs ahead lose a capture by one bounce more or less"
-    return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"
-
-
-def _borne_out(progress: Progress, more: str) -> str:
-    searches = _counted(progress.searches)
-    if progress.searches == 1:
-        return f"Only one search was made; for others {more}"
-    if not np.isfinite(progress.apart):
-        return f"Of {searches} none but the best ended at a feasible design; a better one may exist: {more}"
-    percent = f"{100.0 * progress.apart:.2g} %"
-    if progress.apart <= AGREE:
-        return f"Of {searches} the best two that began apart agree within {percent}"
-    return f"Of {searches} the best two that began apart differ by {percent}; a better design may exist: {more}"
-
-
-def _counted(searches: int) -> str:
-    return "1 search" if searches == 1 else f"{searches} searches"
