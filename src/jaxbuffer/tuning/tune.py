@@ -117,15 +117,17 @@ class _Run:
         return progress
 
     def _begun(self) -> Progress:
-        """The first round, with the problem's own start among the designs screened."""
+        """The first round, with the problem's own start among the designs screened; alone it needs no screening."""
         goal, own, settings = Goal(self.problem, self.problem.objective), self.problem.start(), self.settings
-        (first,) = self.evaluator([own], slopes=False)
-        progress = Progress(0, 0, *_scales(goal, first), np.nan, 0, np.inf, first, ())
+        alone = settings.starts == 1
+        points = self.evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=alone)
+        progress = Progress(0, 0, *_scales(goal, points), np.nan, 0, np.inf, points[0], ())
         search = self._search(progress)
-        self._log(0, 0, search, first, None)
-        others = self._screened(search, 0, anywhere(settings, 0, len(own), settings.starts - 1))
-        chosen = sorted([first, *others], key=search.rank)[: settings.searches]
-        branches = self._branches(search, progress, [(point.places, k) for k, point in enumerate(chosen)])
+        for point in points:
+            self._log(0, 0, search, point, None)
+        chosen = sorted(points, key=search.rank)[: settings.searches]
+        picked = [(point.places, k) for k, point in enumerate(chosen)]
+        branches = (search.begin(points[0]),) if alone else self._branches(search, progress, picked)
         _check_starts(self.problem, [branch.point for branch in branches])
         progress = progress._replace(branches=branches, captures=self.evaluator.captures)
         self.store.keep(progress.written())
@@ -241,9 +243,10 @@ def _best(search: Search, branches: tuple[Branch, ...]) -> Branch:
     return min(branches, key=lambda branch: search.rank(branch.kept))
 
 
-def _scales(goal: Goal, point: Evaluation) -> tuple[float, float]:
-    """Sizes of the objective and of contact forces [N], at a design; 1 where it has none."""
-    return goal.value(point) or 1.0, float(np.max(point.peaks)) or 1.0
+def _scales(goal: Goal, points: list[Evaluation]) -> tuple[float, float]:
+    """Sizes of the objective and of contact forces [N]: those of the first start that has both, else 1."""
+    sizes = [(goal.value(point), float(np.max(point.peaks))) for point in points]
+    return next(((value, peak) for value, peak in sizes if value > 0.0 and peak > 0.0), (1.0, 1.0))
 
 
 def _check_starts(problem: Problem, points: list[Evaluation]) -> None:

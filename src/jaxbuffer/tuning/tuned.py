@@ -47,7 +47,8 @@ class Tuned:
     @property
     def screened(self) -> int:
         """How many of the captures were solved without derivatives."""
-        return len(self.problem.cases) * sum(record["status"] == "start" for record in self.records)
+        alone = self.settings.starts == 1
+        return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
 
     @property
     def feasible(self) -> bool:
