@@ -205,21 +205,34 @@ def tuned_table(tuned: "Tuned") -> str:
         summary_.add_row(f"then {problem.then.objective} [N]", *(f"{value:.6g}" for value in then))
     for text, points in (("cases captured", (tuned.before, tuned.after)),):
         summary_.add_row(text, *(f"{int(np.sum(p.captured))} of {len(p.code)}" for p in points))
-    floor = tuned.floor
     facts = [
+        *_floor_facts(tuned),
+        f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
+        f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures,"
+        f" {tuned.screened} of them without derivatives",
+    ]
+    broken = tuned.goal.broken(tuned.after)
+    facts += [f"broken: {line}" for line in broken[:SHOWN]]
+    tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
+    return _text(f"Tuned: {tuned.message}", *tables, *facts)
+
+
+def _floor_facts(tuned: "Tuned") -> list[str]:
+    """The floor of the worst scenario, or that it is not known."""
+    floor, cases = tuned.floor, len(tuned.problem.cases)
+    if floor.unknown:
+        return [
+            "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
+            f" {floor.unknown} of {cases} scenarios"
+        ]
+    return [
         "floor, the first impact in the worst scenario, which no buffer softens:",
         f"  without any buffer {np.max(floor.simulated):.6g} N;"
         f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
         f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
         f" from T_c⁻ {1e3 * np.max(floor.energy):.4g} mJ at the tip",
         f"  within the bounds none gets below {floor.lowest:.6g} N",
-        f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
-        f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures",
     ]
-    broken = tuned.goal.broken(tuned.after)
-    facts += [f"broken: {line}" for line in broken[:SHOWN]]
-    tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return _text(f"Tuned: {tuned.message}", *tables, *facts)
 
 
 def _tuned_cases(tuned: "Tuned") -> Table:
