@@ -2,14 +2,15 @@
 
 import dataclasses
 import math
-from typing import Any, ClassVar, cast
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
 
 from .._types import Scalar
 from ..contact import LAWS, hertz_stiffness
-from ..errors import InputError, check_choice, check_number, concrete
+from ..errors import InputError, as_number, check_choice, check_flag, check_number, check_type, concrete
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
@@ -19,8 +20,8 @@ HERTZ_EXPONENT = 1.5  # -
 
 
 def number(default: float | None, unit: str, **limits: Any) -> Any:
-    """A differentiable field with its unit and allowed range."""
-    return eqx.field(default=default, metadata={"unit": unit, "limits": limits})
+    """A differentiable field with its unit and allowed range; lists of numbers become arrays."""
+    return eqx.field(default=default, converter=as_number, metadata={"unit": unit, "limits": limits})
 
 
 def choice(default: str, *options: str) -> Any:
@@ -44,10 +45,15 @@ class Part(eqx.Module):
             if "choices" in field.metadata:
                 check_choice(path, value, field.metadata["choices"])
             elif "flag" in field.metadata:
-                if not isinstance(value, bool):
-                    raise InputError(f"{path} = {value!r} must be true or false")
+                check_flag(path, value)
+            elif isinstance(field.default, Part):
+                check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
             elif "unit" in field.metadata and not (value is None and field.default is None):
                 check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+        self.check_together()
+
+    def check_together(self) -> None:
+        """Raise `InputError` where fields, each good in itself, don't go together."""
 
 
 class Active(Part):
@@ -136,7 +142,7 @@ class Contact(Part):
     memory: str = choice("event", "event", "smooth")
     arms: str = choice("moving", "moving", "published")
 
-    def __check_init__(self) -> None:
+    def check_together(self) -> None:
         exponent = concrete(self.exponent)
         if exponent is not None and np.any(exponent != HERTZ_EXPONENT):
             shown = f"contact.exponent = {float(exponent.flat[0]):g}"
@@ -160,13 +166,12 @@ class Design(Part):
     cone: Cone = Cone()
     contact: Contact = Contact()
 
-    def __check_init__(self) -> None:
+    def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
-        known = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
-        if not any(v is None for v in known):
-            throat, length, angle = (v for v in known if v is not None)
-            mouth = float(np.min(throat + length * np.sin(angle)))
-            check_number("probe.tip_radius", self.probe.tip_radius, "m", high=mouth, high_open=True, **POSITIVE)
+        cone = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
+        if not any(v is None for v in cone):
+            throat, length, angle = _same_shape("cone", cone)
+            _check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
 
     @property
     def contact_stiffness(self) -> Scalar:
@@ -192,15 +197,54 @@ class Scenario(Part):
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:
-    """Raise `InputError` where scenario and design don't fit: first contact off the flank, tip not facing the flank."""
-    length, angle = _least(design.cone.length), _least(design.cone.half_angle)
-    if length is not None:
-        check_number("scenario.contact_distance", scenario.contact_distance, "m", high=length, **POSITIVE)
-    if angle is not None:
-        limit = min(angle, math.pi / 2 + cast(float, _least(-design.cone.half_angle)))
-        check_number(
-            "scenario.misalignment", scenario.misalignment, "rad", low=-limit, high=limit, low_open=True, high_open=True
-        )
+    """Raise `InputError` where scenario and design don't fit: the first contact off the flank, the tip in the other
+    flank at the start, or not facing the flank. Where numbers are arrays, each scenario meets its own design."""
+    check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
+    check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
+    cone, tip = design.cone, design.probe.tip_radius
+    start = [concrete(x) for x in (tip, cone.throat_radius, cone.half_angle)]
+    traced = any(x is None for x in start)
+    least = 0.0 if traced else least_contact_distance(*_same_shape("probe.tip_radius and cone", start))
+    too_low = "; nearer to the throat the tip would be in the other flank at the start"
+    distance = scenario.contact_distance
+    _check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
+    if (angle := start[2]) is not None:
+        limit = np.minimum(angle, math.pi / 2 - angle)
+        _check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
+
+
+def _check_entries(
+    path: str, value: Scalar, unit: str, low: Scalar, high: Scalar, *, too_low: str = "", high_open: bool = True
+) -> None:
+    """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
+    known = [concrete(x) for x in (value, low, high)]
+    if any(x is None for x in known):  # traced
+        return
+    for number, least, most in zip(*(array.ravel().tolist() for array in _same_shape(path, known)), strict=True):
+        try:
+            check_number(path, number, unit, low=least, high=most, low_open=True, high_open=high_open)
+        except InputError as error:
+            raise InputError(f"{error}{too_low if 0.0 < number <= least else ''}") from None
+
+
+def _same_shape(path: str, known: Sequence[np.ndarray | None]) -> list[np.ndarray]:
+    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
+    arrays = [array for array in known if array is not None]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
+        raise InputError(f"{path}: arrays of unequal shapes {shapes}; all must have one shape (n,)") from None
+
+
+def least_contact_distance(tip_radius: Scalar, throat_radius: Scalar, half_angle: Scalar) -> np.ndarray:
+    """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m].
+
+    The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
+    farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
+    """
+    radius, throat, angle = (np.asarray(x, float) for x in (tip_radius, throat_radius, half_angle))
+    return np.maximum((radius * np.cos(angle) - throat) / np.sin(angle), 0.0)
 
 
 def _least(value: Scalar) -> float | None:
@@ -208,7 +252,7 @@ def _least(value: Scalar) -> float | None:
     if type(value) is float:
         return value
     array = concrete(value)
-    return None if array is None else float(array.min())
+    return None if array is None or not array.size else float(array.min())
 
 
 def table2() -> Design:
