@@ -7,7 +7,8 @@ import jax
 import numpy as np
 from rich.table import Table
 
-from .mechanisms import Scenario, get, unit
+from .mechanisms import get, unit
+from .mechanisms import scenario_label as scenario_label
 from .outcome import Outcome
 from .quantities import quantity_unit
 from .tables import table as _table
@@ -41,12 +42,14 @@ def summary(capture: "Capture") -> str:
     """A capture in a dozen lines, units included."""
     outcome = capture.outcome
     if outcome.failed:
-        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
+        where = scenario_label(capture.scenario)
+        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
     first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
+        f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
         f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
@@ -84,15 +87,6 @@ def sweep_summary(result: "Sweep") -> str:
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         table.add_row(f"{name} [{its_unit}]", *figures)
     return _text(table)
-
-
-def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
-    """What tells a scenario from the others, approach speed at least: "0.1 m/s, misalignment 0.02 rad"."""
-    label = f"{float(scenario.approach_speed):g} m/s"
-    for name in ("contact_distance", "misalignment", "passive_rate"):
-        if len({float(getattr(other, name)) for other in among}) > 1:
-            label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
-    return label
 
 
 def sensitivity_table(result: "Sensitivity") -> str:

@@ -220,11 +220,14 @@ def _check_entries(
     known = [concrete(x) for x in (value, low, high)]
     if any(x is None for x in known):  # traced
         return
-    for number, least, most in zip(*(array.ravel().tolist() for array in _same_shape(path, known)), strict=True):
+    numbers, least, most = _same_shape(path, known)
+    inside = (numbers > least) & ((numbers < most) if high_open else (numbers <= most))
+    if not inside.all():
+        number, floor, top = (float(array[~inside][0]) for array in (numbers, least, most))
         try:
-            check_number(path, number, unit, low=least, high=most, low_open=True, high_open=high_open)
+            check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
         except InputError as error:
-            raise InputError(f"{error}{too_low if 0.0 < number <= least else ''}") from None
+            raise InputError(f"{error}{too_low if 0.0 < number <= floor else ''}") from None
 
 
 def _same_shape(path: str, known: Sequence[np.ndarray | None]) -> list[np.ndarray]:
