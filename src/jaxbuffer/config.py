@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=eqx.Module)
 
 SECTIONS = tuple(field.name for field in dataclasses.fields(Design))
+
+
 def whole(default: int, least: int) -> int:
     """A static field that takes whole numbers from ``least`` up."""
     field: int = eqx.field(default=default, static=True, metadata={"least": least})
@@ -140,6 +142,34 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     )
 
 
+def apply_options(settings: T, typed: Mapping[str, str]) -> T:
+    """`Options` or `Tuning` with fields replaced, as typed on a command line: ``{"rtol": "1e-8"}`` for --rtol 1e-8."""
+    values = {name: _literal(text) for name, text in typed.items()}
+    for name, value in values.items():
+        if (least := _metadata(settings, name).get("least")) is not None:
+            values[name] = int(value) if isinstance(value, float) and value.is_integer() else value
+            check_whole(f"--{name}", values[name], least)
+    return _replaced(settings, values, "--")
+
+
+def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
+    """The study with one scenario to simulate, and what to say of the choice.
+
+    **Arguments:** ``number``: as typed, which of ``config.scenarios``, counted from 1; None: ``config.scenario``.
+    """
+    count = len(config.scenarios)
+    if number is not None:
+        if not (number.isdecimal() and 1 <= int(number) <= count):
+            raise InputError(
+                f"--scenario-number {number} must be a whole number from 1 to {count}, as many as the study has"
+            )
+        return dataclasses.replace(config, scenario=config.scenarios[int(number) - 1]), ""
+    if count == 1:
+        return config, ""
+    which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
+    return config, f"ran {which}, {scenario_label(config.scenario)}; --scenario-number N takes another, 1 to {count}"
+
+
 def design_toml(design: Design, scenarios: Iterable[Scenario] = (), comment: str = "") -> str:
     """A study that `load` reads back to exactly the same numbers, units as comments."""
     blocks = [f"# {line}".rstrip() for line in comment.splitlines()]
@@ -175,7 +205,7 @@ def _config(data: dict[str, Any]) -> Config:
     design = _replaced(Design(), fields)
     scenario = _replaced(Scenario(), _table(data, "scenario"), "scenario.")
     listed = data.get("scenarios", [])
-    if not isinstance(listed, list) or not listed and "scenarios" in data or not all(isinstance(x, dict) for x in listed):
+    if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
         raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
     scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
     if scenarios and "scenario" not in data:

@@ -32,19 +32,25 @@ def as_number(value: Any) -> Any:
     if type(value) is float:
         return value
     if isinstance(value, (Real, Decimal)) and not isinstance(value, bool):
-        try:
-            return float(value)
-        except OverflowError:  # an integer of more than 308 digits
-            return math.inf if value > 0 else -math.inf
+        return _float(value)
     if isinstance(value, (list, tuple)) and value:
         import jax
         import numpy as np
 
-        if all(isinstance(entry, (jax.Array, Real)) for entry in value) and any(isinstance(entry, jax.Array) for entry in value):
+        if all(isinstance(entry, (jax.Array, Real)) for entry in value) and any(
+            isinstance(entry, jax.Array) for entry in value
+        ):
             return jax.numpy.stack(list(value))
         numbers = [as_number(entry) for entry in value]
         return np.array(numbers) if all(type(number) is float for number in numbers) else value
     return value
+
+
+def _float(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer of more than 308 digits
+        return math.inf if value > 0 else -math.inf
 
 
 def concrete(value: Any) -> "np.ndarray | None":

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -133,6 +133,13 @@ def axis(path: str, asked: Any, design: Design, scenario: Scenario) -> Axis:
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     replace(owner, {name: np.asarray(ends, float)})  # checks the range
     return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
+
+
+def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
+    """Raise `InputError` for a field set on the command line that takes several values anyway, which are ``where``."""
+    for path in swept:
+        if path in fields:
+            raise InputError(f"--{path} {fields[path]} and the values of {path} in {where} contradict; keep one")
 
 
 def typed(text: str) -> tuple[str, Any]:

@@ -81,7 +81,9 @@ def _cases(table: Mapping[str, Any], design: Design, base: Scenario, listed: tup
         _known(fields, tuple(paths(base)), "problem.grid")
         for name, values in fields.items():
             if not isinstance(values, list) or not values or not all(_is_number(x) for x in values):
-                raise InputError(f"problem.grid.{name} = {shown(values)} must be a list of numbers in {unit(base, name)}")
+                raise InputError(
+                    f"problem.grid.{name} = {shown(values)} must be a list of numbers in {unit(base, name)}"
+                )
         return grid(fields, base)
     if "sample" in table:
         return _sampled(_table(table, "sample", {}), design, base)
@@ -116,7 +118,9 @@ def _distribution(where: str, given: Any) -> Distribution:
                 return Distribution(kind, *map(as_number, numbers))
             except InputError as error:
                 raise InputError(f"{where}: {error}") from None
-    raise InputError(f"{where} = {shown(given)} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}")
+    raise InputError(
+        f"{where} = {shown(given)} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}"
+    )
 
 
 def _objective(table: Mapping[str, Any], where: str) -> Objective:
@@ -152,7 +156,9 @@ def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None
 def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:
     table = data.get(name, default)
     if not isinstance(table, dict):
-        raise InputError(f"problem.{name} = {shown(table)} is not a table; write [problem.{name}] and its fields below it")
+        raise InputError(
+            f"problem.{name} = {shown(table)} is not a table; write [problem.{name}] and its fields below it"
+        )
     return table
 
 

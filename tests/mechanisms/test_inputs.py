@@ -55,7 +55,7 @@ def test_input_errors_are_value_errors():
     [
         ({"buffer.kA": 1.0}, "buffer.kA is unknown; did you mean buffer.k_A?"),
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
-        ({"zzz": 1.0}, "zzz is unknown"),
+        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact"),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (
             {"contact.memory": "evnt"},

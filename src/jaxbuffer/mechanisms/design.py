@@ -214,7 +214,7 @@ def check_fit(design: Design, scenario: Scenario) -> None:
 
 
 def _check_entries(
-    path: str, value: Scalar, unit: str, low: Scalar, high: Scalar, *, too_low: str = "", high_open: bool = True
+    path: str, value: Scalar, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
 ) -> None:
     """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
     known = [concrete(x) for x in (value, low, high)]
@@ -240,14 +240,14 @@ def _same_shape(path: str, known: Sequence[np.ndarray | None]) -> list[np.ndarra
         raise InputError(f"{path}: arrays of unequal shapes {shapes}; all must have one shape (n,)") from None
 
 
-def least_contact_distance(tip_radius: Scalar, throat_radius: Scalar, half_angle: Scalar) -> np.ndarray:
+def least_contact_distance(tip_radius: np.ndarray, throat_radius: np.ndarray, half_angle: np.ndarray) -> np.ndarray:
     """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m].
 
     The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
     farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
     """
-    radius, throat, angle = (np.asarray(x, float) for x in (tip_radius, throat_radius, half_angle))
-    return np.maximum((radius * np.cos(angle) - throat) / np.sin(angle), 0.0)
+    below_axis = (tip_radius * np.cos(half_angle) - throat_radius) / np.sin(half_angle)
+    return np.maximum(below_axis, 0.0)
 
 
 def _least(value: Scalar) -> float | None:

@@ -80,7 +80,9 @@ def by_path(table: Mapping[str, Any], values: Collection[str] = (), where: str =
     flat: dict[str, Any] = {}
     for name, value in table.items():
         nested = isinstance(value, Mapping) and not set(value) & set(values)
-        inner = {f"{name}.{rest}": it for rest, it in by_path(value, values, where).items()} if nested else {name: value}
+        inner = (
+            {f"{name}.{rest}": it for rest, it in by_path(value, values, where).items()} if nested else {name: value}
+        )
         for path in inner:
             if path in flat:
                 raise InputError(f'{where}: {path} is given twice, as {path} and as "{path}"; keep one')
