@@ -75,17 +75,12 @@ def sensitivity(
     """
     scenario = Scenario() if scenario is None else scenario
     check_fit(design, scenario)
-    paths, names = check_names("wrt", wrt, "buffer.k_A"), check_quantities(quantities)
+    names = check_quantities(quantities)
+    paths, values = parameters(design, scenario, wrt)
     check_choice("certify", certify, CERTIFICATES)
     check_single("duration", duration, "s", ONE_CAPTURE, **POSITIVE)
     check_single("rtol", rtol, "-", ONE_CAPTURE, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
-    for path in paths:
-        value = _get(design, scenario, path)
-        if value is None or isinstance(value, (str, bool)):
-            raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
-        check_single(path, value, "", ONE_CAPTURE)
-    values = np.array([float(_get(design, scenario, path)) for path in paths])
 
     def gradients_at(rtol: float) -> tuple["Linearised", np.ndarray]:
         linear = linearised(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
@@ -117,6 +112,18 @@ def sensitivity(
     peaks = peak_report(capture, np.asarray(linear.impact_gradients) * moves, paths)
     certificate = judge(capture, names, paths, gradients * moves / sizes, evidence, peaks)
     return eqx.tree_at(lambda s: s.certificate, found, certificate, is_leaf=lambda x: x is None)
+
+
+def parameters(design: Design, scenario: Scenario, wrt: Sequence[str]) -> tuple[tuple[str, ...], np.ndarray]:
+    """The dotted paths to differentiate by and their values (paths,). **Raises:** `InputError` for paths that are
+    unknown, no numbers or given twice."""
+    paths = check_names("wrt", wrt, "buffer.k_A")
+    for path in paths:
+        value = _get(design, scenario, path)
+        if value is None or isinstance(value, (str, bool)):
+            raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
+        check_single(path, value, "", ONE_CAPTURE)
+    return paths, np.array([float(_get(design, scenario, path)) for path in paths])
 
 
 def _split(path: str) -> tuple[bool, str]:

@@ -157,18 +157,19 @@ def sensitivity(
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..errors import check_choice
     from ..quantities import check_quantities
-    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES
+    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES, parameters
     from ..sensitivity import sensitivity as compute
     from .progress import COMPILING, working
 
     check_choice("certify", certify, CERTIFICATES)
     options, names = study.options, check_quantities(of or QUANTITIES)
+    paths, _ = parameters(study.design, study.scenario, wrt or PARAMETERS)
     result = working(
         f"differentiating; {COMPILING}",
         lambda: compute(
             study.design,
             study.scenario,
-            tuple(wrt or PARAMETERS),
+            paths,
             options.duration,
             quantities=names,
             rtol=options.rtol,

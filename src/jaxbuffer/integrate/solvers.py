@@ -1,6 +1,7 @@
 """What takes a step: an explicit method, an implicit one, or whichever gets further for its cost."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import diffrax
 import equinox as eqx
@@ -140,7 +141,7 @@ SOLVERS: Mapping[str, type[Solver]] = {
 }
 
 
-def solver_named(solver: Solver | str) -> Solver:
+def solver_named(solver: Any) -> Solver:
     """The solver of a name in `SOLVERS`; a solver itself stays as it is. **Raises:** `InputError` for all else."""
     if isinstance(solver, Solver):
         return solver
