@@ -18,7 +18,17 @@ from .integrate import Log, Options, Solver, Status, Tolerance, solve, solver_na
 from .ledger import Balance, Energy, balance
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.design import POSITIVE
-from .metrics import Impacts, contact_time, impacts, maxima, moving_end, moving_events, survey, throat
+from .metrics import (
+    Impacts,
+    contact_time,
+    impacts,
+    maxima,
+    moving_end,
+    moving_events,
+    stroke_margin,
+    survey,
+    throat,
+)
 from .outcome import Outcome, outcome_code
 from .programs import kept
 
@@ -34,10 +44,13 @@ class Capture(eqx.Module):
 
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed capture they are NaN.
     ``peak_force`` [N] of either flank, with ``peak_time`` [s], ``peak_flank`` (0 lower, 1 upper) and ``peak_impact``
-    (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force`` [N]; ``stroke`` [m]; ``hinge_angle`` [rad];
-    ``end_time`` [s]; ``contact_time`` [s]; ``throat_distance`` [m] of the tip from the capture plane at the end;
-    ``capture_margin`` [m]: how far beyond that plane it would be at ``duration``, coasting on from the end of the run
-    (positive for a captured one); ``impact_count``; ``first_impact``: its closed form; ``energy`` at the end;
+    (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force``, ``peak_stop_force`` [N] (of the end stop, 0
+    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus how
+    much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone exerts
+    the peak force, which the tip's deepest penetration does not exceed; ``end_time`` [s]; ``contact_time`` [s];
+    ``throat_distance`` [m] of the tip from the capture plane at the end; ``capture_margin`` [m]: how far beyond that
+    plane the tip would be at ``duration``, coasting on from the end of the run, or ``stroke_margin`` if that is less
+    (positive exactly for a captured run); ``impact_count``; ``first_impact``: its closed form; ``energy`` at the end;
     ``balance``: what numerical error did to conserved quantities; ``attempts``, ``accepted``: steps taken.
     """
 
@@ -50,8 +63,11 @@ class Capture(eqx.Module):
     peak_impact: Int[Array, ""]
     peak_hinge_force: Float[Array, ""]
     peak_buffer_force: Float[Array, ""]
+    peak_stop_force: Float[Array, ""]
     stroke: Float[Array, ""]
+    stroke_margin: Float[Array, ""]
     hinge_angle: Float[Array, ""]
+    penetration: Float[Array, ""]
     end_time: Float[Array, ""]
     contact_time: Float[Array, ""]
     throat_distance: Float[Array, ""]
@@ -188,7 +204,8 @@ def _simulate(
     hits = impacts(mechanism, log, seen)
     energy, conserved = balance(mechanism, (start.state, active), log, seen.drift)
     last = jnp.maximum(log.count - 1, 0)
-    throat_distance, margin = throat(mechanism, log, duration)
+    throat_distance, beyond = throat(mechanism, log, duration)
+    reserve = stroke_margin(mechanism, log, top.stroke, code == Outcome.bottomed)
     slots = hits.time.shape[0]
     earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.flank == top.peak_flank)
     numbers = {
@@ -196,12 +213,15 @@ def _simulate(
         "peak_time": top.peak_time,
         "peak_hinge_force": top.hinge_force,
         "peak_buffer_force": top.buffer_force,
+        "peak_stop_force": top.stop_force,
         "stroke": top.stroke,
+        "stroke_margin": reserve,
         "hinge_angle": top.hinge_angle,
+        "penetration": mechanism.pair.law.depth(top.peak_force),
         "end_time": log.time[last],
         "contact_time": contact_time(log),
         "throat_distance": throat_distance,
-        "capture_margin": margin,
+        "capture_margin": jnp.minimum(beyond, reserve),
     }
     return Capture(
         design=parameters[0],

@@ -106,6 +106,35 @@ def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
     return f"{left}, {right}"
 
 
+def check_entries(
+    path: str, value: Any, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
+) -> None:
+    """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
+    known = [concrete(x) for x in (value, low, high)]
+    if any(x is None for x in known):  # traced
+        return
+    numbers, least, most = same_shape(path, known)
+    inside = (numbers > least) & ((numbers < most) if high_open else (numbers <= most))
+    if not inside.all():
+        number, floor, top = (float(array[~inside][0]) for array in (numbers, least, most))
+        try:
+            check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
+        except InputError as error:
+            raise InputError(f"{error}{too_low if 0.0 < number <= floor else ''}") from None
+
+
+def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":
+    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
+    import numpy as np
+
+    arrays = [array for array in known if array is not None]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
+        raise InputError(f"{path}: arrays of unequal shapes {shapes}; all must have one shape (n,)") from None
+
+
 def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) -> None:
     """`check_number` for what must be one number; ``instead`` says what takes an array of them."""
     check_number(path, value, unit, **limits)

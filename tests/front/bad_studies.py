@@ -24,6 +24,8 @@ STUDIES = [
     toml("[contact]\nlaw = 'adams'\nexponent = 2", "contact.exponent = 2 needs contact.stiffness in N/m^exponent"),
     toml("[contact]\nlaw = 'fizz'\nmemory = 'smooth'", "contact.law = 'fizz' is unknown; choose one of lankarani"),
     toml("[contact]\nlaw = 'kelvin-voigt'\nmemory = 'smooth'", "contact.law = 'kelvin-voigt'", "must be 'event'"),
+    toml("[buffer]\nmax_stroke = 0.2", "buffer.max_stroke = 0.2 m is out of range; allowed: (0, 0.1365] m"),
+    toml("[buffer]\nstop_damping = 5", "buffer.stop_damping = 5 N s/m needs an end stop: give buffer.stop_stiffness"),
     # names
     toml("[bufer]\nk_A = 1", "[bufer] is unknown; did you mean buffer?"),
     toml("[xyz]", "[xyz] is unknown; known: active, passive, buffer, probe"),

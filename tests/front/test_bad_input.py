@@ -1,4 +1,4 @@
-"""What a careless hand may type, in a study, a command line or Python: one line says what is wrong and what is allowed."""
+"""What a careless hand may type in a study, a command line or Python: one line says what is wrong, what allowed."""
 
 import pytest
 from bad_calls import PYTHON

@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -10,7 +9,17 @@ import numpy as np
 
 from .._types import Scalar
 from ..contact import LAWS, hertz_stiffness
-from ..errors import InputError, as_number, check_choice, check_flag, check_number, check_type, concrete
+from ..errors import (
+    InputError,
+    as_number,
+    check_choice,
+    check_entries,
+    check_flag,
+    check_number,
+    check_type,
+    concrete,
+    same_shape,
+)
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
@@ -74,8 +83,11 @@ class Passive(Part):
 
 
 class Buffer(Part):
-    """Axial and torsional spring-dampers, and the cylinder between them.
+    """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
 
+    ``max_stroke``: stroke at which the buffer is at its end (None: ``free_length``, where the spring's ends meet). A
+    run that gets there ends as "bottomed", unless ``stop_stiffness`` is given: an end stop then pushes the probe out
+    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m, and only ``free_length`` ends the run.
     ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
     angular momentum.
     """
@@ -88,7 +100,28 @@ class Buffer(Part):
     free_length: Scalar = number(0.1365, "m", **POSITIVE)
     cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE)
     cylinder_length: Scalar = number(0.1365, "m", **POSITIVE)
+    max_stroke: Scalar | None = number(None, "m", **POSITIVE)
+    stop_stiffness: Scalar | None = number(None, "N/m", **POSITIVE)
+    stop_damping: Scalar = number(0.0, "N s/m", **NON_NEGATIVE)
     damping: str = choice("physical", "physical", "published")
+
+    def check_together(self) -> None:
+        if self.max_stroke is not None:
+            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, self.free_length, high_open=False)
+        damping = concrete(self.stop_damping)
+        if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
+            shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+            raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
+
+    @property
+    def end(self) -> Scalar:
+        """The stroke at which the buffer, or its end stop if there is one, begins to be at its end [m]."""
+        return self.free_length if self.max_stroke is None else self.max_stroke
+
+    @property
+    def longest_stroke(self) -> Scalar:
+        """The stroke that ends a run as "bottomed" [m]: an end stop lets the spring's ends meet."""
+        return self.end if self.stop_stiffness is None else self.free_length
 
 
 class Probe(Part):
@@ -120,6 +153,7 @@ class Contact(Part):
     ``exponent``, ``damping`` and ``ramp_depth``. Their defaults are as stiff and as lossy as Table 2's law at the depth
     of its first impact. ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and
     the tip radius.
+    ``yield_stress`` of the softer side, if given, lets the answer say where the materials yield.
     ``memory``: "event" holds the speed of the last touchdown, located as an event (the exact model); "smooth" lets it
     follow the approach speed within ``memory_time`` while out of contact, and rounds the onset over ``onset_length``.
     ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
@@ -133,6 +167,7 @@ class Contact(Part):
     slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
     young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
     poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    yield_stress: Scalar | None = number(None, "Pa", **POSITIVE)
     linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE)
     damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE)
     exponent: Scalar = number(1.5, "-", low=1.0)
@@ -170,8 +205,8 @@ class Design(Part):
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
         cone = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
         if not any(v is None for v in cone):
-            throat, length, angle = _same_shape("cone", cone)
-            _check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
+            throat, length, angle = same_shape("cone", cone)
+            check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
 
     @property
     def contact_stiffness(self) -> Scalar:
@@ -204,40 +239,13 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     cone, tip = design.cone, design.probe.tip_radius
     start = [concrete(x) for x in (tip, cone.throat_radius, cone.half_angle)]
     traced = any(x is None for x in start)
-    least = 0.0 if traced else least_contact_distance(*_same_shape("probe.tip_radius and cone", start))
+    least = 0.0 if traced else least_contact_distance(*same_shape("probe.tip_radius and cone", start))
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
     distance = scenario.contact_distance
-    _check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
+    check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
     if (angle := start[2]) is not None:
         limit = np.minimum(angle, math.pi / 2 - angle)
-        _check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
-
-
-def _check_entries(
-    path: str, value: Scalar, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
-) -> None:
-    """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
-    known = [concrete(x) for x in (value, low, high)]
-    if any(x is None for x in known):  # traced
-        return
-    numbers, least, most = _same_shape(path, known)
-    inside = (numbers > least) & ((numbers < most) if high_open else (numbers <= most))
-    if not inside.all():
-        number, floor, top = (float(array[~inside][0]) for array in (numbers, least, most))
-        try:
-            check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
-        except InputError as error:
-            raise InputError(f"{error}{too_low if 0.0 < number <= floor else ''}") from None
-
-
-def _same_shape(path: str, known: Sequence[np.ndarray | None]) -> list[np.ndarray]:
-    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
-    arrays = [array for array in known if array is not None]
-    try:
-        return list(np.broadcast_arrays(*arrays))
-    except ValueError:
-        shapes = " and ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
-        raise InputError(f"{path}: arrays of unequal shapes {shapes}; all must have one shape (n,)") from None
+        check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
 
 
 def least_contact_distance(tip_radius: np.ndarray, throat_radius: np.ndarray, half_angle: np.ndarray) -> np.ndarray:
@@ -248,14 +256,6 @@ def least_contact_distance(tip_radius: np.ndarray, throat_radius: np.ndarray, ha
     """
     below_axis = (tip_radius * np.cos(half_angle) - throat_radius) / np.sin(half_angle)
     return np.maximum(below_axis, 0.0)
-
-
-def _least(value: Scalar) -> float | None:
-    """The smallest number of an array, or the number; None of one that is traced."""
-    if type(value) is float:
-        return value
-    array = concrete(value)
-    return None if array is None or not array.size else float(array.min())
 
 
 def table2() -> Design:
