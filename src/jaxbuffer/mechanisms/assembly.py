@@ -67,6 +67,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
                 stiffness=design.buffer.k_A,
                 damping=design.buffer.c_A,
                 free_length=design.buffer.free_length,
+                guide=(1.0, 0.0),
                 published_damping=design.buffer.damping == "published",
             ),
             TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),

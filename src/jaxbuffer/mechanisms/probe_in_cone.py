@@ -114,18 +114,13 @@ class ProbeInCone(eqx.Module):
         return Ball(centre.x, centre.y, velocity.x, velocity.y, spin), arm
 
     def posture(self, state: Float[Array, " state"]) -> Posture:
-        """Where everything is; tip against both flanks, and the buffer.
-
-        The stroke is measured along the cylinder's axis, so that it goes on where the spring's length turns.
-        """
+        """Where everything is; tip against both flanks, and the buffer."""
         kin = self.kinematics(state)
         (tip, arm), cone = self.tip(kin, state), kin.frame(T)
         carrier = Carrier(cone.origin.x, cone.origin.y, cone.cos, cone.sin, cone.velocity.x, cone.velocity.y, cone.spin)
-        axial, cylinder = self.axial.state(kin), kin.frame(B)
-        axis, apart = Vector(cylinder.cos, cylinder.sin), axial.along * axial.length
-        stroke = self.axial.free_length - apart.dot(axis)
-        stroke_rate = -(axial.separation_rate.dot(axis) + cylinder.spin * axis.cross(apart))
-        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier), axial, stroke, stroke_rate)
+        axial = self.axial.state(kin)
+        stroke = self.axial.free_length - axial.length
+        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier), axial, stroke, -axial.rate)
 
     def contact(self, at: Posture, active: Float[Array, " contacts"]) -> Forces:
         """Contact forces of both flanks; an open one exerts none (the smooth law knows no open and closed)."""

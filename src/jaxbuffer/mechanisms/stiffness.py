@@ -12,8 +12,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..contact import Approach
-from ..multibody import Vector
-from .assembly import FLANKS, SIDE, B, N
+from .assembly import FLANKS, SIDE, N
 from .hybrid import Linearisation
 from .probe_in_cone import Posture
 
@@ -77,9 +76,8 @@ def _buffer_directions(mechanism: "CaptureMechanism", at: Posture) -> Float[Arra
 
 
 def axial_direction(at: Posture) -> Float[Array, " coordinates"]:
-    """b with L̇ = b·q̇ along the cylinder's axis: how a unit force in the axial spring-damper acts on the coordinates."""
-    cylinder = at.kin.frame(B)
-    u, a, b = Vector(cylinder.cos, cylinder.sin), at.axial.first_arm, at.axial.second_arm
+    """b with L̇ = b·q̇: how a unit force in the axial spring-damper acts on the coordinates."""
+    u, a, b = at.axial.along, at.axial.first_arm, at.axial.second_arm
     return stacked([0.0, 0.0, 0.0, -u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u), 0.0, 0.0, 0.0])
 
 
