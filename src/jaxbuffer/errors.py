@@ -82,7 +82,7 @@ def check_number(
     **Arguments:** ``path``: dotted name shown to the user; ``unit``: as shown, '-' for none; ``low``, ``high``: the
     range, its ends included unless ``low_open`` or ``high_open``. Traced values pass: they have no value yet.
     """
-    if type(value) is float and low < value < high:  # most are: spare them the arrays
+    if type(value) is float and (low < value < high or (value == low and not low_open)):  # spare most the arrays
         return
     import jax
     import numpy as np
@@ -110,6 +110,8 @@ def check_entries(
     path: str, value: Any, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
 ) -> None:
     """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
+    if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
+        return
     known = [concrete(x) for x in (value, low, high)]
     if any(x is None for x in known):  # traced
         return

@@ -55,10 +55,11 @@ class Part(eqx.Module):
                 check_choice(path, value, field.metadata["choices"])
             elif "flag" in field.metadata:
                 check_flag(path, value)
+            elif "unit" in field.metadata:
+                if value is not None or field.default is not None:
+                    check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
             elif isinstance(field.default, Part):
                 check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
-            elif "unit" in field.metadata and not (value is None and field.default is None):
-                check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
         self.check_together()
 
     def check_together(self) -> None:
@@ -203,9 +204,9 @@ class Design(Part):
 
     def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
-        cone = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
-        if not any(v is None for v in cone):
-            throat, length, angle = same_shape("cone", cone)
+        cone = _known("cone", self.cone.throat_radius, self.cone.length, self.cone.half_angle)
+        if cone is not None:
+            throat, length, angle = cone
             check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
 
     @property
@@ -237,18 +238,25 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
     check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
     cone, tip = design.cone, design.probe.tip_radius
-    start = [concrete(x) for x in (tip, cone.throat_radius, cone.half_angle)]
-    traced = any(x is None for x in start)
-    least = 0.0 if traced else least_contact_distance(*same_shape("probe.tip_radius and cone", start))
+    start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
+    least = 0.0 if start is None else least_contact_distance(*start)
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
     distance = scenario.contact_distance
     check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
-    if (angle := start[2]) is not None:
-        limit = np.minimum(angle, math.pi / 2 - angle)
+    if (angle := _known("cone", cone.half_angle)) is not None:
+        limit = np.minimum(angle[0], math.pi / 2 - angle[0])
         check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
 
 
-def least_contact_distance(tip_radius: np.ndarray, throat_radius: np.ndarray, half_angle: np.ndarray) -> np.ndarray:
+def _known(path: str, *values: Scalar) -> list[Any] | None:
+    """Numbers as they are, or as arrays of one shape if some are arrays; None if some are traced."""
+    if all(type(value) is float for value in values):
+        return list(values)
+    arrays = [concrete(value) for value in values]
+    return None if any(array is None for array in arrays) else same_shape(path, arrays)
+
+
+def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any) -> Any:
     """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m].
 
     The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
