@@ -67,6 +67,15 @@ def concrete(value: Any) -> "np.ndarray | None":
     return array.astype(float) if array.dtype.kind in "iuf" else None
 
 
+def inside(
+    value: Any, *, low: Any = -math.inf, high: Any = math.inf, low_open: bool = False, high_open: bool = False
+) -> Any:
+    """Whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
+    above = (value > low) if low_open else (value >= low)
+    below = (value < high) if high_open else (value <= high)
+    return above & below & (abs(value) < math.inf)
+
+
 def check_number(
     path: str,
     value: Any,
@@ -93,9 +102,7 @@ def check_number(
     allowed = f"{_range(low, high, low_open, high_open)}{unit}"
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
-    too_low = (array <= low) if low_open else (array < low)
-    too_high = (array >= high) if high_open else (array > high)
-    bad = ~np.isfinite(array) | too_low | too_high
+    bad = ~inside(array, low=low, high=high, low_open=low_open, high_open=high_open)
     if np.any(bad):
         raise InputError(f"{path} = {array[bad].flat[0]:g}{unit} is out of range; allowed: {allowed}")
 
@@ -116,9 +123,9 @@ def check_entries(
     if any(x is None for x in known):  # traced
         return
     numbers, least, most = same_shape(path, known)
-    inside = (numbers > least) & ((numbers < most) if high_open else (numbers <= most))
-    if not inside.all():
-        number, floor, top = (float(array[~inside][0]) for array in (numbers, least, most))
+    bad = ~inside(numbers, low=least, high=most, low_open=True, high_open=high_open)
+    if bad.any():
+        number, floor, top = (float(array[bad][0]) for array in (numbers, least, most))
         try:
             check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
         except InputError as error:

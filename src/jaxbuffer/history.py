@@ -21,8 +21,11 @@ class History(eqx.Module):
     ``time`` [s]; ``position`` (steps, 4 bodies, [x, y, angle]) [m, m, rad] and ``velocity`` of S, B, P, T;
     ``tip_spin`` [rad/s]; ``multipliers`` (steps, 4) [N, N, N m, N]; per flank (lower, upper) ``gap`` [m],
     ``approach_speed`` and ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``hinge_force`` and
-    ``buffer_force`` [N]; ``stop_force`` of the end stop [N], 0 without one; ``stroke`` [m]; ``hinge_angle`` [rad]; ``throat_distance`` [m] before the capture plane;
-    ``energy`` [J]. Inside `jit` the arrays have their full capacity, the last state repeated.
+    ``buffer_force`` [N]; ``stop_force`` of the end stop [N], 0 without one; ``stroke`` [m]; ``hinge_angle`` [rad];
+    ``throat_distance`` [m] before the capture plane; ``energy`` [J]. Inside `jit` the arrays have their
+    full capacity, the last state repeated.
+
+    Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
     """
 
     time: Float[Array, " steps"]
@@ -76,9 +79,9 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
     slots = steps.time.shape[0] - 1
     last = jnp.clip(steps.count - 1, 0, slots - 1)
     index = jnp.minimum(jnp.arange(slots), last)
-    return jax.vmap(at)(steps.time[index], steps.active[index], steps.state[index])
+    return jax.vmap(at)(steps.time[index], steps.active[index], steps.rows[index, 0])
 
 
 def trimmed(full: History, count: int) -> History:
-    """The first ``count`` steps, as NumPy arrays: cutting those compiles nothing."""
-    return jax.tree.map(lambda x: np.asarray(x)[:count], full)
+    """The first ``count`` steps; those without derivatives as NumPy arrays: cutting them compiles nothing."""
+    return jax.tree.map(lambda x: (x if isinstance(x, jax.core.Tracer) else np.asarray(x))[:count], full)

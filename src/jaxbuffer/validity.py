@@ -1,6 +1,6 @@
 """Whether an answer lies within what the contact law is good for: small penetrations, materials that do not yield."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -44,7 +44,7 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
 
 
-def pressure(design: Design, peak_force: Array | np.ndarray) -> Float[Array, "..."]:
+def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
     """Hertz's largest pressure [Pa] at a contact force [N], from the design's materials and tip radius."""
     contact = design.contact
     return hertz_pressure(peak_force, design.probe.tip_radius, contact.young_modulus, contact.poisson_ratio)
@@ -61,7 +61,7 @@ def warnings(capture: "Capture") -> list[str]:
             f" a tenth of its radius of {1e3 * radius:.3g} mm"
         )
     if found.yields:
-        stress, reached = float(design.contact.yield_stress), float(pressure(design, np.asarray(force)))
+        stress, reached = float(np.asarray(design.contact.yield_stress)), float(pressure(design, np.asarray(force)))
         lines.append(
             f"outside the contact law's validity: the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"

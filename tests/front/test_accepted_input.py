@@ -1,6 +1,5 @@
 """What is taken although it could have been refused, and what is said of a choice that the program made."""
 
-
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np

@@ -88,7 +88,7 @@ class Buffer(Part):
 
     ``max_stroke``: stroke at which the buffer is at its end (None: ``free_length``, where the spring's ends meet). A
     run that gets there ends as "bottomed", unless ``stop_stiffness`` is given: an end stop then pushes the probe out
-    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m, and only ``free_length`` ends the run.
+    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m; only ``free_length`` ends that run.
     ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
     angular momentum.
     """
@@ -256,14 +256,14 @@ def _known(path: str, *values: Scalar) -> list[Any] | None:
     return None if any(array is None for array in arrays) else same_shape(path, arrays)
 
 
-def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any) -> Any:
+def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any, xp: Any = np) -> Any:
     """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m].
 
     The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
     farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
+    ``xp``: NumPy, or jax.numpy for traced numbers.
     """
-    below_axis = (tip_radius * np.cos(half_angle) - throat_radius) / np.sin(half_angle)
-    return np.maximum(below_axis, 0.0)
+    return xp.maximum((tip_radius * xp.cos(half_angle) - throat_radius) / xp.sin(half_angle), 0.0)
 
 
 def table2() -> Design:

@@ -136,8 +136,11 @@ class ProbeInCone(eqx.Module):
         """F_s [N] of the end stop, 0 while it is open or where there is none."""
         if self.stop is None:
             return 0.0
-        depth = at.stroke - self.design.buffer.end
-        return active[FLANKS] * self.stop.force(depth, at.stroke_rate, jnp.ones(()))
+        return active[FLANKS] * self.stop.force(self._stop_depth(at), jnp.asarray(at.stroke_rate), jnp.ones(()))
+
+    def _stop_depth(self, at: Posture) -> Float[Array, ""]:
+        """By how much the stroke exceeds the end stop's place [m]."""
+        return jnp.asarray(at.stroke - self.design.buffer.end)
 
     def _stop_loads(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Load, ...]:
         """The end stop pushes the spring's ends apart along the cylinder."""
@@ -203,11 +206,11 @@ class ProbeInCone(eqx.Module):
         elastic = jnp.sum(self.exerting(active) * self.pair.stored_energy(self.rounded(at.approach)))
         stop: Scalar = 0.0
         if self.stop is not None:
-            stop = active[FLANKS] * self.stop.energy(at.stroke - self.design.buffer.end)
+            stop = active[FLANKS] * self.stop.energy(self._stop_depth(at))
         return kinetic, self.system.stored_energy(at.kin), elastic, stop
 
     def stop_loss(self, at: Posture, active: Float[Array, " contacts"]) -> Scalar:
         """Power lost in the end stop [W]: what it takes less than the spring in it."""
         assert self.stop is not None
-        elastic = active[FLANKS] * self.stop.elastic(at.stroke - self.design.buffer.end)
+        elastic = active[FLANKS] * self.stop.elastic(self._stop_depth(at))
         return (self.stop_force(at, active) - elastic) * at.stroke_rate

@@ -1,7 +1,8 @@
 """The stiff forces of the capture mechanism, linearised in closed form for implicit steps.
 
 Six scalar forces act along six directions b with rates b·w: the axial spring-damper with its end stop, the torsional
-one, and on each flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms: not stiff.
+one, and on each flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms:
+not stiff.
 """
 
 from typing import TYPE_CHECKING
