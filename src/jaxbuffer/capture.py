@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ._types import Scalar
-from .errors import InputError, check_number, inside
+from .errors import InputError, check_flag, check_single, check_whole, inside
 from .first_impact import FirstImpact, predict
 from .history import History, history, trimmed
-from .integrate import Log, Options, Solver, Status, Tolerance, moving, solve_at_fixed_times
+from .integrate import Log, Options, Solver, Status, Tolerance, moving, solve_at_fixed_times, solver_named
 from .ledger import Balance, Energy, balance
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.assembly import FLANKS, UPPER
@@ -38,11 +38,13 @@ from .programs import Static, kept
 DEFAULT_TOLERANCE = 1e-6
 DEFAULT_DURATION = 8.0  # s
 HISTORY_STEPS = 20_000
+ONE_CAPTURE = "simulate takes one capture: use jax.vmap or jb.sweep"
 CHECKED, UNCHECKED = Static(False), Static(True)
+TOLERANCES = {"low": 1e-13, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
-    "rtol": {"low": 1e-13, "high": 1e-2},
-    "atol": {"low": 1e-13, "high": 1e-2},
+    "rtol": TOLERANCES,
+    "atol": TOLERANCES,
     "stabilisation": NON_NEGATIVE,
 }
 
@@ -117,7 +119,7 @@ def simulate(
     scenario: Scenario | None = None,
     duration: Scalar = DEFAULT_DURATION,
     *,
-    solver: Solver | None = None,
+    solver: Solver | str | None = None,
     rtol: Scalar = DEFAULT_TOLERANCE,
     atol: Scalar | None = None,
     history: bool = False,
@@ -128,10 +130,10 @@ def simulate(
     """Simulate one capture. Works under `jit`, `vmap`, `grad`, `jacfwd` and `jvp`.
 
     **Arguments:** ``design``, ``scenario`` (default: Table 2's); ``duration`` [s] after which a run counts as timeout;
-    ``solver``: an `integrate.Solver`; ``rtol``, ``atol`` [-]: local error allowed in a step, of a component's size and
-    of its natural scale (``atol`` defaults to ``rtol``); ``history``: keep time histories; ``max_steps``,
-    limit whose passing is a failed outcome; ``max_events``: room for events in order, of later ones only the maxima,
-    the end and the number of impacts are known; ``stabilisation`` [1/s]: Baumgarte's gain.
+    ``solver``: a name in `integrate.SOLVERS` or an `integrate.Solver`; ``rtol``, ``atol`` [-]: local error allowed in a
+    step, of a component's size and of its natural scale (``atol`` defaults to ``rtol``); ``history``: keep time
+    histories; ``max_steps``: limit whose passing is a failed outcome; ``max_events``: room for events in order, of later
+    ones only the maxima, the end and the number of impacts are known; ``stabilisation`` [1/s]: Baumgarte's gain.
 
     **Returns:** a `Capture`. Not converging is an outcome, not an error.
 
@@ -139,18 +141,21 @@ def simulate(
     """
     scenario = Scenario() if scenario is None else scenario
     check_fit(design, scenario)
-    check_number("duration", duration, "s", **LIMITS["duration"])
-    check_number("rtol", rtol, "-", **LIMITS["rtol"])
     atol = rtol if atol is None else atol
-    check_number("atol", atol, "-", **LIMITS["atol"])
-    check_number("stabilisation", stabilisation, "1/s", **LIMITS["stabilisation"])
+    check_single("duration", duration, "s", ONE_CAPTURE, **LIMITS["duration"])
+    check_single("rtol", rtol, "-", ONE_CAPTURE, **LIMITS["rtol"])
+    check_single("atol", atol, "-", ONE_CAPTURE, **LIMITS["atol"])
+    check_single("stabilisation", stabilisation, "1/s", ONE_CAPTURE, **LIMITS["stabilisation"])
+    check_flag("history", history)
+    check_whole("max_steps", max_steps, 1)
+    check_whole("max_events", max_events, 1)
     if jax.dtypes.canonicalize_dtype(float) != np.float64:
         raise InputError(
             "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
         )
     options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
     if solver is not None:
-        options = dataclasses.replace(options, solver=solver)
+        options = dataclasses.replace(options, solver=solver_named(solver))
     given = ((design, scenario, stabilisation), duration, (rtol, atol), options)
     if not all(type(leaf) is float for leaf in jax.tree.leaves(given)):
         given = jax.tree.map(_array, given)
@@ -173,7 +178,7 @@ def _refuse_arrays(design: Design, scenario: Scenario) -> None:
     for path, leaf in jax.tree_util.tree_leaves_with_path((design, scenario)):
         if np.ndim(leaf):
             name = "".join(str(key) for key in path[1:]).lstrip(".")
-            raise InputError(f"{name} has shape {np.shape(leaf)}; simulate takes one capture: use jax.vmap or jb.sweep")
+            raise InputError(f"{name} has shape {np.shape(leaf)}; {ONE_CAPTURE}")
 
 
 def _trim(capture: Capture) -> History:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from jaxtyping import Array, Float
 
-from .errors import InputError, suggest
+from .errors import InputError, check_names, suggest
 from .validity import pressure
 
 if TYPE_CHECKING:
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 
 
 class Quantity(NamedTuple):
-    """A scalar of a capture: ``unit``, ``of``: function of the `Capture`, ``description``."""
+    """A scalar of a capture: ``unit``, ``of``: function of the `Capture`, ``description``, ``signed``: whether it can
+    change sign, when a relative change of it means little and derivatives are shown instead of elasticities."""
 
     unit: str
     of: "Callable[[Capture], Float[Array, '']]"
     description: str
+    signed: bool = False
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -33,13 +35,22 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_buffer_force": Quantity("N", lambda c: c.peak_buffer_force, "largest force of the axial spring-damper"),
     "contact_time": Quantity("s", lambda c: c.contact_time, "time during which a flank is touched"),
     "throat_distance": Quantity(
-        "m", lambda c: c.throat_distance, "tip before the capture plane at the run's end; at any time, as duration"
+        "m",
+        lambda c: c.throat_distance,
+        "tip before the capture plane at the run's end; at any time, as duration",
+        signed=True,
     ),
     "capture_margin": Quantity(
-        "m", lambda c: c.capture_margin, "tip beyond the capture plane at the duration, coasting on, or stroke_margin"
+        "m",
+        lambda c: c.capture_margin,
+        "tip beyond the capture plane at the duration, coasting on, or stroke_margin",
+        signed=True,
     ),
     "stroke_margin": Quantity(
-        "m", lambda c: c.stroke_margin, "stroke left before the buffer's end; of a bottomed run minus what is missing"
+        "m",
+        lambda c: c.stroke_margin,
+        "stroke left before the buffer's end; of a bottomed run minus what is missing",
+        signed=True,
     ),
     "peak_stop_force": Quantity("N", lambda c: c.peak_stop_force, "largest force of the buffer's end stop"),
     "penetration": Quantity("m", lambda c: c.penetration, "depth that the tip's deepest penetration does not exceed"),
@@ -98,17 +109,18 @@ def quantity_unit(name: str) -> str:
     return IMPACT_UNITS[asked.field] if asked else QUANTITIES[name].unit
 
 
+def is_signed(name: str) -> bool:
+    """Whether a quantity can change sign."""
+    return name in QUANTITIES and QUANTITIES[name].signed
+
+
 def check_quantities(names: Sequence[str]) -> tuple[str, ...]:
     """The names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
-    if not names:
-        raise InputError("quantities is empty; name at least one, peak_force say")
+    names = check_names("quantities", names, "peak_force")
     for name in names:
         if name not in QUANTITIES and of_impact(name) is None:
-            known = [*QUANTITIES, "impact.1.peak_force"]
-            raise InputError(f"quantity {name} is unknown{suggest(name, known) or '; known: ' + ', '.join(known)}")
-    if len(set(names)) < len(names):
-        raise InputError(f"quantities name one twice: {', '.join(names)}")
-    return tuple(names)
+            raise InputError(f"quantity {name} is unknown{suggest(name, [*QUANTITIES, 'impact.1.peak_force'])}")
+    return names
 
 
 def value_of(capture: "Capture", name: str) -> float:

@@ -1,15 +1,16 @@
 """Summaries and tables for people."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, SupportsFloat
 
 import jax
 import numpy as np
 from rich.table import Table
 
-from .mechanisms import Scenario, get, unit
+from .mechanisms import get, unit
+from .mechanisms import scenario_label as scenario_label
 from .outcome import Outcome
-from .quantities import quantity_unit
+from .quantities import is_signed, quantity_unit
 from .tables import table as _table
 from .tables import text as _text
 from .validity import warnings
@@ -45,12 +46,14 @@ def summary(capture: "Capture") -> str:
     """A capture in a dozen lines, units included."""
     outcome = capture.outcome
     if outcome.failed:
-        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
+        where = scenario_label(capture.scenario)
+        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
     flank = FLANKS[int(capture.peak_flank)]
     first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
+        f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
         f" {flank} flank, {_which_impact(capture)}",
@@ -119,38 +122,45 @@ def sweep_summary(result: "Sweep") -> str:
     return _text(table)
 
 
-def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
-    """What tells a scenario from the others, approach speed at least: "0.1 m/s, misalignment 0.02 rad"."""
-    label = f"{float(scenario.approach_speed):g} m/s"
-    for name in ("contact_distance", "misalignment", "passive_rate"):
-        if len({float(getattr(other, name)) for other in among}) > 1:
-            label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
-    return label
-
-
 def sensitivity_table(result: "Sensitivity") -> str:
-    """Elasticities and gradients of every quantity, and the certificate."""
+    """Elasticities of every quantity (derivatives of those that can change sign), gradients and the certificate."""
     units = [_parameter_unit(result.capture, path) for path in result.paths]
+    signed = [is_signed(name) for name in result.quantities]
+
+    def slope(i: int, k: int) -> str:
+        return f"{result.gradients[i, k]:+.5g} {per(quantity_unit(result.quantities[i]), units[k])}"
+
     elastic = _table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
-    elastic.add_column("parameter")
-    for name, value in zip(result.quantities, result.results, strict=True):
-        elastic.add_column(f"{name}\n{value:.5g} {quantity_unit(name)}", justify="right")
-    for k, path in enumerate(result.paths):
-        elastic.add_row(path, *(f"{e:+.4f}" for e in result.elasticities[:, k]))
+    _by_parameter(
+        elastic, result, np.flatnonzero(np.logical_not(signed)), lambda i, k: f"{result.elasticities[i, k]:+.4f}"
+    )
+    derivatives = _table("Derivatives of quantities that can change sign")
+    _by_parameter(derivatives, result, np.flatnonzero(signed), slope)
     main, certificate = result.quantities[0], result.certificate
     gradient = _table(f"Gradient of {main}")
     for heading in ("parameter", "value", "gradient", "estimated error"):
         gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
     for k, path in enumerate(result.paths):
         error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
-        slope = f"{result.gradients[0, k]:+.5g} {per(quantity_unit(main), units[k])}"
-        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope, error)
-    parts: list[str | Table] = [f"Sensitivity; {result.capture.outcome.reason}", elastic, gradient]
+        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope(0, k), error)
+    where = scenario_label(result.capture.scenario)
+    tables = ([] if all(signed) else [elastic]) + ([derivatives] if any(signed) else [])
+    parts: list[str | Table] = [f"Sensitivity at {where}; {result.capture.outcome.reason}", *tables, gradient]
     if certificate is not None:
         parts.append(certificate_text(certificate, result.quantities))
     if not result.capture.outcome.failed:
         parts.append(_first_impact(result.capture))
     return _text(*parts)
+
+
+def _by_parameter(table: Table, result: "Sensitivity", which: np.ndarray, cell: Callable[[int, int], str]) -> None:
+    """A column for each quantity in ``which``, a row for each parameter."""
+    table.add_column("parameter")
+    for i in which:
+        name = result.quantities[i]
+        table.add_column(f"{name}\n{result.results[i]:.5g} {quantity_unit(name)}", justify="right")
+    for k, path in enumerate(result.paths):
+        table.add_row(path, *(cell(i, k) for i in which))
 
 
 def certificate_text(certificate: "Certificate", quantities: Sequence[str]) -> str:

@@ -1,6 +1,6 @@
 """Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from typer import Context
 from typer.core import TyperCommand
@@ -50,7 +50,16 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
 )
 
 
-class Command(TyperCommand):
+class Plain(TyperCommand):
+    """A command that takes each option once, unless it is repeatable, and no empty words."""
+
+    def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
+        """Check the words, then parse them."""
+        check_words(args, [name for it in self.params if getattr(it, "multiple", False) for name in it.opts])
+        return super().parse_args(ctx, args)
+
+
+class Command(Plain):
     """A command that sets dotted options aside, as text, in the context's ``obj``.
 
     They are taken out before the parser sees them: to it their values would look like the CONFIG argument.
@@ -62,9 +71,21 @@ class Command(TyperCommand):
         return super().parse_args(ctx, rest)
 
 
+def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
+    """Raise `InputError` for an option given twice that is not ``repeatable``, and for an empty word."""
+    seen = [word.partition("=")[0] for word in words if word.startswith("--")]
+    for name in seen:
+        if name not in repeatable and seen.count(name) > 1:
+            raise InputError(f"{name} is given twice; keep one")
+    for before, word in zip(["an argument", *words], words, strict=False):
+        if not word or (word.startswith("--") and word.endswith("=")):
+            name = word.rstrip("=") or (before if before.startswith("--") else "an argument")
+            raise InputError(f"{name} is empty; give it a value or leave it out")
+
+
 def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     """Ordinary arguments, and the dotted options with their values."""
-    rest, overrides = [], {}
+    rest, overrides = list[str](), dict[str, str]()
     words = iter(arguments)
     for word in words:
         name, equals, value = word.partition("=")
@@ -75,6 +96,8 @@ def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
             given = value if equals else next(words, "--")
             if given.startswith("--"):
                 raise InputError(f"{path} needs a value: --{path} VALUE")
+            if path in overrides:
+                raise InputError(f"--{path} is given twice, as {overrides[path]} and as {given}; keep one")
             overrides[path] = given
         else:
             rest.append(word)

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..errors import inside
-from .design import HERTZ_EXPONENT, POSITIVE, Design, Part, Scenario
+from .design import HERTZ_EXPONENT, POSITIVE, Design, Part, Scenario, least_contact_distance
 
 
 def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
@@ -48,7 +48,8 @@ def _of_design(design: Design) -> Iterator[Bool[Array, ""]]:
 
 def _fit(design: Design, scenario: Scenario) -> Iterator[Bool[Array, ""]]:
     """What `check_fit` checks."""
-    yield inside(scenario.contact_distance, high=design.cone.length, **POSITIVE)
-    angle = design.cone.half_angle
+    cone, angle = design.cone, design.cone.half_angle
+    least = least_contact_distance(design.probe.tip_radius, cone.throat_radius, angle, jnp)
+    yield inside(scenario.contact_distance, low=least, high=cone.length, low_open=True)
     limit = jnp.minimum(angle, np.pi / 2 - angle)
     yield inside(scenario.misalignment, low=-limit, high=limit, low_open=True, high_open=True)

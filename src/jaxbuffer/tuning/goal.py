@@ -104,7 +104,7 @@ class Goal:
         """One sentence for each constraint that fails, naming the case."""
         lines, limits = [], self.problem.limits
         for k, (quantities, margin) in enumerate(zip(evaluation.quantities, evaluation.margin, strict=True)):
-            where = f"scenario {k + 1}"
+            where = self.problem.cases[k].label(self.problem.cases)
             if not evaluation.solved[k]:
                 lines.append(f"{where}: the simulation failed")
             elif limits.captured and margin < 0.0:
