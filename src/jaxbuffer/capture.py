@@ -132,8 +132,8 @@ def simulate(
     **Arguments:** ``design``, ``scenario`` (default: Table 2's); ``duration`` [s] after which a run counts as timeout;
     ``solver``: a name in `integrate.SOLVERS` or an `integrate.Solver`; ``rtol``, ``atol`` [-]: local error allowed in a
     step, of a component's size and of its natural scale (``atol`` defaults to ``rtol``); ``history``: keep time
-    histories; ``max_steps``: limit whose passing is a failed outcome; ``max_events``: room for events in order, of later
-    ones only the maxima, the end and the number of impacts are known; ``stabilisation`` [1/s]: Baumgarte's gain.
+    histories; ``max_steps``: limit whose passing is a failed outcome; ``max_events``: room for events in order, of
+    later ones only the maxima, the end and the number of impacts are known; ``stabilisation`` [1/s]: Baumgarte's gain.
 
     **Returns:** a `Capture`. Not converging is an outcome, not an error.
 

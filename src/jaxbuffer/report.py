@@ -13,7 +13,7 @@ from .outcome import Outcome
 from .quantities import is_signed, quantity_unit
 from .tables import table as _table
 from .tables import text as _text
-from .validity import warnings
+from .validity import of_peaks, warnings
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -221,10 +221,25 @@ def tuned_table(tuned: "Tuned") -> str:
         f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures,"
         f" {tuned.screened} of them without derivatives",
     ]
+    facts += [f"outside the contact law's validity: {line}" for line in tuned_warnings(tuned)]
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
     return _text(f"Tuned: {tuned.message}", *tables, *facts)
+
+
+def tuned_warnings(tuned: "Tuned") -> list[str]:
+    """In how many scenarios the tuned design lies beyond what the contact law is good for, a line each reason."""
+    problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
+    found = [of_peaks(case.of(tuned.design), peak) for case, peak in zip(problem.cases, peaks, strict=True)]
+    lines = []
+    for beyond, what in (
+        (sum(bool(v.too_deep) for v in found), "the tip goes deeper into a flank than a tenth of its radius"),
+        (sum(bool(v.yields) for v in found), "the materials yield"),
+    ):
+        if beyond:
+            lines.append(f"{what} in {beyond} of {len(found)} scenarios")
+    return lines
 
 
 def _floor_facts(tuned: "Tuned") -> list[str]:
