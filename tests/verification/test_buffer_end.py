@@ -48,14 +48,16 @@ def numbers(design, scenario, rtol):
     return np.array([*(float(getattr(c, name)) for name in names), float(c.energy.stop_damper)])
 
 
-@pytest.mark.slow
+STOP_PATHS = ("buffer.c_A", "buffer.max_stroke", "buffer.stop_stiffness", "buffer.stop_damping")
+END_PATHS = ("buffer.c_A", "probe.tip_mass", "buffer.free_length")
+
+
 @pytest.mark.parametrize(
     ("design", "paths"),
     [
-        (STOPPED, ("buffer.c_A", "buffer.max_stroke", "buffer.stop_stiffness", "buffer.stop_damping")),
-        (SOFT, ("buffer.c_A", "probe.tip_mass", "buffer.free_length")),
+        pytest.param(STOPPED, STOP_PATHS, id="end stop"),
+        pytest.param(SOFT, END_PATHS, id="bottomed", marks=pytest.mark.slow),
     ],
-    ids=["end stop", "bottomed"],
 )
 def test_gradients_go_right_through(design, paths, evidence):
     """Against extrapolated differences of tight solves."""
