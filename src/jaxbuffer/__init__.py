@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .sweep import Sweep, sweep
     from .tuning import Case, Limits, Objective, Problem, Then, Tuned, Variable, tune
 
+    __version__: str
+
 __all__ = [
     "Capture",
     "Case",
@@ -68,15 +70,28 @@ _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
+    if name == "__version__":
+        value = _version()
+    elif name in _MODULE:
+        value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
     globals()[name] = value
     return value
 
 
+def _version() -> str:
+    """The installed version, as in pyproject.toml."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(__name__)
+    except PackageNotFoundError:  # run from a checkout
+        return "not installed"
+
+
 def __dir__() -> list[str]:
-    return [*__all__, "__doc__", "__file__", "__name__", "__path__"]
+    return [*__all__, "__doc__", "__file__", "__name__", "__path__", "__version__"]
 
 
 class _Package(types.ModuleType):

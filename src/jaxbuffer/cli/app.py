@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+import jaxbuffer
+
 from .exits import OK, fail
 from .laws import laws
 from .overrides import WITH_QUANTITIES
@@ -55,9 +57,7 @@ def root(
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:
-        from .records import version as installed
-
-        typer.echo(f"jaxbuffer {installed()}")
+        typer.echo(f"jaxbuffer {jaxbuffer.__version__}")
         raise typer.Exit
     if ctx.invoked_subcommand is None:
         typer.echo(ctx.get_help())
