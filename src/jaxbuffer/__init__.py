@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .capture import Capture, simulate
     from .certificate import Certificate, Verdict
+    from .contact import register_law
     from .errors import InputError
     from .first_impact import FirstImpact, first_impact
     from .mechanisms import Design, Scenario, get, paths, replace, rigid_probe, table2
@@ -45,6 +46,7 @@ __all__ = [
     "first_impact",
     "get",
     "paths",
+    "register_law",
     "replace",
     "rigid_probe",
     "sensitivity",
@@ -57,6 +59,7 @@ __all__ = [
 _HOME = {
     "capture": ("Capture", "simulate"),
     "certificate": ("Certificate", "Verdict"),
+    "contact": ("register_law",),
     "errors": ("InputError",),
     "first_impact": ("FirstImpact", "first_impact"),
     "mechanisms": ("Design", "Scenario", "get", "paths", "replace", "rigid_probe", "table2"),

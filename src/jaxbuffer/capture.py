@@ -110,10 +110,6 @@ def simulate(
     atol = rtol if atol is None else atol
     check_number("atol", atol, "-", low=1e-13, high=1e-2)
     check_number("stabilisation", stabilisation, "1/s", low=0.0)
-    if jax.dtypes.canonicalize_dtype(float) != np.float64:
-        raise InputError(
-            "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
-        )
     options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
     if solver is not None:
         options = dataclasses.replace(options, solver=solver)

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 
@@ -20,6 +19,7 @@ from .errors import InputError
 from .integrate import Solver
 from .mechanisms import Design, Scenario, check_fit
 from .outcome import Outcome
+from .programs import kept
 
 CHUNK = 16
 QUANTITIES = (
@@ -134,7 +134,7 @@ def sweep(
     return result
 
 
-@eqx.filter_jit
+@kept
 def _chunk(batch: tuple[Design, Scenario, Any], rtol: Any, stabilisation: Any, solver: Solver | None) -> tuple:
     def one(design: Design, scenario: Scenario, duration: Any) -> tuple:
         capture = simulate(design, scenario, duration, solver=solver, rtol=rtol, stabilisation=stabilisation)
