@@ -80,11 +80,11 @@ def simulate(request: Request) -> int:
     study = request.study()
     files = request.files("capture.json", "history.csv", "capture.png", "capture.txt")
     from ..capture import simulate as compute
-    from .progress import COMPILING, working
+    from .progress import working
 
     options = study.options
     capture = working(
-        f"simulating; {COMPILING}",
+        "simulating",
         lambda: compute(
             study.design,
             study.scenario,
@@ -154,12 +154,12 @@ def sensitivity(
     from ..quantities import check_quantities
     from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES
     from ..sensitivity import sensitivity as compute
-    from .progress import COMPILING, working
+    from .progress import working
 
     check_choice("certify", certify, CERTIFICATES)
     options, names = study.options, check_quantities(tuple(of or QUANTITIES))
     result = working(
-        f"differentiating; {COMPILING}",
+        "differentiating",
         lambda: compute(
             study.design,
             study.scenario,
