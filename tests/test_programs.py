@@ -344,7 +344,8 @@ def test_a_link_is_not_used_and_one_above_counts_as_where_it_leads(tmp_path):
 
 def test_a_folder_of_another_user_is_not_used(tmp_path, monkeypatch):
     (tmp_path / "theirs").mkdir(mode=0o700)
-    monkeypatch.setattr(os, "getuid", lambda uid=os.getuid(): uid + 1)
+    another = os.getuid() + 1
+    monkeypatch.setattr(os, "getuid", lambda: another)
     assert private(tmp_path / "theirs") == (
         f"{tmp_path / 'theirs'} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
     )
