@@ -362,3 +362,32 @@ def test_neither_jax_nor_we_use_an_open_folder_and_a_line_says_so(tmp_path):
         f"note: compiled programs are not kept: others may write to {folder}; "
         f"once you trust what is in it: chmod 700 '{folder}'\n"
     )
+
+
+def test_a_class_redefined_under_its_name_is_another_program(folder):
+    def weight(factor):
+        class Weight(eqx.Module):
+            value: float
+
+            def of(self, times):
+                return factor * times * self.value
+
+        return Weight(2.0)
+
+    def weighed(weight, times):
+        return weight.of(times)
+
+    function = kept(weighed)
+    for factor in (2.0, 5.0):
+        assert float(function(weight(factor), 3.0)) == float(kept(weighed)(weight(factor), 3.0)) == 6.0 * factor
+        assert float(jax.vmap(function, (None, 0))(weight(factor), jnp.ones(2))[1]) == 2.0 * factor
+    assert len(list(folder.iterdir())) == 2
+
+
+def test_watched_is_called_where_a_program_is_compiled(folder, traced):
+    fresh, _ = traced
+    seen = []
+    with programs.watched(seen.append):
+        for _ in range(2):
+            fresh()(*asked())
+    assert seen == [True, False], "the second is read"

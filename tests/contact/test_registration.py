@@ -1,13 +1,16 @@
 """Laws of one's own: one way to register them, and never an older law's numbers."""
 
+import re
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import equinox as eqx
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import quad
 
 import jaxbuffer as jb
 from jaxbuffer.comparison import compare_laws
@@ -155,3 +158,13 @@ def test_a_law_redefined_in_another_process_is_another_program(tmp_path):
     assert_allclose(force, as_stiff_as(4.0), rtol=1e-6)
     assert run(4.0) == (force, "False"), "the same law again finds its program"
     assert np.isfinite(force)
+
+
+def test_the_law_in_the_documentation_stores_what_it_exerts(register):
+    text = (Path(__file__).parents[2] / "docs" / "laws.md").read_text()
+    code = re.search(r"```python\n(.*)\nprint\(.*?```", text, re.DOTALL)[1]
+    exec(code, {})
+    law = LAWS["softening"](stiffness=1e9)
+    for depth in (1e-6, 1e-4, 1e-2):
+        assert_allclose(law.energy(depth), quad(law.elastic, 0.0, depth, epsabs=0.0)[0], rtol=1e-7)
+    assert float(law.elastic(-1e-6)) == float(law.energy(-1e-6)) == 0.0

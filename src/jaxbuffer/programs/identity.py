@@ -19,7 +19,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optimistix")
+PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optax", "optimistix")
 _KNOWN = frozenset(sys.stdlib_module_names) | {"jaxbuffer", *PACKAGES}
 CAN_CHANGE = 1 << 9  # a class's flag, `Py_TPFLAGS_HEAPTYPE`: made as the program runs, rather than part of Python
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis), type(NotImplemented), range)
