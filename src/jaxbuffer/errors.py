@@ -26,6 +26,15 @@ def concrete(value: Any) -> "np.ndarray | None":
         return None
 
 
+def inside(
+    value: Any, *, low: Any = -math.inf, high: Any = math.inf, low_open: bool = False, high_open: bool = False
+) -> Any:
+    """Whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
+    above = (value > low) if low_open else (value >= low)
+    below = (value < high) if high_open else (value <= high)
+    return above & below & (abs(value) < math.inf)
+
+
 def check_number(
     path: str,
     value: Any,
@@ -51,9 +60,7 @@ def check_number(
     unit = "" if unit == "-" else f" {unit}"
     if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)}{unit}")
-    too_low = (array <= low) if low_open else (array < low)
-    too_high = (array >= high) if high_open else (array > high)
-    bad = ~np.isfinite(array) | too_low | too_high
+    bad = ~inside(array, low=low, high=high, low_open=low_open, high_open=high_open)
     if np.any(bad):
         shown = float(array[bad].flat[0]) if array.ndim else float(array)
         raise InputError(

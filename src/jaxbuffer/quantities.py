@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from jaxtyping import Array, Float
 
 from .errors import InputError, suggest
+from .validity import pressure
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -35,12 +36,21 @@ QUANTITIES: dict[str, Quantity] = {
         "m", lambda c: c.throat_distance, "tip before the capture plane at the run's end; at any time, as duration"
     ),
     "capture_margin": Quantity(
-        "m", lambda c: c.capture_margin, "tip beyond the capture plane at the duration, coasting on from the run's end"
+        "m", lambda c: c.capture_margin, "tip beyond the capture plane at the duration, coasting on, or stroke_margin"
+    ),
+    "stroke_margin": Quantity(
+        "m", lambda c: c.stroke_margin, "stroke left before the buffer's end; of a bottomed run minus what is missing"
+    ),
+    "peak_stop_force": Quantity("N", lambda c: c.peak_stop_force, "largest force of the buffer's end stop"),
+    "penetration": Quantity("m", lambda c: c.penetration, "depth that the tip's deepest penetration does not exceed"),
+    "contact_pressure": Quantity(
+        "Pa", lambda c: pressure(c.design, c.peak_force), "Hertz's largest pressure at the peak contact force"
     ),
     "axial_loss": Quantity("J", lambda c: c.energy.axial_damper, "energy lost in the axial damper by the run's end"),
     "torsional_loss": Quantity("J", lambda c: c.energy.torsional_damper, "energy lost in the torsional damper"),
     "contact_loss": Quantity("J", lambda c: c.energy.hysteresis, "energy lost in the contact's hysteresis"),
     "friction_loss": Quantity("J", lambda c: c.energy.friction, "energy lost in friction"),
+    "stop_loss": Quantity("J", lambda c: c.energy.stop_damper, "energy lost in the buffer's end stop"),
     "dissipated": Quantity("J", lambda c: c.energy.dissipated, "energy lost altogether"),
     "effective_mass": Quantity("kg", lambda c: c.first_impact.effective_mass, "mass the first impact meets"),
     "effective_energy": Quantity("J", lambda c: c.first_impact.effective_energy, "T_c just before the first impact"),

@@ -12,6 +12,7 @@ from .outcome import Outcome
 from .quantities import quantity_unit
 from .tables import table as _table
 from .tables import text as _text
+from .validity import warnings
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -27,8 +28,11 @@ UNITS = {
     "peak_time": "s",
     "peak_hinge_force": "N",
     "peak_buffer_force": "N",
+    "peak_stop_force": "N",
     "stroke": "m",
+    "stroke_margin": "m",
     "hinge_angle": "rad",
+    "penetration": "m",
     "end_time": "s",
     "contact_time": "s",
     "throat_distance": "m",
@@ -54,19 +58,40 @@ def summary(capture: "Capture") -> str:
         f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
-        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm",
+        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm"
+        f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
-        f"  capture margin       {1e3 * float(capture.capture_margin):.6g} mm beyond the capture plane at the duration,"
-        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time",
+        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
+        f"  capture margin       {_margin(capture)}",
         f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
         f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
-        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g})",
+        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}"
+        + (")" if capture.design.buffer.stop_stiffness is None else f", end stop {float(e.stop_damper):.3g})"),
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _stop(capture: "Capture") -> str:
+    if capture.design.buffer.stop_stiffness is None:
+        return ""
+    return f", end stop {float(capture.peak_stop_force):.6g} N"
+
+
+def _margin(capture: "Capture") -> str:
+    """The capture margin with what it is a distance of."""
+    margin = float(capture.capture_margin)
+    if capture.outcome == Outcome.bottomed:
+        return f"{1e3 * margin:.4g} mm: about so much stroke is missing"
+    if margin == float(capture.stroke_margin):
+        return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
+    return (
+        f"{1e3 * margin:.6g} mm beyond the capture plane at the duration,"
+        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time"
+    )
 
 
 def sweep_summary(result: "Sweep") -> str:

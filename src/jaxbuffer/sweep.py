@@ -29,8 +29,11 @@ QUANTITIES = (
     "peak_flank",
     "peak_hinge_force",
     "peak_buffer_force",
+    "peak_stop_force",
     "stroke",
+    "stroke_margin",
     "hinge_angle",
+    "penetration",
     "end_time",
     "contact_time",
     "impact_count",
@@ -51,8 +54,11 @@ class Sweep(NamedTuple):
     peak_flank: np.ndarray
     peak_hinge_force: np.ndarray
     peak_buffer_force: np.ndarray
+    peak_stop_force: np.ndarray
     stroke: np.ndarray
+    stroke_margin: np.ndarray
     hinge_angle: np.ndarray
+    penetration: np.ndarray
     end_time: np.ndarray
     contact_time: np.ndarray
     impact_count: np.ndarray

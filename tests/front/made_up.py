@@ -68,7 +68,8 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
         energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
-        log=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
+        _located=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
+        stabilisation=jnp.asarray(20.0),
         history=history,
     )  # fmt: skip
 

@@ -14,6 +14,8 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
   passive   mass [kg], inertia [kg m²]
   buffer    k_A [N/m], c_A [N s/m], k_T [N m/rad], c_T [N m s/rad],
             free_length [m], cylinder_mass [kg], cylinder_length [m],
+            max_stroke [m] (default: free_length), stop_stiffness [N/m]
+            (default: no end stop), stop_damping [N s/m],
             damping (physical, published)
   probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
             free_tip (true, false)
@@ -21,6 +23,7 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
             slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
+            yield_stress [Pa] (default: not checked),
             linear_stiffness [N/m], damping [N s/m], exponent [-],
             ramp_depth [m], onset_length [m], memory_time [s],
             memory (event, smooth), arms (moving, published)
@@ -35,8 +38,10 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
   peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
-  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end
-  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], dissipated [J]
+  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
+  stroke_margin [m]    stroke left before the buffer's end
+  peak_stop_force [N], penetration [m], contact_pressure [Pa]
+  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J], dissipated [J]
   effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
   impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s]
 

@@ -18,6 +18,7 @@ from ..outcome import Outcome
 from ..quantities import quantity_unit
 from ..report import FLANKS, SHOWN, UNITS, per, scenario_label
 from ..tuning.problem import QUANTITIES
+from ..validity import warnings
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -35,6 +36,7 @@ HISTORY_UNITS = {
     "friction_force": "N",
     "hinge_force": "N",
     "buffer_force": "N",
+    "stop_force": "N",
     "stroke": "m",
     "hinge_angle": "rad",
     "throat_distance": "m",
@@ -44,7 +46,18 @@ COORDINATES = {
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
 }
 MULTIPLIER_UNITS = ("N", "N", "N m", "N")
-ENERGIES = ("kinetic", "spring", "contact", "axial_damper", "torsional_damper", "hysteresis", "friction", "total")
+ENERGIES = (
+    "kinetic",
+    "spring",
+    "contact",
+    "stop",
+    "axial_damper",
+    "torsional_damper",
+    "hysteresis",
+    "friction",
+    "stop_damper",
+    "total",
+)
 
 
 def version() -> str:
@@ -59,6 +72,7 @@ def capture_record(capture: Capture) -> dict[str, Any]:
     return {
         "outcome": capture.outcome.name,
         **{f"{name} [{symbol}]": _number(getattr(capture, name)) for name, symbol in UNITS.items()},
+        "outside_validity": warnings(capture),
         "peak_flank": FLANKS[int(capture.peak_flank)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [

@@ -80,32 +80,32 @@ class Log(eqx.Module):
 
 
 class Steps(eqx.Module):
-    """Accepted steps: time, closed contacts, state."""
+    """Accepted steps: time, closed contacts, state and its sensitivities at that fixed time."""
 
     time: Float[Array, " slots"]
     active: Float[Array, "slots contacts"]
-    state: Float[Array, "slots state"]
+    rows: Float[Array, "slots rows state"]
     count: Int[Array, ""]
 
     @staticmethod
-    def empty(slots: int, state: Float[Array, " state"], contacts: int) -> "Steps":
+    def empty(slots: int, rows: Rows, contacts: int) -> "Steps":
         """Room for ``slots`` steps; none at all for 0."""
         n = slots + 1 if slots else 0
-        return Steps(jnp.zeros(n), jnp.zeros((n, contacts)), jnp.zeros((n, state.shape[0])), jnp.asarray(0))
+        return Steps(jnp.zeros(n), jnp.zeros((n, contacts)), jnp.zeros((n, *rows.shape)), jnp.asarray(0))
 
     def append(
         self,
         when: Bool[Array, ""],
         time: Float[Array, ""],
         active: Float[Array, " contacts"],
-        state: Float[Array, " state"],
+        rows: Rows,
     ) -> "Steps":
         """One more step if ``when`` and there is room; ``count`` goes on counting."""
         spare = self.time.shape[0] - 1
         if spare < 0:
             return dataclasses.replace(self, count=self.count + when)
         slot = jnp.where(when, jnp.minimum(self.count, spare), spare)
-        entry = (time, active, state)
+        entry = (time, active, rows)
         return _put(self, entry, slot, self.count + when)
 
 

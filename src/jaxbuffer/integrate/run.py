@@ -40,15 +40,20 @@ class Result(NamedTuple):
 
 
 def run(
-    build: Callable[[P], HybridSystem], lanes: Lanes[P], duration: Float[Array, ""] | float, options: Options
+    build: Callable[[P], HybridSystem],
+    lanes: Lanes[P],
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
 ) -> Result:
     """Step a system from its start until a terminal guard, ``duration`` [s] or a failure.
 
     **Arguments:** ``build``: from parameters to the system; ``lanes``: its parameters and the directions of the wanted
-    sensitivities. **Returns:** a `Result` whose log holds every located event with those sensitivities.
+    sensitivities; ``allowed``: whether its parameters are in range, None for yes. **Returns:** a `Result` whose log
+    holds every located event with those sensitivities.
     """
     task = Task.of(build, lanes, jnp.asarray(duration, float), options)
-    end = lax.while_loop(lambda c: c.status == Status.RUNNING, lambda c: _trip(task, c), begin(task))
+    end = lax.while_loop(lambda c: c.status == Status.RUNNING, lambda c: _trip(task, c), begin(task, allowed))
     return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
 
 
@@ -80,7 +85,7 @@ def _trip(task: Task[P], c: Progress) -> Progress:
         log=log,
         # A history ends where the run does, not where the last step landed beside that.
         steps=c.steps.append(
-            d.arrived, o.time + o.is_terminal * o.offset, o.active, jnp.where(o.is_terminal, o.there[0], o.rows[0])
+            d.arrived, o.time + o.is_terminal * o.offset, o.active, jnp.where(o.is_terminal, o.there, o.rows)
         ),
     )
 

@@ -28,6 +28,14 @@ def choice(default: str, *options: str) -> Any:
     return eqx.field(default=default, static=True, metadata={"choices": options})
 
 
+def _least(value: Scalar) -> float | None:
+    """The smallest number of an array, or the number; None of one that is traced."""
+    if type(value) is float:
+        return value
+    array = concrete(value)
+    return None if array is None else float(array.min())
+
+
 POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
 NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
 
@@ -68,8 +76,11 @@ class Passive(Part):
 
 
 class Buffer(Part):
-    """Axial and torsional spring-dampers, and the cylinder between them.
+    """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
 
+    ``max_stroke``: stroke at which the buffer is at its end (None: ``free_length``, where the spring's ends meet). A
+    run that gets there ends as "bottomed", unless ``stop_stiffness`` is given: an end stop then pushes the probe out
+    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m; only ``free_length`` ends that run.
     ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
     angular momentum.
     """
@@ -82,7 +93,29 @@ class Buffer(Part):
     free_length: Scalar = number(0.1365, "m", **POSITIVE)
     cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE)
     cylinder_length: Scalar = number(0.1365, "m", **POSITIVE)
+    max_stroke: Scalar | None = number(None, "m", **POSITIVE)
+    stop_stiffness: Scalar | None = number(None, "N/m", **POSITIVE)
+    stop_damping: Scalar = number(0.0, "N s/m", **NON_NEGATIVE)
     damping: str = choice("physical", "physical", "published")
+
+    def __check_init__(self) -> None:
+        free_length = _least(self.free_length)
+        if self.max_stroke is not None and free_length is not None:
+            check_number("buffer.max_stroke", self.max_stroke, "m", high=free_length, **POSITIVE)
+        damping = concrete(self.stop_damping)
+        if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
+            shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+            raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
+
+    @property
+    def end(self) -> Scalar:
+        """The stroke at which the buffer, or its end stop if there is one, begins to be at its end [m]."""
+        return self.free_length if self.max_stroke is None else self.max_stroke
+
+    @property
+    def longest_stroke(self) -> Scalar:
+        """The stroke that ends a run as "bottomed" [m]: an end stop lets the spring's ends meet."""
+        return self.end if self.stop_stiffness is None else self.free_length
 
 
 class Probe(Part):
@@ -114,6 +147,7 @@ class Contact(Part):
     ``exponent``, ``damping`` and ``ramp_depth``. Their defaults are as stiff and as lossy as Table 2's law at the depth
     of its first impact. ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and
     the tip radius.
+    ``yield_stress`` of the softer side, if given, lets the answer say where the materials yield.
     ``memory``: "event" holds the speed of the last touchdown, located as an event (the exact model); "smooth" lets it
     follow the approach speed within ``memory_time`` while out of contact, and rounds the onset over ``onset_length``.
     ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
@@ -127,6 +161,7 @@ class Contact(Part):
     slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
     young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
     poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    yield_stress: Scalar | None = number(None, "Pa", **POSITIVE)
     linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE)
     damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE)
     exponent: Scalar = number(1.5, "-", low=1.0)
@@ -201,14 +236,6 @@ def check_fit(design: Design, scenario: Scenario) -> None:
         check_number(
             "scenario.misalignment", scenario.misalignment, "rad", low=-limit, high=limit, low_open=True, high_open=True
         )
-
-
-def _least(value: Scalar) -> float | None:
-    """The smallest number of an array, or the number; None of one that is traced."""
-    if type(value) is float:
-        return value
-    array = concrete(value)
-    return None if array is None else float(array.min())
 
 
 def table2() -> Design:

@@ -13,7 +13,6 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..capture import Capture, simulate
 from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
-from ..metrics import state_at
 from ..outcome import Outcome
 from ..programs import Static, kept
 from .problem import QUANTITIES, Problem
@@ -155,9 +154,7 @@ def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array,
     One formula, smooth where one outcome turns into another: captured after t of at most D, D/t - 1; still on its way
     at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner.
     """
-    last = jnp.maximum(capture.log.count - 1, 0)
-    ends = (mechanism.start()[0], state_at(capture.log, last))
-    before, after = (mechanism.throat_of(state)[0] for state in ends)
+    before, after = mechanism.throat_of(mechanism.start()[0])[0], capture.throat_distance
     # where an event ended the run, the distance there is always the same and the time moves
     after = jnp.where(capture.code == Outcome.timeout, after, jax.lax.stop_gradient(after))
     return (before - after) / before * duration / capture.end_time - 1.0
