@@ -116,5 +116,5 @@ def value_of(capture: "Capture", name: str) -> float:
     asked = of_impact(name)
     if asked is None:
         return float(QUANTITIES[name].of(capture))
-    present = asked.slot < int(capture.impact_count) and not capture.outcome.failed
+    present = asked.slot < int(capture.impacts.count) and not capture.outcome.failed
     return float(asked.of(capture)) if present else float("nan")

@@ -12,13 +12,15 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..capture import Capture, simulate
-from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
+from ..errors import InputError
+from ..mechanisms import CaptureMechanism, Design, Scenario, check_fit, get, replace
 from ..outcome import Outcome
 from ..programs import Static, kept
-from .problem import QUANTITIES, Problem
+from .problem import QUANTITIES, Case, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
 LOST = -10.0  # margin of a capture that could not be solved [-]
+MISFIT = Outcome.failed_not_finite  # of a case whose design and scenario do not fit each other
 
 
 class Evaluation(NamedTuple):
@@ -62,7 +64,7 @@ class Evaluator:
     False: they are zero then, for methods that use none."""
 
     def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True) -> None:
-        self.problem, self.captures, self._measure = problem, 0, measure if slopes else measure_values
+        self.problem, self.captures, self.slopes = problem, 0, slopes
         self._pool = ThreadPoolExecutor(workers or len(os.sched_getaffinity(0)))
 
     def __enter__(self) -> "Evaluator":
@@ -71,19 +73,35 @@ class Evaluator:
     def __exit__(self, *_: object) -> None:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def __call__(self, points: Iterable[np.ndarray], rtol: float | None = None) -> list[Evaluation]:
-        """Evaluate designs at their places, together; ``rtol`` [-] defaults to the problem's."""
-        problem, rtol = self.problem, rtol or self.problem.rtol
+    def __call__(
+        self, points: Iterable[np.ndarray], rtol: float | None = None, slopes: bool | None = None
+    ) -> list[Evaluation]:
+        """Evaluate designs at their places, together; ``rtol`` [-] defaults to the problem's, ``slopes`` to the
+        evaluator's."""
+        problem, measured = self.problem, measure if (self.slopes if slopes is None else slopes) else measure_values
         points = [np.asarray(point, float) for point in points]
-        jobs = [
-            (case.of(problem.built(point)), case.scenario, problem.paths, problem.duration, rtol)
-            for point in points
-            for case in problem.cases
-        ]
-        found = list(self._pool.map(lambda job: self._measure(*job), jobs))
+        jobs = [(point, case) for point in points for case in problem.cases]
+
+        def solved(job: tuple[np.ndarray, Case]) -> Measured:
+            fitting = fitted(problem, *job)
+            if fitting is None:
+                return Measured.lost(len(problem.paths))
+            return measured(fitting, job[1].scenario, problem.paths, problem.duration, rtol or problem.rtol)
+
+        found = list(self._pool.map(solved, jobs))
         self.captures += len(jobs)
         count = len(problem.cases)
         return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+
+
+def fitted(problem: Problem, places: Float[np.ndarray, " variables"], case: Case) -> Design | None:
+    """The mechanism of a case as built at those places, or None where its parts or its scenario do not fit."""
+    try:
+        design = case.of(problem.built(places))
+        check_fit(design, case.scenario)
+    except InputError:
+        return None
+    return design
 
 
 class Measured(eqx.Module):
@@ -99,6 +117,15 @@ class Measured(eqx.Module):
     peaks_slope: Float[Array, "peaks paths"]
     rest_slope: Float[Array, "rest paths"]
     margin_slope: Float[Array, " paths"]
+
+    @staticmethod
+    def lost(paths: int) -> "Measured":
+        """Of a case that can not be simulated."""
+        rest, peaks = len(QUANTITIES) - 1, np.arange(PEAKS)
+        shapes: list[tuple[int, ...]] = [(rest,), (), (), (PEAKS, paths), (rest, paths), (paths,)]
+        numbers: list[Any] = [np.full(shape, np.nan) for shape in shapes]
+        code: list[Any] = [np.array(int(MISFIT)), np.array(0), np.full(PEAKS, np.nan), peaks]
+        return Measured(*code, *numbers)
 
 
 def measure(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
