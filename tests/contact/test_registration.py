@@ -17,7 +17,7 @@ from jaxbuffer import comparison
 from jaxbuffer.comparison import compare_laws
 from jaxbuffer.contact import LAWS, ContactLaw
 from jaxbuffer.contact.laws import Hertz, HuntCrossley, _all
-from jaxbuffer.contact.laws.base import power
+from jaxbuffer.contact.laws.base import power, root
 
 SCALE = 1.0
 
@@ -33,6 +33,9 @@ def law(factor):
 
         def energy(self, penetration):
             return 0.4 * self.elastic(penetration) * penetration
+
+        def depth(self, force):
+            return root(force / (factor * SCALE * self.stiffness), 1.5)
 
         def force(self, penetration, approach_speed, touchdown_speed):
             return self.elastic(penetration)
@@ -112,7 +115,7 @@ class Unrelated(eqx.Module):
         (3, Hertz, "law name 3: use letters"),
         ("mine", Unrelated, "law 'mine': .*Unrelated.* is not a subclass of jaxbuffer.contact.ContactLaw"),
         ("mine", "hertz", "law 'mine': 'hertz' is not a subclass"),
-        ("mine", NoForce, "law 'mine': NoForce lacks elastic, energy, force, time_scale"),
+        ("mine", NoForce, "law 'mine': NoForce lacks elastic, energy, depth, force, time_scale"),
         ("mine", NoDefault, "law 'mine': field looseness of NoDefault has no default and is none of .*restitution"),
     ],
 )
@@ -167,7 +170,8 @@ def test_the_law_in_the_documentation_stores_what_it_exerts(register):
     text = (Path(__file__).parents[2] / "docs" / "laws.md").read_text()
     code = re.search(r"```python\n(.*)\nprint\(.*?```", text, re.DOTALL)[1]
     exec(code, {})
-    law = LAWS["softening"](stiffness=1e9)
+    law = LAWS["square"](stiffness=1e9)
     for depth in (1e-6, 1e-4, 1e-2):
         assert_allclose(law.energy(depth), quad(law.elastic, 0.0, depth, epsabs=0.0)[0], rtol=1e-7)
+        assert_allclose(law.depth(law.elastic(depth)), depth, rtol=1e-12)
     assert float(law.elastic(-1e-6)) == float(law.energy(-1e-6)) == 0.0

@@ -72,6 +72,12 @@ class Static(eqx.Module):
     value: Any = eqx.field(static=True)
 
 
+def made_from(tree: Any, *code: Any) -> Static:
+    """What may change between two calls although the structure of the arguments is the same, for functions under
+    `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
+    return Static((_changeable(jax.tree.structure(tree)), fingerprint(*code)))
+
+
 class _Program(NamedTuple):
     """A compiled function of arrays, in its parts, and where the leaves of its result come from."""
 
@@ -98,7 +104,7 @@ class kept(Generic[R]):  # a decorator
 
     def __init__(self, function: Callable[..., R]) -> None:
         self.function = function
-        self.jitted = jax.jit(lambda made_from, *arguments: function(*arguments), static_argnums=0)
+        self.jitted = jax.jit(lambda _, *arguments: function(*arguments), static_argnums=0)
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
 
@@ -118,10 +124,10 @@ class kept(Generic[R]):  # a decorator
         return self.programs[key](leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
-        made_from = fingerprint(*structure.nodes(tree), *_laws(tree))
-        if _folder is None or not lasting(made_from):
+        described = fingerprint(*structure.nodes(tree), *_laws(tree))
+        if _folder is None or not lasting(described):
             return self._compiled(tree, kinds, given)
-        file = _folder / f"{self.function.__name__}-{_digest(repr(made_from), str(kinds))}{files.SUFFIX}"
+        file = _folder / f"{self.function.__name__}-{_digest(repr(described), str(kinds))}{files.SUFFIX}"
         program = _read(file, tree, given)
         if program is None:
             with _without_cache():

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from ..._types import Scalar, Values
 
-METHODS = ("elastic", "energy", "force", "time_scale")  # that each law has of its own
+METHODS = ("elastic", "energy", "depth", "force", "time_scale")  # that each law has of its own
 
 
 class ContactLaw(eqx.Module):
