@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-fast lint types bench bench-check bench-docs verify clean
+.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -26,6 +26,9 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/mypy
+
+smoke: $(READY)  ## wheel and sdist build, install into an environment of their own, and run there
+	.ci/smoke $(BIN)/python
 
 bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, into benchmarks/results
 	$(BIN)/python -m benchmarks

@@ -1,9 +1,16 @@
 """What `configure` sets before JAX starts."""
 
+import os
+import subprocess
+import sys
+import textwrap
+
 import jax
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer import runtime
+from jaxbuffer.comparison import compare_laws
 
 
 @pytest.fixture
@@ -44,3 +51,105 @@ def test_too_late_is_said(monkeypatch):
     with pytest.warns(RuntimeWarning, match="before the first JAX computation"):
         runtime.configure()
     assert runtime.os.environ["XLA_FLAGS"] == ""
+
+
+def process(program, **environment):
+    """A process of its own that runs ``program``: its exit code, and what it printed."""
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=240,
+        env={**os.environ, "XLA_FLAGS": "", "JAX_ENABLE_X64": "0", **environment},
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+SLOW = "jb.configure() was not called before JAX's backend started: captures take about ten times longer"
+COMPUTE = """
+    import jaxbuffer as jb
+    {before}
+    for speed in (0.1, 0.2):
+        jb.first_impact(jb.table2(), jb.Scenario(approach_speed=speed))
+"""
+
+
+@pytest.mark.slow
+def test_slow_loops_are_said_once_and_only_where_they_are_slow():
+    code, _, errors = process(COMPUTE.format(before=""), JAX_ENABLE_X64="1")
+    assert code == 0 and errors.count(SLOW) == 1
+    assert process(COMPUTE.format(before="jb.configure()")) == (0, "", "")
+    late = "import jax; jax.devices(); jb.configure()"
+    code, _, errors = process(COMPUTE.format(before=late))
+    assert code == 0 and SLOW not in errors and errors.count("jaxbuffer.configure() came after") == 1
+    # flags that are set once the backend has started are of no use
+    late = f"import jax, os; jax.devices(); os.environ['XLA_FLAGS'] = {runtime.ONE_KERNEL!r}"
+    code, _, errors = process(COMPUTE.format(before=late), JAX_ENABLE_X64="1")
+    assert code == 0 and errors.count(SLOW) == 1
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: jb.simulate(jb.table2()),
+        lambda: jb.first_impact(jb.table2()),
+        lambda: jb.sensitivity(jb.table2()),
+        lambda: jb.sweep(jb.table2(), jb.Scenario()),
+        lambda: jb.tune(jb.Problem(jb.table2(), (jb.Scenario(),), (jb.Variable("buffer.k_A", 300.0, 700.0),))),
+        lambda: compare_laws(jb.table2()),
+        lambda: jax.jit(lambda v: jb.simulate(jb.table2(), jb.Scenario(approach_speed=v)).peak_force)(0.1),
+    ],
+)
+def test_single_precision_is_refused_with_what_to_call(call):
+    jax.config.update("jax_enable_x64", False)
+    try:
+        with pytest.raises(jb.InputError, match=r"needs double precision: call jb\.configure\(\) before the first JAX"):
+            call()
+    finally:
+        jax.config.update("jax_enable_x64", True)
+
+
+FORKED = """
+    import os, signal, warnings
+    import jaxbuffer as jb
+    jb.configure()
+    warnings.simplefilter("ignore")
+    {parent}
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)  # s, then the child ends by a signal: a hang is a failure, not a wait
+        try:
+            jb.{call}
+            print("computed", flush=True)
+            os._exit(0)
+        except RuntimeError as error:
+            print(error, flush=True)
+            os._exit(3)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+COMPUTED = "jb.first_impact(jb.table2())"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "call",
+    [
+        "first_impact(jb.table2())",
+        "simulate(jb.table2())",
+        "sweep(jb.table2(), jb.Scenario())",
+        "sensitivity(jb.table2())",
+        "tune(jb.Problem(jb.table2(), (jb.Scenario(),), (jb.Variable('buffer.k_A', 300.0, 700.0),)))",
+    ],
+)
+def test_a_fork_after_the_first_computation_is_refused_rather_than_hang(call):
+    code, printed, _ = process(FORKED.format(parent=COMPUTED, call=call))
+    message, ended = printed.splitlines()
+    assert (code, ended) == (0, "3")
+    assert "forked from one in which JAX had started" in message
+    assert "multiprocessing.get_context('spawn') or 'forkserver'" in message
+
+
+@pytest.mark.slow
+def test_a_fork_before_the_first_computation_computes():
+    assert process(FORKED.format(parent="", call="first_impact(jb.table2())"))[:2] == (0, "computed\n0\n")

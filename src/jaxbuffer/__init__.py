@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .capture import Capture, simulate
     from .certificate import Certificate, Verdict
+    from .contact import register_law
     from .errors import InputError
     from .first_impact import FirstImpact, first_impact
     from .mechanisms import Design, Scenario, get, paths, replace, rigid_probe, table2
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from .sensitivity import Sensitivity, sensitivity
     from .sweep import Sweep, sweep
     from .tuning import Case, Limits, Objective, Problem, Then, Tuned, Variable, tune
+
+    __version__: str
 
 __all__ = [
     "Capture",
@@ -43,6 +46,7 @@ __all__ = [
     "first_impact",
     "get",
     "paths",
+    "register_law",
     "replace",
     "rigid_probe",
     "sensitivity",
@@ -55,6 +59,7 @@ __all__ = [
 _HOME = {
     "capture": ("Capture", "simulate"),
     "certificate": ("Certificate", "Verdict"),
+    "contact": ("register_law",),
     "errors": ("InputError",),
     "first_impact": ("FirstImpact", "first_impact"),
     "mechanisms": ("Design", "Scenario", "get", "paths", "replace", "rigid_probe", "table2"),
@@ -68,15 +73,28 @@ _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _MODULE:
+    if name == "__version__":
+        value = _version()
+    elif name in _MODULE:
+        value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
+    else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
     globals()[name] = value
     return value
 
 
+def _version() -> str:
+    """The installed version, as in pyproject.toml."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(__name__)
+    except PackageNotFoundError:  # run from a checkout
+        return "not installed"
+
+
 def __dir__() -> list[str]:
-    return [*__all__, "__doc__", "__file__", "__name__", "__path__"]
+    return [*__all__, "__doc__", "__file__", "__name__", "__path__", "__version__"]
 
 
 class _Package(types.ModuleType):

@@ -149,10 +149,6 @@ def simulate(
     check_flag("history", history)
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
-    if jax.dtypes.canonicalize_dtype(float) != np.float64:
-        raise InputError(
-            "jaxbuffer needs double precision: jax.config.update('jax_enable_x64', True), or JAX_ENABLE_X64=1"
-        )
     options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
     if solver is not None:
         options = dataclasses.replace(options, solver=solver_named(solver))

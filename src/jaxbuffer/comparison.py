@@ -10,6 +10,7 @@ from .errors import check_number
 from .mechanisms import CaptureMechanism, Design, Scenario, replace
 from .mechanisms.assembly import LOWER, assemble_contact
 from .mechanisms.design import POSITIVE
+from .runtime import check_ready
 
 ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
 CURVE = tuple(np.round(np.linspace(0.02, 1.0, 50), 2))
@@ -62,6 +63,7 @@ def compare_laws(
 
     **Arguments:** ``mass`` [kg], ``speed`` [m/s]: of the impact; default: those of the design's first contact.
     """
+    check_ready()
     for name, value, unit in (("mass", mass, "kg"), ("speed", speed, "m/s")):
         if value is not None:
             check_number(name, value, unit, **POSITIVE)

@@ -8,6 +8,7 @@ against an impact of a tenth of a millisecond and only add to it: no buffer lowe
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ._types import Scalar
@@ -16,6 +17,7 @@ from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
 from .mechanisms.assembly import LOWER, N
 from .mechanisms.probe_in_cone import Posture
 from .mechanisms.stiffness import contact_directions
+from .programs import kept
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
@@ -42,10 +44,12 @@ def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpac
     """
     scenario = Scenario() if scenario is None else scenario
     check_fit(design, scenario)
-    return _first_impact(jax.tree.map(lambda x: jnp.asarray(x, float), (design, scenario)))
+    return _first_impact(
+        jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
+    )
 
 
-@jax.jit
+@kept
 def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
     mechanism = CaptureMechanism(*parameters)
     return predict(mechanism, mechanism.first_posture()[0])

@@ -1,4 +1,4 @@
-"""The figure of a comparison of contact laws; needs matplotlib."""
+"""The figure of a comparison of contact laws."""
 
 from typing import TYPE_CHECKING
 

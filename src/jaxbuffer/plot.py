@@ -1,4 +1,4 @@
-"""Figures of captures and tunings; needs matplotlib, ``pip install jaxbuffer[plots]``."""
+"""Figures of captures and tunings."""
 
 import math
 from typing import TYPE_CHECKING, Any

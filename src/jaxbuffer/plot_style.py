@@ -1,4 +1,4 @@
-"""How figures look: colours, panels, labels. Needs matplotlib, ``pip install jaxbuffer[plots]``."""
+"""How figures look: colours, panels, labels."""
 
 import functools
 import io
@@ -51,7 +51,7 @@ def require_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise InputError("figures need matplotlib; install it with: pip install 'jaxbuffer[plots]'") from None
+        raise InputError("figures need matplotlib; install it with: pip install matplotlib") from None
 
 
 def styled(draw: "Callable[[T], Figure]") -> "Callable[[T], Figure]":

@@ -5,11 +5,15 @@ whole loop into one function, which makes a capture about ten times faster; it m
 """
 
 import os
+import sys
 import warnings
 from importlib.metadata import version
 from pathlib import Path
 
-ONE_KERNEL = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
+from .errors import InputError
+
+THRESHOLD = "xla_cpu_small_while_loop_byte_threshold"
+ONE_KERNEL = f"--xla_backend_extra_options={THRESHOLD}=1000000000"
 # XLA ends the process at a flag that it does not know: what follows is set only with versions that it was tried on.
 TRIED = "0.10."  # of jaxlib
 # Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
@@ -25,6 +29,10 @@ SHORT_LOOPS = ",-unroll-full-max-count=7"
 WIDE_VECTORS = "--xla_cpu_prefer_vector_width=512"
 
 
+_told = False  # of slow loops
+_forked = False  # after JAX's backend had started
+
+
 def configure(*, cache: str | Path | None = None) -> None:
     """Switch on one-kernel loops, quick compilation and double precision, and (with ``cache``) keep compiled programs
     on disk.
@@ -33,11 +41,14 @@ def configure(*, cache: str | Path | None = None) -> None:
     backend is already up, when the loop option can't take effect any more (all else still does).
 
     **Arguments:** ``cache``: folder of JAX's persistent compilation cache and of our own programs (`programs`), or None
-    to leave those alone.
+    to leave those alone. Programs are code: a folder to which others can write is not used, and a line on stderr says
+    so (docs/security.md).
     """
+    global _told  # noqa: PLW0603 # once per process
     flags = os.environ.get("XLA_FLAGS", "")
-    if "xla_cpu_small_while_loop_byte_threshold" not in flags:
+    if THRESHOLD not in flags:
         if _backend_is_up():
+            _told = True
             warnings.warn(
                 "jaxbuffer.configure() came after JAX's backend started: loops stay about ten times slower. "
                 "Call it before the first JAX computation.",
@@ -50,11 +61,65 @@ def configure(*, cache: str | Path | None = None) -> None:
 
     jax.config.update("jax_enable_x64", True)
     if cache is not None:
-        jax.config.update("jax_compilation_cache_dir", str(cache))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-        from .programs import keep_in
+        _keep_programs(Path(cache))
 
-        keep_in(cache)
+
+def _keep_programs(cache: Path) -> None:
+    import jax
+
+    from .programs import keep_in
+
+    if wrong := keep_in(cache):
+        print(f"note: compiled programs are not kept: {wrong}", file=sys.stderr)
+        return
+    jax.config.update("jax_compilation_cache_dir", str(cache))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+def check_ready() -> None:
+    """Raise unless this process computes in double precision and JAX can work in it; warn, once, if loops are slow."""
+    global _told  # noqa: PLW0603 # once per process
+    import jax
+    import numpy as np
+
+    if _forked:
+        raise RuntimeError(
+            "this process was forked from one in which JAX had started, and would hang: start it by "
+            "multiprocessing.get_context('spawn') or 'forkserver', or fork before the first computation"
+        )
+    if jax.dtypes.canonicalize_dtype(float) != np.float64:
+        raise InputError(
+            "jaxbuffer needs double precision: call jb.configure() before the first JAX computation, or set "
+            "JAX_ENABLE_X64=1 (slower: see jb.configure)"
+        )
+    if _told:
+        return
+    _told = True
+    if jax.default_backend() == "cpu" and not one_kernel():
+        warnings.warn(
+            "jb.configure() was not called before JAX's backend started: captures take about ten times longer. "
+            "Call it before the first JAX computation.",
+            RuntimeWarning,
+            stacklevel=4,
+        )
+
+
+def one_kernel() -> bool:
+    """Whether loops become one kernel: by the flags JAX's backend started with, or, before, by those it would."""
+    if not _backend_is_up():
+        return THRESHOLD in os.environ.get("XLA_FLAGS", "")
+    from jax._src.lib import xla_client
+
+    return THRESHOLD.encode() in xla_client.CompileOptions().SerializeAsString()
+
+
+def _note_fork() -> None:
+    global _forked  # noqa: PLW0603 # of this process
+    _forked = _forked or _backend_is_up()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_note_fork)
 
 
 def _flags(present: str) -> list[str]:
@@ -66,8 +131,6 @@ def _flags(present: str) -> list[str]:
 
 
 def _backend_is_up() -> bool:
-    import sys
-
     if "jax" not in sys.modules:
         return False
     from jax._src import xla_bridge

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 
@@ -21,6 +20,7 @@ from .integrate import Solver, solver_named
 from .mechanisms import Design, Scenario, check_fit
 from .mechanisms.design import POSITIVE
 from .outcome import Outcome
+from .programs import kept
 
 CHUNK = 16
 ONE_FOR_ALL = "all captures of a sweep share it"
@@ -146,7 +146,7 @@ def sweep(
     return result
 
 
-@eqx.filter_jit
+@kept
 def _chunk(batch: tuple[Design, Scenario, Any], rtol: Any, stabilisation: Any, solver: Solver | None) -> tuple:
     def one(design: Design, scenario: Scenario, duration: Any) -> tuple:
         capture = simulate(design, scenario, duration, solver=solver, rtol=rtol, stabilisation=stabilisation)

@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import jaxbuffer
+from jaxbuffer.cli.records import version
 
 SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]
 
@@ -51,3 +53,13 @@ def test_functions_are_not_hidden_by_modules_of_their_name():
         "assert all(callable(f) for f in (jaxbuffer.first_impact, jaxbuffer.sweep, jaxbuffer.sensitivity)); "
         "from jaxbuffer.sweep import Sweep; assert Sweep is jaxbuffer.Sweep"
     )
+
+
+def test_the_version_is_that_of_pyproject_and_said_without_jax():
+    project = tomllib.loads((SOURCE.parent / "pyproject.toml").read_text())["project"]
+    assert jaxbuffer.__version__ == version() == project["version"]
+    assert "jax" not in loaded_by("import jaxbuffer; jaxbuffer.__version__")
+
+
+def test_type_checkers_are_told_that_there_are_annotations():
+    assert (Path(jaxbuffer.__file__).parent / "py.typed").is_file()

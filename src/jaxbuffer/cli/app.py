@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+import jaxbuffer
+
 from .exits import OK, fail
 from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
@@ -59,9 +61,7 @@ def root(
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:
-        from .records import version as installed
-
-        typer.echo(f"jaxbuffer {installed()}")
+        typer.echo(f"jaxbuffer {jaxbuffer.__version__}")
         raise typer.Exit
     if ctx.invoked_subcommand is None:
         typer.echo(ctx.get_help())
@@ -84,11 +84,11 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     study = request.one_scenario(scenario_number)
     files = request.files("capture.json", "history.csv", "capture.png", "capture.txt")
     from ..capture import simulate as compute
-    from .progress import COMPILING, working
+    from .progress import working
 
     options = study.options
     capture = working(
-        f"simulating; {COMPILING}",
+        "simulating",
         lambda: compute(
             study.design,
             study.scenario,
@@ -159,13 +159,13 @@ def sensitivity(
     from ..quantities import check_quantities
     from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES, parameters
     from ..sensitivity import sensitivity as compute
-    from .progress import COMPILING, working
+    from .progress import working
 
     check_choice("certify", certify, CERTIFICATES)
     options, names = study.options, check_quantities(of or QUANTITIES)
     paths, _ = parameters(study.design, study.scenario, wrt or PARAMETERS)
     result = working(
-        f"differentiating; {COMPILING}",
+        "differentiating",
         lambda: compute(
             study.design,
             study.scenario,

@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, TypeVar
 
 from rich.console import Console
@@ -13,6 +14,7 @@ from rich.progress import (
     MofNCompleteColumn,
     Progress,
     SpinnerColumn,
+    TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -34,32 +36,36 @@ def working(text: str, work: Callable[[], T]) -> T:
     console = Console(stderr=True)
     if not console.is_terminal:
         print(text, file=sys.stderr, flush=True)
-        return _interruptible(work)
+        with _compiling_said():
+            return _interruptible(work)
     with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
-        progress.add_task(text, total=None)
-        return _interruptible(work)
+        task = progress.add_task(text, total=None)
+        with _compiling_shown(progress, task):
+            return _interruptible(work)
 
 
 def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
     """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each elsewhere."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        print(COMPILING, file=sys.stderr, flush=True)
-        return _interruptible(lambda: work(lambda it: print(in_words(it), file=sys.stderr, flush=True)))
+        with _compiling_said():
+            return _interruptible(lambda: work(lambda it: print(in_words(it), file=sys.stderr, flush=True)))
     with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task(COMPILING, total=None)
-        return _interruptible(lambda: work(lambda it: progress.update(task, description=in_words(it))))
+        task = progress.add_task("tuning", total=None)
+        with _compiling_shown(progress, task):
+            return _interruptible(lambda: work(lambda it: progress.update(task, description=in_words(it))))
 
 
 def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
     """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
     console = Console(stderr=True)
     if not console.is_terminal:
-        print(COMPILING, file=sys.stderr, flush=True)
-        return _interruptible(lambda: work(lambda text: print(text, file=sys.stderr, flush=True)))
+        with _compiling_said():
+            return _interruptible(lambda: work(lambda text: print(text, file=sys.stderr, flush=True)))
     with Progress(SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task(COMPILING, total=total)
-        return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
+        task = progress.add_task("", total=total)
+        with _compiling_shown(progress, task):
+            return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
 
 
 def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
@@ -77,7 +83,7 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
         return f"{(done - first) / seconds:.0f} captures/s" if seconds > 0.0 and done > first else ""
 
     if not console.is_terminal:
-        print(f"sweeping {count} captures; {COMPILING}", file=sys.stderr, flush=True)
+        print(f"sweeping {count} captures", file=sys.stderr, flush=True)
         due = time.monotonic() + PERIOD
 
         def line(done: int, count: int) -> None:
@@ -87,15 +93,17 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
                 due = time.monotonic() + PERIOD
                 print(", ".join(filter(None, (f"{done} of {count} done", text))), file=sys.stderr, flush=True)
 
-        return work(line)
+        with _compiling_said():
+            return work(line)
     columns = (SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(COMPILING, total=count)
+        task = progress.add_task("", total=count)
 
         def advance(done: int, count: int) -> None:
             progress.update(task, completed=done, description=rate(done))
 
-        return work(advance)
+        with _compiling_shown(progress, task):
+            return work(advance)
 
 
 def in_words(it: "Record") -> str:
@@ -106,6 +114,36 @@ def in_words(it: "Record") -> str:
     if not it["feasible"]:
         text += f", {it['outcome'].count('captured')} of {len(it['outcome'])} captured, limits broken"
     return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")
+
+
+def _compiling_said() -> AbstractContextManager[None]:
+    """Say once, on a line of its own, that a program is being compiled, if one is."""
+    from ..programs import watched
+
+    said = False
+
+    def watcher(begins: bool) -> None:
+        nonlocal said
+        if begins and not said:
+            said = True
+            print(COMPILING, file=sys.stderr, flush=True)
+
+    return watched(watcher)
+
+
+def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager[None]:
+    """Show it in the place of a task's description for as long as it takes."""
+    from ..programs import watched
+
+    before = ""
+
+    def watcher(begins: bool) -> None:
+        nonlocal before
+        if begins:
+            before = progress.tasks[0].description
+        progress.update(task, description=COMPILING if begins else before)
+
+    return watched(watcher)
 
 
 def _interruptible(work: Callable[[], T]) -> T:

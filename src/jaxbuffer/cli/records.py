@@ -1,7 +1,6 @@
 """Results as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
 
 import dataclasses
-import importlib.metadata
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -9,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import equinox as eqx
 import jax
 import numpy as np
+
+import jaxbuffer
 
 from ..capture import Capture
 from ..history import BODIES, MULTIPLIERS
@@ -61,10 +62,7 @@ ENERGIES = (
 
 def version() -> str:
     """The installed version."""
-    try:
-        return importlib.metadata.version("jaxbuffer")
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
+    return jaxbuffer.__version__
 
 
 def capture_record(capture: Capture) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from .laws import KelvinVoigt as KelvinVoigt
 from .laws import LankaraniNikravesh as LankaraniNikravesh
 from .laws import contact_law as contact_law
 from .laws import hertz_stiffness as hertz_stiffness
+from .laws import register_law as register_law
 from .pair import Approach as Approach
 from .pair import Ball as Ball
 from .pair import BallOnSegments as BallOnSegments

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..mechanisms.hybrid import HybridSystem
+from ..programs import Static, made_from
 from .log import Kind, Log
 
 Build = Callable[..., HybridSystem]
@@ -36,7 +37,7 @@ def moving(log: Log, parameters: Any, build: Build) -> Log:
 def _moving_jvp(primals: tuple, tangents: tuple) -> tuple[Log, Log]:
     (log, parameters, build), (log_moves, parameters_move, _) = primals, tangents
     rows_move = jnp.zeros_like(log.rows) if log_moves.rows is None else log_moves.rows
-    moves = _moves(log, rows_move, parameters, parameters_move, build)
+    moves = _moves(log, rows_move, parameters, parameters_move, build, made_from(parameters, build))
     return log, dataclasses.replace(jax.tree.map(lambda _: None, log), **moves)
 
 
@@ -68,8 +69,10 @@ class _Entry(NamedTuple):
 
 
 @eqx.filter_jit
-def _moves(log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build) -> dict[str, Array]:
-    """Changes of the log's fields, by name, with a change of the parameters."""
+def _moves(
+    log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build, made_from: Static
+) -> dict[str, Array]:
+    """Changes of the log's fields, by name, with a change of the parameters; compiled for what they are made from."""
     used = jnp.arange(log.kind.shape[0]) < log.count
     # unused slots may hold anything: the first entry stands in for them
     rows, rows_move = (jnp.where(used[:, None], x[:, 0], x[0, 0]) for x in (log.rows, rows_move))

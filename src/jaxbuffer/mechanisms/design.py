@@ -161,7 +161,7 @@ class Contact(Part):
     """
 
     section: ClassVar[str] = "contact"
-    law: str = choice("lankarani-nikravesh", *LAWS)
+    law: str = eqx.field(default="lankarani-nikravesh", static=True, metadata={"choices": LAWS})
     stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)
     restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
     friction: Scalar = number(0.33, "-", **NON_NEGATIVE)

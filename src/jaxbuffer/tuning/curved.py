@@ -7,13 +7,13 @@ projection on the box after each update.
 
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
 from jaxtyping import Array, Float
 
+from ..programs import kept
 from .goal import Goal, Tangent
 
 UPDATES = 250  # of Adam in a round
@@ -81,7 +81,7 @@ def curved_step(
     return np.asarray(step), Pull(*map(np.asarray, pull))
 
 
-@eqx.filter_jit
+@kept
 def _minimised(
     setup: Setup, tangent: Tangent, curvature: Array, start: Array, box: Array, width: Array
 ) -> tuple[Array, tuple[Array, Array, Array]]:

@@ -1,11 +1,16 @@
-"""Normal contact laws, one class each, and the names by which designs choose them."""
+"""Normal contact laws, one class each, and the names by which designs choose them: ours, and those registered."""
 
 import dataclasses
+import inspect
+import re
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from ..._types import Scalar
+from ...errors import InputError, suggest
 from .adams import AdamsImpact as AdamsImpact
 from .adams import step as step
+from .base import METHODS
 from .base import ContactLaw as ContactLaw
 from .hertzian import ExactRestitution as ExactRestitution
 from .hertzian import Flores as Flores
@@ -26,7 +31,7 @@ from .stiffness import hertz_stiffness as hertz_stiffness
 from .stiffness import socket_stiffness as socket_stiffness
 from .stiffness import two_spheres_stiffness as two_spheres_stiffness
 
-LAWS: Mapping[str, type[ContactLaw]] = {
+_BUILT_IN: Mapping[str, type[ContactLaw]] = {
     "lankarani-nikravesh": LankaraniNikravesh,
     "hertz": Hertz,
     "hunt-crossley": HuntCrossley,
@@ -39,6 +44,40 @@ LAWS: Mapping[str, type[ContactLaw]] = {
     "kelvin-voigt": KelvinVoigt,
     "adams": AdamsImpact,
 }
+_all: dict[str, type[ContactLaw]] = dict(_BUILT_IN)
+LAWS: Mapping[str, type[ContactLaw]] = MappingProxyType(_all)
+"""All laws by name, as they are at the moment: `register_law` adds to them."""
+
+NUMBERS = ("stiffness", "restitution", "linear_stiffness", "damping", "exponent", "ramp_depth")  # a design's, for laws
+
+
+def register_law(name: str, law: type[ContactLaw]) -> None:
+    """Make a law of your own available to designs as ``contact.law``, at any time; registering a name again replaces
+    its law at once, also for designs that exist.
+
+    **Arguments:** ``name``: letters, digits, ``-`` and ``_``; ``law``: a subclass of `ContactLaw` with ``elastic``,
+    ``energy``, ``depth``, ``force`` and ``time_scale``. Fields named as in `NUMBERS` get the design's numbers;
+    others need defaults.
+
+    **Raises:** `InputError` for a name that is taken by a built-in law, and for what is no such class.
+    """
+    if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][\w-]*", name)):
+        raise InputError(f"law name {name!r}: use letters, digits, - and _")
+    if name in _BUILT_IN:
+        raise InputError(f"law name {name!r} is a built-in law's; choose another")
+    if not (isinstance(law, type) and issubclass(law, ContactLaw)):
+        raise InputError(f"law {name!r}: {law!r} is not a subclass of jaxbuffer.contact.ContactLaw")
+    missing = [method for method in METHODS if getattr(law, method) is getattr(ContactLaw, method)]
+    if missing:
+        raise InputError(f"law {name!r}: {law.__name__} lacks {', '.join(missing)}")
+    taken = inspect.signature(law).parameters.values()
+    unknown = [p.name for p in taken if p.default is p.empty and p.kind is not p.VAR_KEYWORD and p.name not in NUMBERS]
+    if unknown:
+        raise InputError(
+            f"law {name!r}: field {unknown[0]} of {law.__name__} has no default and is none of a design's numbers, "
+            f"{', '.join(NUMBERS)}{suggest(unknown[0], NUMBERS)}"
+        )
+    _all[name] = law
 
 
 def contact_law(name: str, numbers: Mapping[str, Scalar]) -> ContactLaw:

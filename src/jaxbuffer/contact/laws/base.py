@@ -7,6 +7,8 @@ import jax.numpy as jnp
 
 from ..._types import Scalar, Values
 
+METHODS = ("elastic", "energy", "depth", "force", "time_scale")  # that each law has of its own
+
 
 class ContactLaw(eqx.Module):
     """Base of the laws. None of them pulls: a negative sum of spring and damper counts as zero.
@@ -15,8 +17,8 @@ class ContactLaw(eqx.Module):
     whether the force starts from zero at touchdown or with a jump.
     """
 
-    source: ClassVar[str]
-    validity: ClassVar[str]
+    source: ClassVar[str] = "not given"
+    validity: ClassVar[str] = "not given"
     unit: ClassVar[str] = "N/m^1.5"
     jumps: ClassVar[bool] = False
 

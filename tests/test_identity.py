@@ -1,0 +1,176 @@
+"""What a program is made from: descriptions that differ where code differs, and say so where they can't tell."""
+
+import sys
+import textwrap
+import types
+
+import diffrax
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.contact.laws import LAWS
+from jaxbuffer.integrate import DiagonallyImplicit, Options
+from jaxbuffer.programs.identity import fingerprint, known, lasting, lasts
+
+SOURCE = """
+    import functools, math
+    import equinox as eqx
+    import jax
+    import jax.numpy as jnp
+    import numpy as np
+    import helpers_of_mine
+
+    FACTOR = 2.0
+    TABLE = np.array([1.0, 2.0])
+    SETTINGS = {"scale": 3.0, "names": ("a", "b")}
+
+    def helper(x):
+        return x + 1.0
+
+    def made(closed):
+        def inner(x, y=4.0, *, z=5.0):
+            return [x * closed * y * z for _ in range(2)]
+        return inner
+
+    closure = made(6.0)
+
+    @jax.custom_jvp
+    def ruled(x):
+        return x
+
+    @ruled.defjvp
+    def _(primals, tangents):
+        return primals[0], 7.0 * tangents[0]
+
+    class Base(eqx.Module):
+        size: float = 8.0
+        kind: str = eqx.field(static=True, default="nine")
+
+        def above(self, x):
+            return jnp.sin(x) * FACTOR
+
+    class Mine(Base):
+        ATTRIBUTE = 10.0
+
+        @property
+        def doubled(self):
+            return 2.0 * self.size
+
+        @staticmethod
+        def still(x):
+            return x - 11.0
+
+        def all(self, x):
+            x = helper(x) + TABLE[0] + SETTINGS["scale"] + closure(x)[0] + ruled(x) + math.sin(x)
+            return super().above(x) + functools.partial(helper)(x) + helpers_of_mine.CONSTANT
+
+        def later(self):
+            from helpers_of_mine import OTHER
+            return OTHER
+"""
+HELPERS = "CONSTANT = 12.0\nOTHER = 13.0\nUNUSED = 14.0"
+
+
+@pytest.fixture
+def description(monkeypatch):
+    """The description of the class Mine in a source, run anew, with a module of helpers; both with replacements."""
+
+    def described(*replacements, thing="Mine"):
+        texts = [textwrap.dedent(SOURCE), HELPERS]
+        for old, new in replacements:
+            assert sum(text.count(old) for text in texts) == 1
+            texts = [text.replace(old, new) for text in texts]
+        helpers, module = types.ModuleType("helpers_of_mine"), types.ModuleType("law_of_mine")
+        monkeypatch.setitem(sys.modules, helpers.__name__, helpers)
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        exec(texts[1], vars(helpers))
+        exec(texts[0], vars(module))
+        return fingerprint(vars(module)[thing])
+
+    return described
+
+
+CHANGES = [
+    ("FACTOR = 2.0", "FACTOR = 2.5"),
+    ("[1.0, 2.0]", "[1.0, 2.5]"),
+    ('"scale": 3.0', '"scale": 3'),
+    ("return x + 1.0", "return x + 1"),
+    ("y=4.0", "y=4.5"),
+    ("z=5.0", "z=5.5"),
+    ("made(6.0)", "made(6.5)"),
+    ("7.0 * tangents", "7.5 * tangents"),
+    ("size: float = 8.0", "size: float = 8.5"),
+    ('default="nine"', 'default="ten"'),
+    ("kind: str = eqx.field(static=True, default", "kind: str = eqx.field(default"),
+    ("jnp.sin(x)", "jnp.cos(x)"),
+    ("ATTRIBUTE = 10.0", "ATTRIBUTE = -10.0"),
+    ("2.0 * self.size", "2.0 / self.size"),
+    ("x - 11.0", "11.0 - x"),
+    ("@staticmethod\n", "@classmethod\n"),
+    ("range(2)", "range(3)"),
+    ("CONSTANT = 12.0", "CONSTANT = 12.5"),
+    ("OTHER = 13.0", "OTHER = 13.5"),
+    ("class Mine(Base):", "class Mine(Base, strict=False):\n    other: float = 1.0\n"),
+    ("class Base(eqx.Module):", "class Base(eqx.Module):\n    def __check_init__(self):\n        pass\n"),
+]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change[1][:24])
+def test_a_change_that_can_be_seen_is_seen(description, change):
+    assert description(change) != description()
+
+
+def test_what_changes_nothing_changes_no_description(description):
+    first = description()
+    assert description() == first and hash(description()) == hash(first)
+    for change in (("UNUSED = 14.0", "UNUSED = 15.0"), ("import functools, math", "import functools, math\n\n# moved")):
+        assert description(change) == first
+    assert lasting(first)
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        'getattr(self, "si" + "ze")',
+        'globals()["FACTOR"]',
+        'eval("FACTOR")',
+        '__import__("helpers_of_mine").OTHER',
+        'float(open("/dev/null").read())',
+        "STREAM.read()",
+        "GENERATOR.random()",
+    ],
+)
+def test_code_that_cannot_be_seen_through_is_not_kept_for_later(description, hidden):
+    values = ("FACTOR = 2.0", "import io\nSTREAM = io.StringIO()\nGENERATOR = np.random.default_rng(1)\nFACTOR = 2.0")
+    change = ("2.0 * self.size", hidden)
+    assert not lasting(description(values, change))
+    assert lasting(description(values)), "it is that code alone"
+
+
+def test_what_cannot_be_described_is_itself_alone():
+    one, other = object(), object()
+    assert fingerprint(one) == fingerprint(one) != fingerprint(other)
+    assert not lasting(fingerprint([1, {"a": one}]))
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(1, 1.0), (True, 1), ("1", 1), ((1, 2), [1, 2]), (0.0, -0.0), (np.zeros(2), np.zeros(2, int)), (None, "None")],
+)
+def test_values_that_python_or_numpy_find_alike_are_told_apart(one, other):
+    assert fingerprint(one) != fingerprint(other)
+    assert lasting(fingerprint(one, other))
+
+
+def test_the_packages_own_code_is_known_by_name_and_anything_else_is_not():
+    assert all(map(known, (*LAWS.values(), jax.jit, np.sin, diffrax.Tsit5, eqx.Module, int, jb.simulate)))
+    assert not known(type("Hertz", (), {"__module__": "jaxbuffer.contact.laws.hertzian"}))
+    assert not known(test_what_cannot_be_described_is_itself_alone)
+
+
+def test_the_default_and_other_published_methods_last():
+    for options in (Options(), DiagonallyImplicit(diffrax.Kvaerno5()), jb.table2()):
+        assert lasts(options) and lasting(fingerprint(options))
