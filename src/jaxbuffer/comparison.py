@@ -48,8 +48,8 @@ def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
     1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed and M_c⁻¹ the mobility that the joints leave.
     """
     mechanism = CaptureMechanism(design, scenario)
-    state, _ = mechanism.start()
-    part = mechanism.linearisation(jnp.zeros(()), state, jnp.ones(2))
+    state, touching = mechanism.start()
+    part = mechanism.linearisation(jnp.zeros(()), state, jnp.ones_like(touching))
     normal = 2 + LOWER  # after the axial and the torsional spring-damper
     mobility = jnp.sum(part.directions[:, normal] * part.response[:, normal])
     return float(1.0 / mobility), float(mechanism.memory(state)[LOWER])

@@ -10,10 +10,10 @@ import equinox as eqx
 import tomli_w
 
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
-from .errors import InputError, check_number, suggest
+from .errors import InputError, as_number, check_number, check_whole, shown, suggest
 from .grid import SPAN, grid
-from .integrate import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Solver
-from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
+from .integrate import SOLVERS, Solver, solver_named
+from .mechanisms import Design, Scenario, check_fit, paths, replace, scenario_label, unit
 from .mechanisms.design import POSITIVE, Part, choice, number
 from .mechanisms.paths import by_path
 
@@ -23,11 +23,6 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=eqx.Module)
 
 SECTIONS = tuple(field.name for field in dataclasses.fields(Design))
-SOLVERS: Mapping[str, type[Solver]] = {
-    "automatic": Automatic,
-    "implicit": DiagonallyImplicit,
-    "explicit": ExplicitRungeKutta,
-}
 
 
 def whole(default: int, least: int) -> int:
@@ -37,7 +32,7 @@ def whole(default: int, least: int) -> int:
 
 
 class Options(Part):
-    """How to simulate: ``duration`` [s], ``rtol`` [-], ``solver``, a name in `SOLVERS`."""
+    """How to simulate: ``duration`` [s], ``rtol`` [-], ``solver``, a name in `integrate.SOLVERS`."""
 
     section = "options"
     duration: float = number(DEFAULT_DURATION, "s", **POSITIVE)
@@ -46,7 +41,7 @@ class Options(Part):
 
     def stepper(self) -> Solver:
         """The solver that ``solver`` names."""
-        return SOLVERS[self.solver]()
+        return solver_named(self.solver)
 
 
 class Tuning(Part):
@@ -62,9 +57,8 @@ class Tuning(Part):
 
     def __check_init__(self) -> None:
         for field in dataclasses.fields(self):
-            value, low = getattr(self, field.name), field.metadata.get("least")
-            if low is not None and (isinstance(value, bool) or not isinstance(value, int) or value < low):
-                raise InputError(f"tune.{field.name} = {value!r} must be a whole number of at least {low}")
+            if "least" in field.metadata:
+                check_whole(f"tune.{field.name}", getattr(self, field.name), field.metadata["least"])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,7 +82,7 @@ class Config:
             try:
                 check_fit(self.design, scenario)
             except InputError as error:
-                raise InputError(f"[[scenarios]] number {i}: {error}") from None
+                raise InputError(f"[[scenarios]] number {i} ({scenario_label(scenario)}): {error}") from None
         if not self.scenarios:
             object.__setattr__(self, "scenarios", (self.scenario,))
 
@@ -119,7 +113,7 @@ def load(path: str | Path | None) -> Config:
 def loads(content: bytes, name: str | Path) -> Config:
     """Read a study from a file's content; ``name`` starts an error's line."""
     try:
-        data = tomllib.loads(content.decode("utf-8"))
+        data = tomllib.loads(content.decode("utf-8-sig"))
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
         raise InputError(f"{name} is not valid TOML: {error}") from None
     try:
@@ -147,6 +141,34 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
         scenario=_replaced(config.scenario, meeting, "scenario."),
         scenarios=tuple(dict.fromkeys(scenarios)),
     )
+
+
+def apply_options(settings: T, typed: Mapping[str, str]) -> T:
+    """`Options` or `Tuning` with fields replaced, as typed on a command line: ``{"rtol": "1e-8"}`` for --rtol 1e-8."""
+    values = {name: _literal(text) for name, text in typed.items()}
+    for name, value in values.items():
+        if (least := _metadata(settings, name).get("least")) is not None:
+            values[name] = int(value) if isinstance(value, float) and value.is_integer() else value
+            check_whole(f"--{name}", values[name], least)
+    return _replaced(settings, values, "--")
+
+
+def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
+    """The study with one scenario to simulate, and what to say of the choice.
+
+    **Arguments:** ``number``: as typed, which of ``config.scenarios``, counted from 1; None: ``config.scenario``.
+    """
+    count = len(config.scenarios)
+    if number is not None:
+        if not (number.isdecimal() and 1 <= int(number) <= count):
+            raise InputError(
+                f"--scenario-number {number} must be a whole number from 1 to {count}, as many as the study has"
+            )
+        return dataclasses.replace(config, scenario=config.scenarios[int(number) - 1]), ""
+    if count == 1:
+        return config, ""
+    which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
+    return config, f"ran {which}, {scenario_label(config.scenario)}; --scenario-number N takes another, 1 to {count}"
 
 
 def design_toml(design: Design, scenarios: Iterable[Scenario] = (), comment: str = "") -> str:
@@ -179,18 +201,18 @@ def _config(data: dict[str, Any]) -> Config:
     known = (*SECTIONS, "scenario", "scenarios", "options", "problem", "tune", "sweep")
     for name in data:
         if name not in known:
-            raise InputError(f"[{name}] is unknown{suggest(name, known)}")
+            raise InputError(f"[{name}] is unknown{suggest(name.split('.')[0], known)}")
     fields = {f"{section}.{key}": value for section in SECTIONS for key, value in _table(data, section).items()}
     design = _replaced(Design(), fields)
     scenario = _replaced(Scenario(), _table(data, "scenario"), "scenario.")
     listed = data.get("scenarios", [])
-    if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
+    if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
         raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
     scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
-    sweep = by_path(_table(data, "sweep"), SPAN)
+    sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
     if sweep:
         grid(sweep, design, scenario)  # checks it
     tuning = _replaced(Tuning(), _table(data, "tune"), "tune.")
@@ -198,6 +220,9 @@ def _config(data: dict[str, Any]) -> Config:
         from .problem_toml import check_table
 
         check_table(table, design, scenario)
+        for name in ("grid", "sample"):
+            if scenarios and name in table:
+                raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
     return Config(design, scenario, scenarios, options, tuning, table, sweep)
 
 
@@ -215,12 +240,11 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
 
 def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
     """A float from an integer or float in range; everything else TOML knows is an error."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        value = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
-    else:
-        value = float(value)
-    check_number(path, value, unit, **limits)
-    return value
+    number = as_number(value)
+    if type(number) is not float:
+        number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
+    check_number(path, number, unit, **limits)
+    return number
 
 
 def _literal(text: str) -> bool | float | str:
@@ -236,7 +260,7 @@ def _literal(text: str) -> bool | float | str:
 def _table(data: Mapping[str, Any], name: str, path: str = "") -> dict[str, Any]:
     table, path = data.get(name, {}), path or name
     if not isinstance(table, dict):
-        raise InputError(f"{path} = {table!r} is not a table; write [{path}] and its fields below it")
+        raise InputError(f"{path} = {shown(table)} is not a table; write [{path}] and its fields below it")
     return table
 
 

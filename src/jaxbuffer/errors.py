@@ -1,29 +1,79 @@
-"""Input errors that name the field, the value, the unit and the allowed range."""
+"""Input errors that name the field, the value, the unit and the allowed range, and the checks that raise them."""
 
 import difflib
 import math
 from collections.abc import Iterable
+from decimal import Decimal
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the command line's own errors need neither: they are imported where a value is looked at
     import numpy as np
 
+CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
+LONGEST = 60  # characters of a value that a message shows
+
 
 class InputError(ValueError):
     """A value, name or file given by the user that can't be used. The message is one line meant for that user."""
 
+    def __init__(self, message: object) -> None:
+        super().__init__(" ".join(str(message).split()))
+
+
+def shown(value: Any) -> str:
+    """A value as a message shows it: on one line, cut where it is long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def as_number(value: Any) -> Any:
+    """Any single number as a float, a list or tuple of numbers as an array; everything else as it is."""
+    if type(value) is float:
+        return value
+    if isinstance(value, (Real, Decimal)) and not isinstance(value, bool):
+        return _float(value)
+    if isinstance(value, (list, tuple)) and value:
+        import jax
+        import numpy as np
+
+        if all(isinstance(entry, (jax.Array, Real)) for entry in value) and any(
+            isinstance(entry, jax.Array) for entry in value
+        ):
+            return jax.numpy.stack(list(value))
+        numbers = [as_number(entry) for entry in value]
+        return np.array(numbers) if all(type(number) is float for number in numbers) else value
+    return value
+
+
+def _float(value: Any) -> float:
+    try:
+        return float(value)
+    except OverflowError:  # an integer of more than 308 digits
+        return math.inf if value > 0 else -math.inf
+
 
 def concrete(value: Any) -> "np.ndarray | None":
-    """The value as a NumPy array, or None inside a trace, where there is nothing to check yet."""
+    """The value as a NumPy array, or None where it is not made of real numbers or, inside a trace, not known yet."""
     import jax
     import numpy as np
 
     if isinstance(value, jax.core.Tracer):
         return None
     try:
-        return np.asarray(value, dtype=float)
-    except (TypeError, ValueError, OverflowError):
+        array = np.asarray(as_number(value))
+    except (TypeError, ValueError):
         return None
+    return array.astype(float) if array.dtype.kind in "iuf" else None
+
+
+def inside(
+    value: Any, *, low: Any = -math.inf, high: Any = math.inf, low_open: bool = False, high_open: bool = False
+) -> Any:
+    """Whether numbers are finite and in a range (see `check_number`): NumPy's and JAX's, traced ones too."""
+    above = (value > low) if low_open else (value >= low)
+    below = (value < high) if high_open else (value <= high)
+    return above & below & (abs(value) < math.inf)
 
 
 def check_number(
@@ -41,24 +91,20 @@ def check_number(
     **Arguments:** ``path``: dotted name shown to the user; ``unit``: as shown, '-' for none; ``low``, ``high``: the
     range, its ends included unless ``low_open`` or ``high_open``. Traced values pass: they have no value yet.
     """
-    if type(value) in (float, int) and low < value < high:  # most are: spare them the arrays
+    if type(value) is float and (low < value < high or (value == low and not low_open)):  # spare most the arrays
         return
     import jax
     import numpy as np
 
     if isinstance(value, jax.core.Tracer):
         return
-    unit = "" if unit == "-" else f" {unit}"
-    if isinstance(value, (bool, str)) or value is None or (array := concrete(value)) is None or not array.size:
-        raise InputError(f"{path}: {value!r} is not a number; expected {_range(low, high, low_open, high_open)}{unit}")
-    too_low = (array <= low) if low_open else (array < low)
-    too_high = (array >= high) if high_open else (array > high)
-    bad = ~np.isfinite(array) | too_low | too_high
+    unit = "" if unit in ("", "-") else f" {unit}"
+    allowed = f"{_range(low, high, low_open, high_open)}{unit}"
+    if (array := concrete(value)) is None or not array.size:
+        raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
+    bad = ~inside(array, low=low, high=high, low_open=low_open, high_open=high_open)
     if np.any(bad):
-        shown = float(array[bad].flat[0]) if array.ndim else float(array)
-        raise InputError(
-            f"{path} = {shown:g}{unit} is out of range; allowed: {_range(low, high, low_open, high_open)}{unit}"
-        )
+        raise InputError(f"{path} = {array[bad].flat[0]:g}{unit} is out of range; allowed: {allowed}")
 
 
 def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
@@ -67,15 +113,111 @@ def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
     return f"{left}, {right}"
 
 
+def check_entries(
+    path: str, value: Any, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
+) -> None:
+    """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
+    if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
+        return
+    known = [concrete(x) for x in (value, low, high)]
+    if any(x is None for x in known):  # traced
+        return
+    numbers, least, most = same_shape(path, known)
+    bad = ~inside(numbers, low=least, high=most, low_open=True, high_open=high_open)
+    if bad.any():
+        number, floor, top = (float(array[bad][0]) for array in (numbers, least, most))
+        try:
+            check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
+        except InputError as error:
+            raise InputError(f"{error}{too_low if 0.0 < number <= floor else ''}") from None
+
+
+def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":
+    """Arrays broadcast against each other. **Raises:** `InputError` where their lengths differ."""
+    import numpy as np
+
+    arrays = [array for array in known if array is not None]
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
+        raise InputError(f"{path}: arrays of unequal shapes {shapes}; all must have one shape (n,)") from None
+
+
+def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) -> None:
+    """`check_number` for what must be one number; ``instead`` says what takes an array of them."""
+    check_number(path, value, unit, **limits)
+    if (array := concrete(value)) is not None and array.ndim:
+        raise InputError(f"{path} has shape {array.shape}, but it must be one number: {instead}")
+
+
+def check_whole(path: str, value: Any, least: int) -> None:
+    """Raise `InputError` unless ``value`` is a whole number of at least ``least``."""
+    import numpy as np
+
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(f"{path} = {shown(value)} must be a whole number of at least {least}")
+
+
+def check_flag(path: str, value: Any) -> None:
+    """Raise `InputError` unless ``value`` is True or False."""
+    if not isinstance(value, bool):
+        raise InputError(f"{path} = {shown(value)} must be true or false")
+
+
 def check_choice(path: str, value: Any, choices: Iterable[str]) -> None:
     """Raise `InputError` unless ``value`` is one of ``choices``."""
     options = list(choices)
-    if value not in options:
-        raise InputError(f"{path} = {value!r} is unknown; choose one of {', '.join(options)}{suggest(value, options)}")
+    if not isinstance(value, str) or value not in options:
+        near = nearest(value, options)
+        hint = f"; did you mean {near}?" if near else ""
+        raise InputError(f"{path} = {shown(value)} is unknown; choose one of {', '.join(options)}{hint}")
+
+
+def check_type(path: str, value: Any, kind: type, instead: str) -> None:
+    """Raise `InputError` unless ``value`` is a ``kind``; ``instead`` shows what to write."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIO" else "a"
+        raise InputError(f"{path} = {shown(value)} is not {article} {kind.__name__}; write {instead}")
+
+
+def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
+    """The names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
+    if isinstance(names, str):
+        raise InputError(f"{path} = {shown(names)} is one name, not a list of them; write {path}=({names!r},)")
+    found = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)
+    if not all(isinstance(name, str) for name in found):
+        raise InputError(f"{path} = {shown(names)} is not a list of names; write {path}=({example!r},)")
+    if not found:
+        raise InputError(f"{path} is empty; name at least one, {example} say")
+    for name in found:
+        if found.count(name) > 1:
+            raise InputError(f"{path} names {name} twice")
+    return found
 
 
 def suggest(name: Any, known: Iterable[str]) -> str:
-    """'; did you mean …?' for a mistyped name, or nothing."""
-    by_lower = {option.lower(): option for option in known}
-    near = difflib.get_close_matches(str(name).lower(), list(by_lower), n=1, cutoff=0.5)
-    return f"; did you mean {by_lower[near[0]]}?" if near else ""
+    """'; did you mean …?' for a mistyped name; '; known: …' where none is like it."""
+    options = list(known)
+    if near := nearest(name, options):
+        return f"; did you mean {near}?"
+    section = str(name).rpartition(".")[0]
+    beside = [option for option in options if option.rpartition(".")[0] == section]
+    return "; known: " + ", ".join(beside or dict.fromkeys(option.split(".")[0] for option in options))
+
+
+def nearest(name: Any, known: Iterable[str]) -> str | None:
+    """The name most like a mistyped one, if any is: each word of a dotted name must be like its counterpart."""
+
+    def alike(option: str) -> tuple[float, float]:
+        words, others = (text.lower().split(".")[::-1] for text in (str(name), option))
+        least = min(_alike(word, other) for word, other in zip(words, others, strict=False))
+        return least, _alike(str(name).lower(), option.lower())
+
+    best = max(known, key=alike, default=None)
+    return best if best is not None and alike(best)[0] >= CLOSE else None
+
+
+def _alike(word: str, other: str) -> float:
+    ratio = difflib.SequenceMatcher(None, word, other).ratio()
+    return max(ratio, CLOSE) if len(word) > 2 and word in other else ratio  # "speed" for "approach_speed"

@@ -3,13 +3,13 @@
 import dataclasses
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .errors import InputError, check_number, suggest
+from .errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
 from .mechanisms import Design, Scenario, check_fit, paths, replace, unit
 
 SPAN = ("from", "to", "count", "scale")
@@ -135,10 +135,17 @@ def axis(path: str, asked: Any, design: Design, scenario: Scenario) -> Axis:
     return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
 
 
+def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
+    """Raise `InputError` for a field set on the command line that takes several values anyway, which are ``where``."""
+    for path in swept:
+        if path in fields:
+            raise InputError(f"--{path} {fields[path]} and the values of {path} in {where} contradict; keep one")
+
+
 def typed(text: str) -> tuple[str, Any]:
     """A path and its values as typed on a command line: PATH=FROM:TO:COUNT[:log] or PATH=VALUE,VALUE,…"""
     path, equals, values = text.partition("=")
-    if not equals or not values:
+    if not equals or not values or not path:
         raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
     if ":" not in values:
         return path, [_literal(value) for value in values.split(",")]
@@ -156,28 +163,31 @@ def _span(path: str, table: Mapping[str, Any]) -> Span:
         if name not in table:
             raise InputError(f"sweep.{path}: {name} is missing; expected {EXAMPLE}")
     count, scale = table["count"], table.get("scale", SCALES[0])
-    if isinstance(count, bool) or not isinstance(count, (int, float)) or not float(count).is_integer() or count < 1:
-        raise InputError(f"sweep.{path}: count = {count!r} must be a whole number of at least 1")
-    if scale not in SCALES:
-        raise InputError(f"sweep.{path}: scale = {scale!r} is unknown; choose one of {', '.join(SCALES)}")
+    count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
+    check_whole(f"sweep.{path}: count", count, 1)
+    check_choice(f"sweep.{path}: scale", scale, SCALES)
     start, stop = (_number(f"sweep.{path}: {name}", table[name]) for name in ("from", "to"))
     if count == 1 and start != stop:
         raise InputError(f"sweep.{path}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
     if scale == "log" and not (start > 0.0 and stop > 0.0):
         raise InputError(f"sweep.{path}: a logarithmic scale needs positive ends; found {start:g} and {stop:g}")
-    return Span(start, stop, int(count), scale)
+    return Span(start, stop, count, scale)
 
 
 def _listed(path: str, asked: Any) -> tuple[float, ...]:
-    values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, str) else [asked]
+    asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
+    values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, (str, bytes)) else [asked]
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
     return tuple(_number(f"sweep.{path}", value) for value in values)
 
 
 def _number(path: str, value: Any) -> float:
-    check_number(path, value, "-")
-    return float(value)
+    number = as_number(value)
+    if type(number) is not float:
+        raise InputError(f"{path}: {shown(value)} is not a number; expected {EXAMPLE}")
+    check_number(path, number, "-")
+    return number
 
 
 def _literal(text: str) -> float | str:

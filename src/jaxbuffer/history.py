@@ -10,7 +10,6 @@ from .integrate import Steps
 from .ledger import Energy, energy
 from .mechanisms.assembly import N
 from .mechanisms.capture import CaptureMechanism
-from .metrics import BUFFER_FORCE, HINGE_ANGLE, HINGE_FORCE, STROKE
 
 BODIES = ("active", "cylinder", "probe", "passive")
 MULTIPLIERS = ("hinge x", "hinge y", "prismatic moment", "prismatic force")
@@ -22,8 +21,11 @@ class History(eqx.Module):
     ``time`` [s]; ``position`` (steps, 4 bodies, [x, y, angle]) [m, m, rad] and ``velocity`` of S, B, P, T;
     ``tip_spin`` [rad/s]; ``multipliers`` (steps, 4) [N, N, N m, N]; per flank (lower, upper) ``gap`` [m],
     ``approach_speed`` and ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``hinge_force`` and
-    ``buffer_force`` [N]; ``stroke`` [m]; ``hinge_angle`` [rad]; ``throat_distance`` [m] before the capture plane;
-    ``energy`` [J]. Inside `jit` the arrays have their full capacity, the last state repeated.
+    ``buffer_force`` [N]; ``stop_force`` of the end stop [N], 0 without one; ``stroke`` [m]; ``hinge_angle`` [rad];
+    ``throat_distance`` [m] before the capture plane; ``energy`` [J]. Inside `jit` the arrays have their
+    full capacity, the last state repeated.
+
+    Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
     """
 
     time: Float[Array, " steps"]
@@ -38,6 +40,7 @@ class History(eqx.Module):
     friction_force: Float[Array, "steps 2"]
     hinge_force: Float[Array, " steps"]
     buffer_force: Float[Array, " steps"]
+    stop_force: Float[Array, " steps"]
     stroke: Float[Array, " steps"]
     hinge_angle: Float[Array, " steps"]
     throat_distance: Float[Array, " steps"]
@@ -50,7 +53,8 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
     def at(time: Array, active: Array, state: Array) -> History:
         posture = mechanism.posture(state)
         kin, (motion, forces, _) = posture.kin, mechanism.dynamics(posture, active)
-        seen = mechanism.observables(state, mechanism.derivative(time, state, active), active)
+        values = mechanism.observables(state, mechanism.derivative(time, state, active), active)
+        seen = dict(zip(mechanism.observed, values, strict=True))
         angle = kin.q[5] - kin.q[2]
         return History(
             time=time,
@@ -63,10 +67,11 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
             slip=forces.approach.slip,
             contact_force=forces.normal,
             friction_force=forces.friction,
-            hinge_force=seen[HINGE_FORCE],
-            buffer_force=jnp.copysign(seen[BUFFER_FORCE], mechanism.axial.tension(kin)),
-            stroke=seen[STROKE],
-            hinge_angle=jnp.copysign(seen[HINGE_ANGLE], angle),
+            hinge_force=seen["hinge_force"],
+            buffer_force=jnp.copysign(seen["buffer_force"], mechanism.axial.tension(kin)),
+            stop_force=jnp.asarray(mechanism.stop_force(posture, active)),
+            stroke=seen["stroke"],
+            hinge_angle=jnp.copysign(seen["hinge_angle"], angle),
             throat_distance=mechanism.throat(kin, posture.tip)[0],
             energy=energy(mechanism, posture, active),
         )
@@ -74,9 +79,9 @@ def history(mechanism: CaptureMechanism, steps: Steps) -> History:
     slots = steps.time.shape[0] - 1
     last = jnp.clip(steps.count - 1, 0, slots - 1)
     index = jnp.minimum(jnp.arange(slots), last)
-    return jax.vmap(at)(steps.time[index], steps.active[index], steps.state[index])
+    return jax.vmap(at)(steps.time[index], steps.active[index], steps.rows[index, 0])
 
 
 def trimmed(full: History, count: int) -> History:
-    """The first ``count`` steps, as NumPy arrays: cutting those compiles nothing."""
-    return jax.tree.map(lambda x: np.asarray(x)[:count], full)
+    """The first ``count`` steps; those without derivatives as NumPy arrays: cutting them compiles nothing."""
+    return jax.tree.map(lambda x: (x if isinstance(x, jax.core.Tracer) else np.asarray(x))[:count], full)

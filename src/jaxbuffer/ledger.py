@@ -12,30 +12,36 @@ from .mechanisms.probe_in_cone import Posture
 
 
 class Energy(eqx.Module):
-    """The ledger at one instant [J]: kinetic, springs, elastic contact, and what was lost so far."""
+    """The ledger at one instant [J]: kinetic, springs, elastic contact, end stop, and what was lost so far (by an end
+    stop ``stop_damper``)."""
 
     kinetic: Float[Array, "..."]
     spring: Float[Array, "..."]
     contact: Float[Array, "..."]
+    stop: Float[Array, "..."]
     axial_damper: Float[Array, "..."]
     torsional_damper: Float[Array, "..."]
     hysteresis: Float[Array, "..."]
     friction: Float[Array, "..."]
+    stop_damper: Float[Array, "..."]
 
     @property
     def dissipated(self) -> Float[Array, "..."]:
         """Everything lost [J]."""
-        return self.axial_damper + self.torsional_damper + self.hysteresis + self.friction
+        return self.axial_damper + self.torsional_damper + self.hysteresis + self.friction + self.stop_damper
 
     @property
     def total(self) -> Float[Array, "..."]:
         """The sum, constant in time [J]."""
-        return self.kinetic + self.spring + self.contact + self.dissipated
+        return self.kinetic + self.spring + self.contact + self.stop + self.dissipated
 
 
-def energy(mechanism: CaptureMechanism, at: Posture, active: Float[Array, " flanks"]) -> Energy:
+def energy(mechanism: CaptureMechanism, at: Posture, active: Float[Array, " contacts"]) -> Energy:
     """The ledger of one state."""
-    return Energy(*map(jnp.asarray, mechanism.stored(at, active)), *mechanism.losses(at.state))
+    losses = mechanism.losses(at.state)
+    if mechanism.stop is None:
+        losses = jnp.append(losses, 0.0)
+    return Energy(*map(jnp.asarray, mechanism.stored(at, active)), *losses)
 
 
 class Balance(eqx.Module):

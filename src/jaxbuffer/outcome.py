@@ -16,11 +16,13 @@ class Outcome(enum.IntEnum):
 
     captured = 0
     escaped = 1
-    timeout = 2
-    failed_steps = 3
-    failed_step_size = 4
-    failed_not_finite = 5
-    failed_log = 6
+    bottomed = 2
+    timeout = 3
+    failed_steps = 4
+    failed_step_size = 5
+    failed_not_finite = 6
+    failed_penetration = 7
+    failed_input = 8
 
     @property
     def failed(self) -> bool:
@@ -36,24 +38,32 @@ class Outcome(enum.IntEnum):
 _REASONS = {
     Outcome.captured: "captured: the tip centre crossed the capture plane inwards",
     Outcome.escaped: "escaped: the tip left the cone",
+    Outcome.bottomed: "bottomed: the buffer came to its end; the run stops there",
     Outcome.timeout: "timeout: neither captured nor escaped within the duration",
     Outcome.failed_steps: "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver",
     Outcome.failed_step_size: "failed: the step size fell below 1e-14 s; the tolerance can't be met",
     Outcome.failed_not_finite: "failed: the state stopped being finite",
-    Outcome.failed_log: "failed: more events than max_events; raise it, or lower rtol if the tip sticks and slips",
+    Outcome.failed_penetration: "failed: the tip went deeper into a flank than its radius; the contact is too soft for "
+    "this speed",
+    Outcome.failed_input: "failed: a number of the design, the scenario or the options is out of its allowed range",
 }
 
 _FROM_STATUS = {
+    0: Outcome.captured,  # the mechanism's terminal guards, in their order
+    1: Outcome.escaped,
+    2: Outcome.bottomed,
+    3: Outcome.failed_penetration,
     Status.TIMEOUT: Outcome.timeout,
     Status.TOO_MANY_STEPS: Outcome.failed_steps,
     Status.STEP_TOO_SMALL: Outcome.failed_step_size,
     Status.NOT_FINITE: Outcome.failed_not_finite,
-    Status.LOG_FULL: Outcome.failed_log,
+    Status.INPUT: Outcome.failed_input,
 }
 
 
 def outcome_code(status: Int[Array, ""]) -> Int[Array, ""]:
-    """The outcome's code from a run's status: terminal guards come first and in the same order."""
-    for code, outcome in _FROM_STATUS.items():
-        status = jnp.where(status == int(code), int(outcome), status)
-    return status
+    """The outcome's code from a run's status."""
+    code = jnp.asarray(int(Outcome.failed_not_finite))
+    for value, outcome in _FROM_STATUS.items():
+        code = jnp.where(status == int(value), int(outcome), code)
+    return code

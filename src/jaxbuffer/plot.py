@@ -72,14 +72,20 @@ def capture_figure(capture: Capture) -> "Figure":
         "lost in friction": (seen.energy.friction, ORANGE),
         "contact, stored and lost": (seen.energy.contact + seen.energy.hysteresis, SKY),
     }
+    if capture.design.buffer.stop_stiffness is not None:
+        ledger["end stop, stored and lost"] = (seen.energy.stop + seen.energy.stop_damper, RED)
     values, colours = zip(*ledger.values(), strict=True)
     energy.stackplot(time, *(1e3 * value for value in values), colors=colours, labels=ledger)
     energy.set_ylim(0.0, 1.45e3 * float(np.max(seen.energy.total)))  # room for the legend
     _label(energy, "Energy, adding up to the total", "time [s]", "energy [mJ]", columns=2)
 
-    stroke.plot(time, 1e3 * seen.stroke, color=BLUE)
-    stroke.axhline(1e3 * float(capture.stroke), color=GREY, linestyle="--", linewidth=0.8)
-    _label(stroke, f"Buffer stroke, largest {1e3 * float(capture.stroke):.4g} mm", "time [s]", "stroke [mm]", False)
+    stroke.plot(time, 1e3 * seen.stroke, color=BLUE, label="stroke")
+    largest = 1e3 * float(capture.stroke)
+    stroke.axhline(largest, color=GREY, linestyle="--", linewidth=0.8, label="largest")
+    end = 1e3 * float(capture.design.buffer.end)
+    if largest > 0.5 * end:
+        stroke.axhline(end, color=RED, linewidth=0.8, label="the buffer's end")
+    _label(stroke, f"Buffer stroke, largest {largest:.4g} mm of {end:.4g} mm", "time [s]", "stroke [mm]")
 
     angle.plot(time, np.degrees(seen.hinge_angle), color=BLUE)
     largest = math.degrees(float(capture.hinge_angle))
@@ -153,7 +159,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     """The largest stroke, hinge angle, end time and hinge force over the scenarios, relative to before."""
     before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
     names = list(QUANTITIES)
-    share = 100.0 * (after / before - 1.0)
+    share = 100.0 * (np.divide(after, before, out=np.ones_like(after), where=before != 0.0) - 1.0)
     axes.barh(range(len(names)), share, color=[BLUE if x <= 0.0 else ORANGE for x in share])
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .errors import InputError, check_number, suggest
+from .errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
 from .mechanisms import Design, Scenario, paths, unit
 from .mechanisms.paths import by_path, check_path, limits_of
 from .tuning.cases import KINDS, Distribution, grid, sample
@@ -29,7 +29,7 @@ def read_problem(
     return Problem(
         design=design,
         scenarios=_cases(table, design, base, listed),
-        variables=_variables(by_path(_table(table, "variables", VARIABLES)), design),
+        variables=_variables(by_path(_table(table, "variables", VARIABLES), where="problem.variables"), design),
         objective=_objective(_table(table, "objective", {}), "objective"),
         limits=_limits(_table(table, "constraints", CONSTRAINTS)),
         then=_then(_table(table, "then", {})) if "then" in table else None,
@@ -41,7 +41,7 @@ def read_problem(
 def check_table(table: Mapping[str, Any], design: Design, base: Scenario) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     _known(table, SECTIONS, "problem")
-    _variables(by_path(_table(table, "variables", VARIABLES)), design)
+    _variables(by_path(_table(table, "variables", VARIABLES), where="problem.variables"), design)
     _cases(table, design, base, ())
     _objective(_table(table, "objective", {}), "objective")
     _limits(_table(table, "constraints", CONSTRAINTS))
@@ -60,13 +60,12 @@ def _variable(path: str, given: Any, design: Design) -> Variable:
     where, symbol = f"problem.variables.{path}", unit(design, path)
     if not symbol:
         raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
-    parts = list(given) if isinstance(given, list) else []
+    parts = [as_number(x) for x in given] if isinstance(given, list) else []
     scale = parts.pop() if len(parts) == 3 else SCALES[0]
     if len(parts) != 2 or not all(_is_number(x) for x in parts):
-        raise InputError(f'{where} = {given} must be [low, high] in {symbol}, or [low, high, "linear"]')
-    if scale not in SCALES:
-        raise InputError(f"{where}: scale {scale!r} is unknown; choose one of {', '.join(SCALES)}")
-    low, high = map(float, parts)
+        raise InputError(f'{where} = {shown(given)} must be [low, high] in {symbol}, or [low, high, "linear"]')
+    check_choice(f"{where}: scale", scale, SCALES)
+    low, high = parts
     for bound in (low, high):
         check_number(where, bound, symbol, **limits_of(design, path))
     if not low < high:
@@ -82,7 +81,9 @@ def _cases(table: Mapping[str, Any], design: Design, base: Scenario, listed: tup
         _known(fields, tuple(paths(base)), "problem.grid")
         for name, values in fields.items():
             if not isinstance(values, list) or not values or not all(_is_number(x) for x in values):
-                raise InputError(f"problem.grid.{name} = {values} must be a list of numbers in {unit(base, name)}")
+                raise InputError(
+                    f"problem.grid.{name} = {shown(values)} must be a list of numbers in {unit(base, name)}"
+                )
         return grid(fields, base)
     if "sample" in table:
         return _sampled(_table(table, "sample", {}), design, base)
@@ -91,12 +92,13 @@ def _cases(table: Mapping[str, Any], design: Design, base: Scenario, listed: tup
 
 def _sampled(table: Mapping[str, Any], design: Design, base: Scenario) -> tuple[Case, ...]:
     _known(table, SAMPLE, "problem.sample")
-    fields, factors = (by_path(_table(table, name, {}), KINDS) for name in ("scenario", "factors"))
+    fields, factors = (
+        by_path(_table(table, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
+    )
     _known(fields, tuple(paths(base)), "problem.sample.scenario")
     _known(factors, tuple(paths(design)), "problem.sample.factors")
     seed = table.get("seed", 0)
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"problem.sample.seed = {seed!r} must be a whole number of at least 0")
+    check_whole("problem.sample.seed", seed, 0)
     read = lambda name, given: _distribution(f"problem.sample.{name}", given)  # noqa: E731
     return sample(
         table.get("count", 16),
@@ -112,17 +114,21 @@ def _distribution(where: str, given: Any) -> Distribution:
     if isinstance(given, dict) and len(given) == 1:
         ((kind, numbers),) = given.items()
         if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
-            return Distribution(kind, float(numbers[0]), float(numbers[1]))
-    raise InputError(f"{where} = {given} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}")
+            try:
+                return Distribution(kind, *map(as_number, numbers))
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from None
+    raise InputError(
+        f"{where} = {shown(given)} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}"
+    )
 
 
 def _objective(table: Mapping[str, Any], where: str) -> Objective:
     options = {name: table[name] for name in ("over", "level") if name in table}
-    weights = {name: weight for name, weight in table.items() if name not in (*options, "slack")}
+    weights = {name: weight for name, weight in table.items() if name not in options}
     for name, weight in weights.items():
         check_quantity(f"problem.{where}", name)
-        if not _is_number(weight):
-            raise InputError(f"problem.{where}.{name} = {weight!r} is not a number")
+        check_number(f"problem.{where}.{name}", weight, f"N/{QUANTITIES[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
 
 
@@ -137,7 +143,8 @@ def _limits(table: Mapping[str, Any]) -> Limits:
 def _then(table: Mapping[str, Any]) -> Then:
     if not set(table) & set(QUANTITIES):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(QUANTITIES)}")
-    return Then(_objective(table, "then"), table.get("slack", Then.slack))
+    objective = {name: value for name, value in table.items() if name != "slack"}
+    return Then(_objective(objective, "then"), table.get("slack", Then.slack))
 
 
 def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
@@ -149,7 +156,9 @@ def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None
 def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:
     table = data.get(name, default)
     if not isinstance(table, dict):
-        raise InputError(f"problem.{name} = {table!r} is not a table; write [problem.{name}] and its fields below it")
+        raise InputError(
+            f"problem.{name} = {shown(table)} is not a table; write [problem.{name}] and its fields below it"
+        )
     return table
 
 

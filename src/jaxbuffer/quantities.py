@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from jaxtyping import Array, Float
 
-from .errors import InputError, suggest
+from .errors import InputError, check_names, suggest
+from .validity import pressure
 
 if TYPE_CHECKING:
     from .capture import Capture
 
 
 class Quantity(NamedTuple):
-    """A scalar of a capture: ``unit``, ``of``: function of the `Capture`, ``description``."""
+    """A scalar of a capture: ``unit``, ``of``: function of the `Capture`, ``description``, ``signed``: whether it can
+    change sign, when a relative change of it means little and derivatives are shown instead of elasticities."""
 
     unit: str
     of: "Callable[[Capture], Float[Array, '']]"
     description: str
+    signed: bool = False
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -32,15 +35,38 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_buffer_force": Quantity("N", lambda c: c.peak_buffer_force, "largest force of the axial spring-damper"),
     "contact_time": Quantity("s", lambda c: c.contact_time, "time during which a flank is touched"),
     "throat_distance": Quantity(
-        "m", lambda c: c.throat_distance, "tip before the capture plane at the run's end; at any time, as duration"
+        "m",
+        lambda c: c.throat_distance,
+        "tip before the capture plane at the run's end; at any time, as duration",
+        signed=True,
     ),
     "capture_margin": Quantity(
-        "m", lambda c: c.capture_margin, "tip beyond the capture plane at the duration, coasting on from the run's end"
+        "m",
+        lambda c: c.capture_margin,
+        "tip beyond the capture plane at the duration, coasting on, or stroke_margin",
+        signed=True,
+    ),
+    "stroke_margin": Quantity(
+        "m",
+        lambda c: c.stroke_margin,
+        "stroke left before the buffer's end; of a bottomed run minus what is missing",
+        signed=True,
+    ),
+    "stroke_share": Quantity(
+        "-",
+        lambda c: 1.0 - c.stroke_margin / c.design.buffer.longest_stroke,
+        "share of the buffer's stroke that is used; of a bottomed run above 1",
+    ),
+    "peak_stop_force": Quantity("N", lambda c: c.peak_stop_force, "largest force of the buffer's end stop"),
+    "penetration": Quantity("m", lambda c: c.penetration, "depth that the tip's deepest penetration does not exceed"),
+    "contact_pressure": Quantity(
+        "Pa", lambda c: pressure(c.design, c.peak_force), "Hertz's largest pressure at the peak contact force"
     ),
     "axial_loss": Quantity("J", lambda c: c.energy.axial_damper, "energy lost in the axial damper by the run's end"),
     "torsional_loss": Quantity("J", lambda c: c.energy.torsional_damper, "energy lost in the torsional damper"),
     "contact_loss": Quantity("J", lambda c: c.energy.hysteresis, "energy lost in the contact's hysteresis"),
     "friction_loss": Quantity("J", lambda c: c.energy.friction, "energy lost in friction"),
+    "stop_loss": Quantity("J", lambda c: c.energy.stop_damper, "energy lost in the buffer's end stop"),
     "dissipated": Quantity("J", lambda c: c.energy.dissipated, "energy lost altogether"),
     "effective_mass": Quantity("kg", lambda c: c.first_impact.effective_mass, "mass the first impact meets"),
     "effective_energy": Quantity("J", lambda c: c.first_impact.effective_energy, "T_c just before the first impact"),
@@ -88,17 +114,18 @@ def quantity_unit(name: str) -> str:
     return IMPACT_UNITS[asked.field] if asked else QUANTITIES[name].unit
 
 
+def is_signed(name: str) -> bool:
+    """Whether a quantity can change sign."""
+    return name in QUANTITIES and QUANTITIES[name].signed
+
+
 def check_quantities(names: Sequence[str]) -> tuple[str, ...]:
     """The names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
-    if not names:
-        raise InputError("quantities is empty; name at least one, peak_force say")
+    names = check_names("quantities", names, "peak_force")
     for name in names:
         if name not in QUANTITIES and of_impact(name) is None:
-            known = [*QUANTITIES, "impact.1.peak_force"]
-            raise InputError(f"quantity {name} is unknown{suggest(name, known) or '; known: ' + ', '.join(known)}")
-    if len(set(names)) < len(names):
-        raise InputError(f"quantities name one twice: {', '.join(names)}")
-    return tuple(names)
+            raise InputError(f"quantity {name} is unknown{suggest(name, [*QUANTITIES, 'impact.1.peak_force'])}")
+    return names
 
 
 def value_of(capture: "Capture", name: str) -> float:
@@ -106,5 +133,5 @@ def value_of(capture: "Capture", name: str) -> float:
     asked = of_impact(name)
     if asked is None:
         return float(QUANTITIES[name].of(capture))
-    present = asked.slot < int(capture.impact_count) and not capture.outcome.failed
+    present = asked.slot < int(capture.impacts.count) and not capture.outcome.failed
     return float(asked.of(capture)) if present else float("nan")

@@ -1,17 +1,19 @@
 """Summaries and tables for people."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, SupportsFloat
 
 import jax
 import numpy as np
 from rich.table import Table
 
-from .mechanisms import Scenario, get, unit
+from .mechanisms import get, unit
+from .mechanisms import scenario_label as scenario_label
 from .outcome import Outcome
-from .quantities import quantity_unit
+from .quantities import is_signed, quantity_unit
 from .tables import table as _table
 from .tables import text as _text
+from .validity import of_peaks, warnings
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -27,8 +29,11 @@ UNITS = {
     "peak_time": "s",
     "peak_hinge_force": "N",
     "peak_buffer_force": "N",
+    "peak_stop_force": "N",
     "stroke": "m",
+    "stroke_margin": "m",
     "hinge_angle": "rad",
+    "penetration": "m",
     "end_time": "s",
     "contact_time": "s",
     "throat_distance": "m",
@@ -41,32 +46,63 @@ def summary(capture: "Capture") -> str:
     """A capture in a dozen lines, units included."""
     outcome = capture.outcome
     if outcome.failed:
-        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps)"
-    flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
+        where = scenario_label(capture.scenario)
+        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
+    flank = FLANKS[int(capture.peak_flank)]
     first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
         f"Capture: {outcome.reason}",
+        f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
-        f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
+        f" {flank} flank, {_which_impact(capture)}",
         f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
         f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
-        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm",
+        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm"
+        f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
-        f"  capture margin       {1e3 * float(capture.capture_margin):.6g} mm beyond the capture plane at the duration,"
-        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time",
+        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
+        f"  capture margin       {_margin(capture)}",
         f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
         f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
-        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g})",
+        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}"
+        + (")" if capture.design.buffer.stop_stiffness is None else f", end stop {float(e.stop_damper):.3g})"),
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _which_impact(capture: "Capture") -> str:
+    count, listed = int(capture.impact_count), int(capture.impacts.count)
+    which = int(capture.peak_impact) + 1
+    if count == listed:
+        return f"impact {which} of {count}"
+    return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
+
+
+def _stop(capture: "Capture") -> str:
+    if capture.design.buffer.stop_stiffness is None:
+        return ""
+    return f", end stop {float(capture.peak_stop_force):.6g} N"
+
+
+def _margin(capture: "Capture") -> str:
+    """The capture margin with what it is a distance of."""
+    margin = float(capture.capture_margin)
+    if capture.outcome == Outcome.bottomed:
+        return f"{1e3 * margin:.4g} mm: about so much stroke is missing"
+    if margin == float(capture.stroke_margin):
+        return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
+    return (
+        f"{1e3 * margin:.6g} mm beyond the capture plane at the duration,"
+        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time"
+    )
 
 
 def sweep_summary(result: "Sweep") -> str:
@@ -86,38 +122,45 @@ def sweep_summary(result: "Sweep") -> str:
     return _text(table)
 
 
-def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
-    """What tells a scenario from the others, approach speed at least: "0.1 m/s, misalignment 0.02 rad"."""
-    label = f"{float(scenario.approach_speed):g} m/s"
-    for name in ("contact_distance", "misalignment", "passive_rate"):
-        if len({float(getattr(other, name)) for other in among}) > 1:
-            label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
-    return label
-
-
 def sensitivity_table(result: "Sensitivity") -> str:
-    """Elasticities and gradients of every quantity, and the certificate."""
+    """Elasticities of every quantity (derivatives of those that can change sign), gradients and the certificate."""
     units = [_parameter_unit(result.capture, path) for path in result.paths]
+    signed = [is_signed(name) for name in result.quantities]
+
+    def slope(i: int, k: int) -> str:
+        return f"{result.gradients[i, k]:+.5g} {per(quantity_unit(result.quantities[i]), units[k])}"
+
     elastic = _table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
-    elastic.add_column("parameter")
-    for name, value in zip(result.quantities, result.results, strict=True):
-        elastic.add_column(f"{name}\n{value:.5g} {quantity_unit(name)}", justify="right")
-    for k, path in enumerate(result.paths):
-        elastic.add_row(path, *(f"{e:+.4f}" for e in result.elasticities[:, k]))
+    _by_parameter(
+        elastic, result, np.flatnonzero(np.logical_not(signed)), lambda i, k: f"{result.elasticities[i, k]:+.4f}"
+    )
+    derivatives = _table("Derivatives of quantities that can change sign")
+    _by_parameter(derivatives, result, np.flatnonzero(signed), slope)
     main, certificate = result.quantities[0], result.certificate
     gradient = _table(f"Gradient of {main}")
     for heading in ("parameter", "value", "gradient", "estimated error"):
         gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
     for k, path in enumerate(result.paths):
         error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
-        slope = f"{result.gradients[0, k]:+.5g} {per(quantity_unit(main), units[k])}"
-        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope, error)
-    parts: list[str | Table] = [f"Sensitivity; {result.capture.outcome.reason}", elastic, gradient]
+        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope(0, k), error)
+    where = scenario_label(result.capture.scenario)
+    tables = ([] if all(signed) else [elastic]) + ([derivatives] if any(signed) else [])
+    parts: list[str | Table] = [f"Sensitivity at {where}; {result.capture.outcome.reason}", *tables, gradient]
     if certificate is not None:
         parts.append(certificate_text(certificate, result.quantities))
     if not result.capture.outcome.failed:
         parts.append(_first_impact(result.capture))
     return _text(*parts)
+
+
+def _by_parameter(table: Table, result: "Sensitivity", which: np.ndarray, cell: Callable[[int, int], str]) -> None:
+    """A column for each quantity in ``which``, a row for each parameter."""
+    table.add_column("parameter")
+    for i in which:
+        name = result.quantities[i]
+        table.add_column(f"{name}\n{result.results[i]:.5g} {quantity_unit(name)}", justify="right")
+    for k, path in enumerate(result.paths):
+        table.add_row(path, *(cell(i, k) for i in which))
 
 
 def certificate_text(certificate: "Certificate", quantities: Sequence[str]) -> str:
@@ -178,10 +221,25 @@ def tuned_table(tuned: "Tuned") -> str:
         f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures,"
         f" {tuned.screened} of them without derivatives",
     ]
+    facts += [f"outside the contact law's validity: {line}" for line in tuned_warnings(tuned)]
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
     return _text(f"Tuned: {tuned.message}", *tables, *facts)
+
+
+def tuned_warnings(tuned: "Tuned") -> list[str]:
+    """In how many scenarios the tuned design lies beyond what the contact law is good for, a line each reason."""
+    problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
+    found = [of_peaks(case.of(tuned.design), peak) for case, peak in zip(problem.cases, peaks, strict=True)]
+    lines = []
+    for beyond, what in (
+        (sum(bool(v.too_deep) for v in found), "the tip goes deeper into a flank than a tenth of its radius"),
+        (sum(bool(v.yields) for v in found), "the materials yield"),
+    ):
+        if beyond:
+            lines.append(f"{what} in {beyond} of {len(found)} scenarios")
+    return lines
 
 
 def _floor_facts(tuned: "Tuned") -> list[str]:

@@ -10,15 +10,16 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ._types import Scalar
-from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, Capture, simulate
+from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, ONE_CAPTURE, TOLERANCES, Capture, simulate
 from .certificate import Certificate, judge, peak_report
-from .errors import InputError, check_choice
+from .errors import InputError, check_choice, check_names, check_single
 from .evidence import CHECK_TOLERANCE as CHECK_TOLERANCE
 from .evidence import TightSolves, each, together
-from .integrate import Solver
-from .mechanisms import Design, Scenario, get, replace
+from .integrate import Solver, solver_named
+from .mechanisms import Design, Scenario, check_fit, get, replace
+from .mechanisms.design import POSITIVE
 from .programs import Static, kept
-from .quantities import IMPACT_UNITS, check_quantities, of_impact, value_of
+from .quantities import IMPACT_UNITS, check_quantities, is_signed, of_impact, value_of
 from .quantities import QUANTITIES as CATALOGUE
 
 PARAMETERS = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "probe.tip_mass")
@@ -31,8 +32,9 @@ class Sensitivity(eqx.Module):
     """Gradients of a capture's quantities with respect to design parameters. Print it for a table.
 
     ``paths`` and their ``values``; ``quantities`` and their ``results``; ``gradients`` (quantities, paths) in units of
-    quantity over parameter; ``elasticities`` d ln quantity / d ln parameter [-] (NaN where the quantity is zero);
-    ``certificate``: the estimated error of each, what the peak is and what comes next, and a verdict; None if not
+    quantity over parameter; ``elasticities`` d ln quantity / d ln parameter [-] (NaN where the quantity is zero, and of
+    quantities that can change sign, such as capture_margin: their gradients say more); ``certificate``: the estimated
+    error of each, what the peak is and what comes next, and a verdict; None if not
     asked for.
     """
 
@@ -59,7 +61,7 @@ def sensitivity(
     *,
     quantities: Sequence[str] = QUANTITIES,
     rtol: float = DEFAULT_TOLERANCE,
-    solver: Solver | None = None,
+    solver: Solver | str | None = None,
     certify: str = "quick",
 ) -> Sensitivity:
     """Simulate a capture and differentiate it.
@@ -72,15 +74,13 @@ def sensitivity(
     **Returns:** a `Sensitivity`. **Raises:** `InputError` for paths or names that are unknown or not numbers.
     """
     scenario = Scenario() if scenario is None else scenario
-    paths, names = tuple(wrt), check_quantities(tuple(quantities))
+    check_fit(design, scenario)
+    names = check_quantities(quantities)
+    paths, values = parameters(design, scenario, wrt)
     check_choice("certify", certify, CERTIFICATES)
-    if not paths:
-        raise InputError("wrt is empty; name at least one field to differentiate by, buffer.k_A say")
-    for path in paths:
-        value = _get(design, scenario, path)
-        if value is None or isinstance(value, (str, bool)):
-            raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
-    values = np.array([float(_get(design, scenario, path)) for path in paths])
+    check_single("duration", duration, "s", ONE_CAPTURE, **POSITIVE)
+    check_single("rtol", rtol, "-", ONE_CAPTURE, **TOLERANCES)
+    solver = None if solver is None else solver_named(solver)
 
     def gradients_at(rtol: float) -> tuple["Linearised", np.ndarray]:
         linear = linearised(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
@@ -91,7 +91,9 @@ def sensitivity(
     results = np.array([value_of(capture, name) for name in names])
     gradients = np.where(np.isfinite(results)[:, None], gradients, np.nan)
     nonzero = np.where(np.abs(results) < ZERO, np.nan, results)[:, None]
-    found = Sensitivity(capture, paths, values, names, results, gradients, gradients * values / nonzero, None)
+    signed = np.array([is_signed(name) for name in names])[:, None]
+    elasticities = np.where(signed, np.nan, gradients * values / nonzero)
+    found = Sensitivity(capture, paths, values, names, results, gradients, elasticities, None)
     if certify == "none":
         return found
     # Signed like elasticities, but finite where a parameter or a quantity is zero.
@@ -110,6 +112,18 @@ def sensitivity(
     peaks = peak_report(capture, np.asarray(linear.impact_gradients) * moves, paths)
     certificate = judge(capture, names, paths, gradients * moves / sizes, evidence, peaks)
     return eqx.tree_at(lambda s: s.certificate, found, certificate, is_leaf=lambda x: x is None)
+
+
+def parameters(design: Design, scenario: Scenario, wrt: Sequence[str]) -> tuple[tuple[str, ...], np.ndarray]:
+    """The dotted paths to differentiate by and their values (paths,). **Raises:** `InputError` for paths that are
+    unknown, no numbers or given twice."""
+    paths = check_names("wrt", wrt, "buffer.k_A")
+    for path in paths:
+        value = _get(design, scenario, path)
+        if value is None or isinstance(value, (str, bool)):
+            raise InputError(f"{path} = {value!r} is not a number that can be differentiated")
+        check_single(path, value, "", ONE_CAPTURE)
+    return paths, np.array([float(_get(design, scenario, path)) for path in paths])
 
 
 def _split(path: str) -> tuple[bool, str]:
@@ -150,7 +164,7 @@ class Linearised(eqx.Module):
         asked = of_impact(name)
         if asked is None:
             return np.asarray(self.gradients[list(CATALOGUE).index(name)])
-        present = asked.slot < int(self.capture.impact_count)
+        present = asked.slot < int(self.capture.impacts.count)
         return np.asarray(self.by_impact[asked.field][asked.slot]) * (1.0 if present else np.nan)
 
 

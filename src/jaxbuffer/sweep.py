@@ -15,13 +15,15 @@ import jax
 import numpy as np
 
 from ._types import Scalar
-from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, simulate
-from .errors import InputError
-from .integrate import Solver
+from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, TOLERANCES, simulate
+from .errors import InputError, as_number, check_number, check_single, check_whole
+from .integrate import Solver, solver_named
 from .mechanisms import Design, Scenario, check_fit
+from .mechanisms.design import POSITIVE
 from .outcome import Outcome
 
 CHUNK = 16
+ONE_FOR_ALL = "all captures of a sweep share it"
 QUANTITIES = (
     "code",
     "peak_force",
@@ -29,8 +31,11 @@ QUANTITIES = (
     "peak_flank",
     "peak_hinge_force",
     "peak_buffer_force",
+    "peak_stop_force",
     "stroke",
+    "stroke_margin",
     "hinge_angle",
+    "penetration",
     "end_time",
     "contact_time",
     "impact_count",
@@ -51,8 +56,11 @@ class Sweep(NamedTuple):
     peak_flank: np.ndarray
     peak_hinge_force: np.ndarray
     peak_buffer_force: np.ndarray
+    peak_stop_force: np.ndarray
     stroke: np.ndarray
+    stroke_margin: np.ndarray
     hinge_angle: np.ndarray
+    penetration: np.ndarray
     end_time: np.ndarray
     contact_time: np.ndarray
     impact_count: np.ndarray
@@ -85,7 +93,7 @@ def sweep(
     scenarios: Scenario,
     duration: Scalar = DEFAULT_DURATION,
     *,
-    solver: Solver | None = None,
+    solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
     workers: int | None = None,
@@ -103,14 +111,18 @@ def sweep(
     `KeyboardInterrupt` that has what was done, on Ctrl-C.
     """
     check_fit(design, scenarios)
-    leaves, structure = jax.tree.flatten((design, scenarios, duration))
+    check_number("duration", duration, "s", **POSITIVE)
+    check_single("rtol", rtol, "-", ONE_FOR_ALL, **TOLERANCES)
+    check_single("stabilisation", stabilisation, "1/s", ONE_FOR_ALL, low=0.0)
+    solver = None if solver is None else solver_named(solver)
+    if workers is not None:
+        check_whole("workers", workers, 1)
+    leaves, structure = jax.tree.flatten((design, scenarios, as_number(duration)))
     arrays = [np.asarray(leaf, float) for leaf in leaves]
     count = _common_length(structure, arrays)
     on_cpu = jax.default_backend() == "cpu"
     chunk = min(CHUNK if on_cpu else 4096, count)
     workers = (len(os.sched_getaffinity(0)) if on_cpu else 1) if workers is None else workers
-    if workers < 1:
-        raise InputError(f"workers = {workers}; it must be at least 1")
     result = Sweep(*(np.full(count, *((-1, int) if name in INTEGERS else (np.nan, float))) for name in QUANTITIES))
     finished = np.zeros(count, bool)
     options = (np.asarray(rtol, float), np.asarray(stabilisation, float), solver)

@@ -10,6 +10,7 @@ from .outcome import Outcome
 from .report import FLANKS, UNITS
 from .sweep import Sweep
 from .tables import table, text
+from .validity import validity
 
 SHOWN = 10  # captures that are listed of those that failed
 QUANTILES = {"least": 0.0, "10 %": 0.1, "median": 0.5, "90 %": 0.9, "greatest": 1.0}
@@ -55,7 +56,26 @@ def swept_summary(swept: Swept) -> str:
     parts.append(outcomes)
     if swept.solved.any():
         parts += [_spread(swept), *_extremes(swept)]
-    return text(*parts, *_failures(swept))
+    return text(*parts, *_beyond_validity(swept), *_failures(swept))
+
+
+def _beyond_validity(swept: Swept) -> list[str]:
+    """How many answers lie beyond what the contact law is good for, and the worst of them."""
+    found = swept.found
+    design, _ = swept.grid.applied(swept.design, swept.scenario)
+    share, lines = validity(design, found.penetration, found.peak_force), []
+    for values, beyond, what in (
+        (share.depth, share.too_deep, "the tip goes deeper into a flank than a tenth of its radius"),
+        (share.pressure, share.yields, "the materials yield"),
+    ):
+        count = int(np.sum(beyond & swept.solved))
+        if count:
+            worst = int(np.argmax(np.where(beyond & swept.solved, values, -np.inf)))
+            lines.append(
+                f"outside the contact law's validity: {count} captures, {what};"
+                f" by a factor of {values[worst]:.3g} at {swept.grid.point(worst)}"
+            )
+    return lines
 
 
 def _values(values: np.ndarray) -> str:

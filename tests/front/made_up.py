@@ -34,14 +34,15 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     inside = np.abs(time - at) < PULSE / 2
     force[inside, 1] = peak * np.cos(np.pi * (time[inside] - at) / PULSE)
     ramp = time / END
-    shares = (1.0 - ramp, 0.2 * ramp, 0 * ramp, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp, 0.2 * ramp)
+    nothing = 0 * ramp
+    shares = (1.0 - ramp, 0.2 * ramp, nothing, nothing, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp, 0.2 * ramp, nothing)
     energy = Energy(*(jnp.asarray(share) for share in shares))
     two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
     history = History(
         **{name: jnp.asarray(value) for name, value in {
             "time": time, "position": bodies, "velocity": bodies, "tip_spin": ramp, "multipliers": np.zeros((STEPS, 4)),
             "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force,
-            "friction_force": 0.3 * force, "hinge_force": force[:, 1], "buffer_force": 4 * ramp,
+            "friction_force": 0.3 * force, "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stop_force": 0 * ramp,
             "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp, "throat_distance": 0.03 * (1 - ramp),
         }.items()},
         energy=energy,
@@ -58,7 +59,8 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     return Capture(
         **{name: jnp.asarray(value) for name, value in {
             "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_flank": 1, "peak_impact": 0,
-            "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
+            "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
+            "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
             "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},
@@ -68,7 +70,8 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
         energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
-        log=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
+        _located=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
+        stabilisation=jnp.asarray(20.0),
         history=history,
     )  # fmt: skip
 

@@ -10,6 +10,7 @@ import pytest
 from jaxbuffer import InputError, Scenario, rigid_probe, simulate, table2
 from jaxbuffer.mechanisms import Design, check_fit, get, paths, replace, unit
 from jaxbuffer.mechanisms.design import Buffer, Contact
+from jaxbuffer.mechanisms.validity import valid
 
 OUT_OF_RANGE = [
     ("probe.tip_mass", -0.1, "probe.tip_mass = -0.1 kg is out of range; allowed: (0, inf) kg"),
@@ -55,7 +56,7 @@ def test_input_errors_are_value_errors():
     [
         ({"buffer.kA": 1.0}, "buffer.kA is unknown; did you mean buffer.k_A?"),
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
-        ({"zzz": 1.0}, "zzz is unknown"),
+        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact"),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (
             {"contact.memory": "evnt"},
@@ -71,17 +72,20 @@ def test_unknown_names_and_words(values, message):
     assert str(caught.value) == message
 
 
+OPTIONAL = ("buffer.max_stroke", "buffer.stop_stiffness", "contact.stiffness", "contact.yield_stress")
+
+
 @pytest.mark.parametrize("reader", [get, lambda design, path: replace(design, {path: 1.0})])
 def test_reading_and_writing_know_the_same_paths(reader):
     for path in paths(table2()):
-        assert get(table2(), path) is not None or path == "contact.stiffness"
+        assert get(table2(), path) is not None or path in OPTIONAL
     with pytest.raises(InputError, match=r"cone\.lenght is unknown; did you mean cone\.length\?"):
         reader(table2(), "cone.lenght")
 
 
 def test_every_number_declares_its_unit():
     numbers = [path for path in paths(table2()) if not isinstance(get(table2(), path), (str, bool))]
-    assert len(numbers) == 32
+    assert len(numbers) == 36
     assert all(unit(table2(), path) for path in numbers)
     assert unit(table2(), "buffer.c_T") == "N m s/rad"
     assert unit(table2(), "buffer.damping") == ""
@@ -203,3 +207,74 @@ def test_rigid_probe_differs_in_the_buffer_only():
     changed = {path for path in paths(plain) if get(rigid, path) != get(plain, path)}
     assert changed == {"buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T"}
     assert rigid.buffer.k_A == 1e10
+
+
+def gap_to_the_other_flank(design, scenario):
+    """Distance of the tip from the upper flank at the start [m], rims included, from the model's sections 4 and 6: the
+    flank sampled point by point, everything turned by the misalignment."""
+    cone, radius, b = design.cone, design.probe.tip_radius, scenario.contact_distance
+    sine, cosine = math.sin(cone.half_angle), math.cos(cone.half_angle)
+    centre = np.array([-cone.offset - b * cosine - radius * sine, -cone.throat_radius - b * sine + radius * cosine])
+    slant = np.linspace(0.0, cone.length, 20001)[:, None]
+    flank = np.array([-cone.offset, cone.throat_radius]) + slant * np.array([-cosine, sine])
+    turn = np.array(
+        [
+            [math.cos(scenario.misalignment), -math.sin(scenario.misalignment)],
+            [math.sin(scenario.misalignment), math.cos(scenario.misalignment)],
+        ]
+    )
+    return np.min(np.linalg.norm(flank @ turn.T - turn @ centre, axis=1)) - radius
+
+
+def test_a_start_in_the_other_flank_is_refused_wherever_it_is():
+    """300 random cones, tips and contacts: refused exactly where the sampled flank is nearer than the tip's radius."""
+    random, refused, accepted = np.random.default_rng(16), 0, 0
+    while refused < 100 or accepted < 200:
+        angle, throat, length = random.uniform(0.05, 1.5), random.uniform(0.002, 0.05), random.uniform(0.02, 0.2)
+        radius = random.uniform(0.05, 0.99) * (throat + length * math.sin(angle))
+        contact = random.uniform(0.01, 1.0) * length
+        limit = 0.9 * min(angle, math.pi / 2 - angle)
+        design = replace(
+            table2(),
+            {
+                "cone.half_angle": angle,
+                "cone.throat_radius": throat,
+                "cone.length": length,
+                "probe.tip_radius": radius,
+            },
+        )
+        scenario = Scenario(contact_distance=contact, misalignment=random.uniform(-limit, limit))
+        gap = gap_to_the_other_flank(design, scenario)
+        if abs(gap) < 1e-5:  # m, what sampling the flank leaves open
+            continue
+        try:
+            check_fit(design, scenario)
+            accepted += 1
+            assert gap > 0.0
+        except InputError as error:
+            refused += 1
+            assert gap < 0.0 and "the other flank" in str(error)
+
+
+def test_the_least_contact_distance_is_where_both_flanks_are_touched():
+    """(R cos β - R_c)/sin β of a tip of 35 mm: there the gap to the other flank is zero."""
+    design = replace(table2(), {"probe.tip_radius": 0.035})
+    least = (0.035 * math.cos(math.pi / 4) - 0.015) / math.sin(math.pi / 4)
+    assert abs(gap_to_the_other_flank(design, Scenario(contact_distance=least))) < 1e-9
+    check_fit(design, Scenario(contact_distance=1.0001 * least))
+    with pytest.raises(InputError, match=r"contact_distance = 0\.0137854 m .* allowed: \(0\.0137868, 0\.0735\] m"):
+        check_fit(design, Scenario(contact_distance=0.9999 * least))
+
+
+def test_each_scenario_of_many_meets_its_own_design():
+    wide = replace(table2(), {"cone.length": [0.05, 0.08], "probe.tip_radius": [0.015, 0.035]})
+    check_fit(wide, Scenario(contact_distance=[0.045, 0.07]))
+    with pytest.raises(InputError, match=r"0\.07 m is out of range; allowed: \(0, 0\.05\] m"):
+        check_fit(wide, Scenario(contact_distance=[0.07, 0.045]))
+    with pytest.raises(InputError, match=r"0\.01 m is out of range; allowed: \(0\.0137868, 0\.08\] m"):
+        check_fit(wide, Scenario(contact_distance=0.01))
+
+
+def test_inside_compiled_code_the_start_in_the_other_flank_is_seen_too():
+    seen = jax.jit(lambda radius, b: valid(replace(table2(), {"probe.tip_radius": radius}), Scenario(0.1, b)))
+    assert bool(seen(0.035, 0.02)) and not bool(seen(0.035, 0.01))

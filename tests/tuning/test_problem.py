@@ -62,7 +62,7 @@ def test_grid_and_sample():
 BAD = [
     ({"scenarios": []}, "scenarios is empty"),
     ({"variables": []}, "variables is empty"),
-    ({"variables": [Variable("buffer.k_A", 600.0, 2000.0)]}, r"buffer\.k_A = 500 N/m .*\[600, 2000\] N/m"),
+    ({"variables": [Variable("buffer.k_A", 600.0, 2000.0)]}, r"the start, buffer\.k_A = 500 N/m, .*\[600, 2000\] N/m"),
     ({"variables": [Variable("buffer.k_A", 2000.0, 100.0)]}, r"high bound = 100 N/m .*\(2000, inf\)"),
     ({"variables": [Variable("buffer.k_A", 0.0, 900.0)]}, r"low bound = 0 N/m .*\(0, inf\)"),
     ({"variables": [Variable("contact.restitution", 0.5, 1.5)]}, r"contact\.restitution = 1\.5 .*\(0, 1\]"),
@@ -71,9 +71,18 @@ BAD = [
     ({"variables": [Variable("buffer.damping", 1.0, 2.0)]}, "not a number that can be tuned"),
     ({"variables": [Variable("contact.stiffness", 1e9, 1e10)]}, "not a number that can be tuned"),
     ({"variables": [dataclasses.replace(K, scale="cubic")]}, "scale = 'cubic' is unknown"),
-    ({"scenarios": [Scenario(), Scenario(contact_distance=0.08)]}, r"scenario 2: scenario\.contact_distance = 0\.08 m"),
-    ({"scenarios": [Case(Scenario(), (("buffer.k_B", 1.1),))]}, r"scenario 1: buffer\.k_B is unknown"),
-    ({"scenarios": [Case(Scenario(), (("contact.restitution", 1.2),))]}, r"scenario 1: contact\.restitution = 1\.08"),
+    (
+        {"scenarios": [Scenario(), Scenario(contact_distance=0.08)]},
+        r"scenario 2 \(0\.1 m/s, 0°, .*\): scenario\.contact_distance = 0\.08 m",
+    ),
+    (
+        {"scenarios": [Case(Scenario(), (("buffer.k_B", 1.1),))]},
+        r"1 \(0\.1 m/s, 0°, 1\.1 buffer\.k_B\): buffer\.k_B is unknown",
+    ),
+    (
+        {"scenarios": [Case(Scenario(), (("contact.restitution", 1.2),))]},
+        r"1 \(0\.1 m/s, 0°, 1\.2 contact\.restitution\): contact\.restitution = 1\.08",
+    ),
     ({"duration": 0.0}, "duration = 0 s"),
 ]
 

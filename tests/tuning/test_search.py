@@ -88,7 +88,7 @@ def test_an_infeasible_start_is_led_back(solve):
     distance = lambda x: 1.0 + ((x[0] - SHIFT - 2) ** 2 + (x[1] - SHIFT - 2) ** 2)  # noqa: E731
     stated = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT - 4, SHIFT + 1])
     tuned, _ = solve(stated, [[distance]], margin=circle)
-    assert tuned.goal.broken(tuned.before) == ["scenario 1: not captured (margin -15)"]
+    assert tuned.goal.broken(tuned.before) == ["0.1 m/s, 0°: not captured (margin -15)"]
     assert tuned.converged and tuned.feasible
     assert values(tuned) == pytest.approx([1.0, 1.0], abs=3e-3)
 
@@ -97,7 +97,7 @@ def test_limits_that_can_not_be_met_are_named(solve):
     stated = problem([SHIFT] * 2, [SHIFT + 1] * 2, [SHIFT + 0.5] * 2, limits=Limits(at_most={"stroke": 1.0}))
     tuned, _ = solve(stated, [[lambda x: x[0]]], {"stroke": lambda x: x[0] + x[1]})
     assert not tuned.feasible and not tuned.converged
-    assert "scenario 1: stroke 20 m is above 1 m" in tuned.message
+    assert "0.1 m/s, 0°: stroke 20 m is above 1 m" in tuned.message
 
 
 @pytest.mark.parametrize(("over", "expected"), [("worst", 0.0), ("mean", -1.0 / 3.0), ("cvar", 0.0)])

@@ -7,11 +7,15 @@ import typer
 
 from .exits import OK, fail
 from .laws import laws
-from .overrides import WITH_QUANTITIES
+from .overrides import WITH_QUANTITIES, Plain
 from .report import report
 from .reproduce import reproduce
 from .request import Request, given, verb, wrote
 from .sweep import sweep
+
+ScenarioNumber = Annotated[
+    str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
+]
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -64,7 +68,7 @@ def root(
 
 
 @verb(app, "One capture: peak forces, stroke, hinge angle, energies.")
-def simulate(request: Request) -> int:
+def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """Simulate one capture and print its peak forces, stroke, hinge angle and energies.
 
     \b
@@ -77,7 +81,7 @@ def simulate(request: Request) -> int:
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
-    study = request.study()
+    study = request.one_scenario(scenario_number)
     files = request.files("capture.json", "history.csv", "capture.png", "capture.txt")
     from ..capture import simulate as compute
     from .progress import COMPILING, working
@@ -131,6 +135,7 @@ def sensitivity(
     certify: Annotated[
         str, typer.Option(metavar="HOW", help="quick (default), thorough (a difference a parameter) or none.")
     ] = "quick",
+    scenario_number: ScenarioNumber = None,
 ) -> int:
     """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
     quantity below.
@@ -148,22 +153,23 @@ def sensitivity(
       jaxbuffer sensitivity study.toml --wrt buffer.k_A --wrt probe.tip_mass
       jaxbuffer sensitivity --of peak_force --of impact.1.peak_force --of capture_margin --certify thorough
     """
-    study = request.study()
+    study = request.one_scenario(scenario_number)
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..errors import check_choice
     from ..quantities import check_quantities
-    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES
+    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES, parameters
     from ..sensitivity import sensitivity as compute
     from .progress import COMPILING, working
 
     check_choice("certify", certify, CERTIFICATES)
-    options, names = study.options, check_quantities(tuple(of or QUANTITIES))
+    options, names = study.options, check_quantities(of or QUANTITIES)
+    paths, _ = parameters(study.design, study.scenario, wrt or PARAMETERS)
     result = working(
         f"differentiating; {COMPILING}",
         lambda: compute(
             study.design,
             study.scenario,
-            tuple(wrt or PARAMETERS),
+            paths,
             options.duration,
             quantities=names,
             rtol=options.rtol,
@@ -193,9 +199,9 @@ def sensitivity(
 @verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))
 def tune(
     request: Request,
-    iterations: Annotated[int | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
-    starts: Annotated[int | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
-    seed: Annotated[int | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
+    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
+    seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
 ) -> int:
     """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
@@ -215,9 +221,13 @@ def tune(
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
     """
+    from ..config import apply_options
+    from ..grid import check_swept_once
+
     study = request.study()
     chosen = given(iterations=iterations, starts=starts, seed=seed)
-    study = dataclasses.replace(study, tuning=dataclasses.replace(study.tuning, **chosen))
+    study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
+    check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
     names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt", *_RUN_FILES)
     files = dataclasses.replace(request, force=request.force or resume).files(*names)
@@ -252,5 +262,5 @@ _RUN_FILES = ("log.jsonl", "state.npz")
 
 verb(app, "Many captures: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
-app.command(short_help="Print again what a folder of results holds.")(report)
-app.command(short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)
+app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)
+app.command(cls=Plain, short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)

@@ -5,14 +5,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..errors import check_number
 from .exits import OK
 from .request import Request, wrote
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
 
-Mass = Annotated[float | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
-Speed = Annotated[float | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
+Mass = Annotated[str | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
+Speed = Annotated[str | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
 
 
 def laws(
@@ -36,7 +37,9 @@ def laws(
     files = request.files("laws.csv", "laws.png")
     from ..comparison import compare_laws
 
-    comparison = compare_laws(study.design, study.scenario, mass=mass, speed=speed)
+    comparison = compare_laws(
+        study.design, study.scenario, mass=_number("--mass", mass, "kg"), speed=_number("--speed", speed, "m/s")
+    )
     typer.echo(repr(comparison))
     if request.output is not None:
         from ..laws_plot import laws_figure
@@ -49,6 +52,18 @@ def laws(
         }
         wrote(files.write(contents))
     return OK
+
+
+def _number(option: str, text: str | None, unit: str) -> float | None:
+    """What was typed as a number above 0."""
+    if text is None:
+        return None
+    try:
+        value: Any = float(text)
+    except ValueError:
+        value = text
+    check_number(option, value, unit, low=0.0, low_open=True)
+    return value
 
 
 def _rows(comparison: "Comparison") -> tuple[list[str], list[Sequence[Any]]]:

@@ -1,6 +1,6 @@
 """Design and scenario fields as command line options: ``--buffer.k_A 800`` or ``--buffer.k_A=800``."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from typer import Context
 from typer.core import TyperCommand
@@ -14,6 +14,8 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
   passive   mass [kg], inertia [kg m²]
   buffer    k_A [N/m], c_A [N s/m], k_T [N m/rad], c_T [N m s/rad],
             free_length [m], cylinder_mass [kg], cylinder_length [m],
+            max_stroke [m] (default: free_length), stop_stiffness [N/m]
+            (default: no end stop), stop_damping [N s/m],
             damping (physical, published)
   probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
             free_tip (true, false)
@@ -21,6 +23,7 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
             slip_speed [m/s], young_modulus [Pa], poisson_ratio [-],
+            yield_stress [Pa] (default: not checked),
             linear_stiffness [N/m], damping [N s/m], exponent [-],
             ramp_depth [m], onset_length [m], memory_time [s],
             memory (event, smooth), arms (moving, published)
@@ -35,8 +38,10 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
   peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
-  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end
-  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], dissipated [J]
+  capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
+  stroke_margin [m]    stroke left before the buffer's end
+  peak_stop_force [N], penetration [m], contact_pressure [Pa]
+  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J], dissipated [J]
   effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
   impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s]
 
@@ -45,7 +50,16 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
 )
 
 
-class Command(TyperCommand):
+class Plain(TyperCommand):
+    """A command that takes each option once, unless it is repeatable, and no empty words."""
+
+    def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
+        """Check the words, then parse them."""
+        check_words(args, [name for it in self.params if getattr(it, "multiple", False) for name in it.opts])
+        return super().parse_args(ctx, args)
+
+
+class Command(Plain):
     """A command that sets dotted options aside, as text, in the context's ``obj``.
 
     They are taken out before the parser sees them: to it their values would look like the CONFIG argument.
@@ -57,9 +71,21 @@ class Command(TyperCommand):
         return super().parse_args(ctx, rest)
 
 
+def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
+    """Raise `InputError` for an option given twice that is not ``repeatable``, and for an empty word."""
+    seen = [word.partition("=")[0] for word in words if word.startswith("--")]
+    for name in seen:
+        if name not in repeatable and seen.count(name) > 1:
+            raise InputError(f"{name} is given twice; keep one")
+    for before, word in zip(["an argument", *words], words, strict=False):
+        if not word or (word.startswith("--") and word.endswith("=")):
+            name = word.rstrip("=") or (before if before.startswith("--") else "an argument")
+            raise InputError(f"{name} is empty; give it a value or leave it out")
+
+
 def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     """Ordinary arguments, and the dotted options with their values."""
-    rest, overrides = [], {}
+    rest, overrides = list[str](), dict[str, str]()
     words = iter(arguments)
     for word in words:
         name, equals, value = word.partition("=")
@@ -70,6 +96,8 @@ def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
             given = value if equals else next(words, "--")
             if given.startswith("--"):
                 raise InputError(f"{path} needs a value: --{path} VALUE")
+            if path in overrides:
+                raise InputError(f"--{path} is given twice, as {overrides[path]} and as {given}; keep one")
             overrides[path] = given
         else:
             rest.append(word)

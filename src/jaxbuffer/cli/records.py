@@ -15,8 +15,9 @@ from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import get, paths, unit
 from ..outcome import Outcome
 from ..quantities import quantity_unit
-from ..report import FLANKS, SHOWN, UNITS, per, scenario_label
+from ..report import FLANKS, SHOWN, UNITS, per, scenario_label, tuned_warnings
 from ..tuning.problem import QUANTITIES
+from ..validity import warnings
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -34,6 +35,7 @@ HISTORY_UNITS = {
     "friction_force": "N",
     "hinge_force": "N",
     "buffer_force": "N",
+    "stop_force": "N",
     "stroke": "m",
     "hinge_angle": "rad",
     "throat_distance": "m",
@@ -43,7 +45,18 @@ COORDINATES = {
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
 }
 MULTIPLIER_UNITS = ("N", "N", "N m", "N")
-ENERGIES = ("kinetic", "spring", "contact", "axial_damper", "torsional_damper", "hysteresis", "friction", "total")
+ENERGIES = (
+    "kinetic",
+    "spring",
+    "contact",
+    "stop",
+    "axial_damper",
+    "torsional_damper",
+    "hysteresis",
+    "friction",
+    "stop_damper",
+    "total",
+)
 
 
 def version() -> str:
@@ -61,6 +74,7 @@ def capture_record(capture: Capture) -> dict[str, Any]:
     return {
         "outcome": capture.outcome.name,
         **{f"{name} [{symbol}]": _number(getattr(capture, name)) for name, symbol in UNITS.items()},
+        "outside_validity": warnings(capture),
         "peak_flank": FLANKS[int(capture.peak_flank)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
@@ -223,6 +237,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "converged": tuned.converged,
         "feasible": tuned.feasible,
         "broken": tuned.goal.broken(tuned.after),
+        "outside_validity": tuned_warnings(tuned),
         "objective": str(problem.objective),
         "objective_before [N]": _number(start),
         "objective_after [N]": _number(end),

@@ -20,8 +20,8 @@ SHARED = {
     "solver": Annotated[
         str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.", show_default=False)
     ],
-    "rtol": Annotated[float | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
-    "duration": Annotated[float | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
+    "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
+    "duration": Annotated[str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
 }
@@ -29,13 +29,13 @@ SHARED = {
 
 @dataclasses.dataclass(frozen=True)
 class Request:
-    """One call of a command. ``fields``: design and scenario fields set on the command line, as text by dotted path."""
+    """One call of a command, options as typed. ``fields``: design and scenario fields by dotted path."""
 
     fields: dict[str, str]
     config: Path | None = None
     solver: str | None = None
-    rtol: float | None = None
-    duration: float | None = None
+    rtol: str | None = None
+    duration: str | None = None
     output: Path | None = None
     force: bool = False
 
@@ -44,11 +44,21 @@ class Request:
         from ..runtime import configure
 
         configure(cache=cache_folder())
-        from ..config import apply_overrides, load
+        from ..config import apply_options, apply_overrides, load
 
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
-        return dataclasses.replace(study, options=dataclasses.replace(study.options, **options))
+        return dataclasses.replace(study, options=apply_options(study.options, options))
+
+    def one_scenario(self, number: str | None) -> "Config":
+        """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
+        or that of [scenario], which a line on stderr says where there are several."""
+        from ..config import chosen_scenario
+
+        study, note = chosen_scenario(self.study(), number)
+        if note:
+            typer.echo(f"note: {note}", err=True)
+        return study
 
     def files(self, *names: str) -> "Output":
         """Files to write later; everything that can go wrong with it is found now, before computing them."""

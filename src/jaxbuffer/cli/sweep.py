@@ -43,11 +43,13 @@ def sweep(request: Request, over: Over = None) -> int:
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
+    from ..grid import check_swept_once
     from .output import ARRAYS, csv_text
     from .sweep_files import FIGURE, TABLE, arrays, rows
 
     study = request.study()
     grid = _grid(study, over or [])
+    check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     design, scenarios = grid.applied(study.design, study.scenario)
     files = request.files(TABLE, ARRAYS, FIGURE)
     import numpy as np

@@ -3,6 +3,7 @@
 from .friction import RegularisedCoulomb as RegularisedCoulomb
 from .laws import LAWS as LAWS
 from .laws import ContactLaw as ContactLaw
+from .laws import KelvinVoigt as KelvinVoigt
 from .laws import LankaraniNikravesh as LankaraniNikravesh
 from .laws import contact_law as contact_law
 from .laws import hertz_stiffness as hertz_stiffness

@@ -25,7 +25,7 @@ class Status(enum.IntEnum):
     TOO_MANY_STEPS = 101
     STEP_TOO_SMALL = 102
     NOT_FINITE = 103
-    LOG_FULL = 104
+    INPUT = 104
 
 
 class Place(NamedTuple):
@@ -62,8 +62,8 @@ class Progress(NamedTuple):
     steps: Steps
 
 
-def begin(task: Task[P]) -> Progress:
-    """The loop's first state. A run may start in contact: that is its first touchdown.
+def begin(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Progress:
+    """The loop's first state; over at once unless ``allowed``. A run may start in contact: that is its first touchdown.
 
     Derivatives and guards are still unknown: the loop's first step has length zero and finds them, which spares
     compiling the right-hand side twice. So does the step after a touchdown at which the rate jumps, and, with
@@ -79,9 +79,10 @@ def begin(task: Task[P]) -> Progress:
     first_step = options.tolerance.first_step(task.lanes.count) * system.impact_step(start[0])
     pace = Pace.of(jnp.minimum(first_step, task.duration), len(options.solver.methods))
     place = Place(zero, start, jnp.zeros_like(start), guards)
+    status = jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE)
     for contact in range(contacts):
         closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
-        log = log.append(closed, kind, jnp.asarray(contact), zero, highest, one, active, start, place.rate)
+        log = log.append(closed, kind, jnp.asarray(contact), zero, highest, one, active, start, place.rate, closed)
     return Progress(
         at=place,
         ahead=place,
@@ -94,10 +95,10 @@ def begin(task: Task[P]) -> Progress:
         landing=Landing.none(),
         whole=jnp.asarray(False),
         renew=jnp.asarray(True),
-        status=jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE),
+        status=status if allowed is None else jnp.where(allowed, status, Status.INPUT),
         attempts=jnp.asarray(0),
         log=log,
-        steps=Steps.empty(options.keep, start[0], contacts),
+        steps=Steps.empty(options.keep, start, contacts),
     )
 
 

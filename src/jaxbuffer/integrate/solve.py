@@ -12,10 +12,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax.custom_batching import sequential_vmap
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
+from ..errors import InputError
 from ..mechanisms.hybrid import HybridSystem
 from .lanes import Lanes, through
+from .moving import moving
 from .options import Options
 from .run import Result, run
 
@@ -26,36 +28,72 @@ EVENT_TIME = 1e-12
 SHORTFALL = 1e-12
 
 
+SECOND = (
+    "second derivatives are not offered: a run can't be differentiated twice (jax.hessian, or jax.grad of jax.grad); "
+    "take differences of first derivatives instead, of jb.sensitivity(...).gradients say"
+)
+FIXED = (
+    "a run can't be differentiated by its duration, rtol or atol, only by numbers of its design and scenario; "
+    "wrap them in jax.lax.stop_gradient where they are computed from those"
+)
+
+
 def solve(
-    build: Callable[..., HybridSystem], parameters: Any, duration: Float[Array, ""] | float, options: Options
+    build: Callable[..., HybridSystem],
+    parameters: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
 ) -> Result:
     """Run the system that ``build(*parameters)`` assembles; differentiable in the arrays of ``parameters``.
 
+    **Arguments:** ``duration`` [s]; ``options``; ``allowed``: whether the parameters are in range (default: they are);
+    where not, the run takes no step and ends with `Status.INPUT`.
+
     **Returns:** a `Result` whose ``log.rows`` and ``log.rates`` have one row, the state at each event and its rate.
-    Their tangents are derivatives at the event's *fixed* time; an event's own time shifts by -guard/guard_rate (see
-    `Log`).
+    Events move with the parameters, and derivatives of the log go with them (`moving`). Those of ``steps`` are at
+    their fixed times.
     """
-    return _solve(
-        parameters, build, jax.lax.stop_gradient(jnp.asarray(duration, float)), jax.lax.stop_gradient(options)
-    )
+    result = solve_at_fixed_times(build, parameters, duration, options, allowed)
+    return result._replace(log=moving(result.log, parameters, build))
+
+
+def solve_at_fixed_times(
+    build: Callable[..., HybridSystem],
+    parameters: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> Result:
+    """`solve` whose derivatives of ``log.rows`` and ``log.rates`` are at the events' fixed times; an event's own time
+    shifts by -guard/guard_rate (see `Log`). Nothing else in the log has derivatives."""
+    return _solve(parameters, build, jnp.asarray(duration, float), options, allowed)
 
 
 @eqx.filter_custom_jvp
-def _solve(parameters: Any, build: Callable[..., HybridSystem], duration: Array, options: Options) -> Result:
-    return _per_lane(lambda p, d, o: run(lambda system: system, Lanes(build(*p)), d, o), parameters, duration, options)
+def _solve(
+    parameters: Any, build: Callable[..., HybridSystem], duration: Array, options: Options, allowed: Array | None
+) -> Result:
+    def alone(parameters: Any, *others: Any) -> Result:
+        return run(lambda system: system, Lanes(build(*parameters)), *others)
+
+    return _per_lane(alone, parameters, duration, options, allowed)
 
 
 @_solve.def_jvp
 def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
-    parameters, build, duration, options = primals
+    parameters, build, duration, options, allowed = primals
+    if jax.tree.leaves(tangents[2:]):
+        raise InputError(FIXED)
     leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
+    leaves = [_once(leaf) if eqx.is_inexact_array(leaf) else leaf for leaf in leaves]
     options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
     # Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a tolerance.
     sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
 
-    def with_rows(leaves: list[Array], sizes: list[Array], duration: Array, options: Options) -> Result:
+    def with_rows(leaves: list[Array], sizes: list[Array], *others: Any) -> Result:
         def assembled(values: list[Array]) -> HybridSystem:
             filled = list(leaves)
             for i, value in zip(chosen, values, strict=True):
@@ -63,20 +101,37 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
             return build(*jax.tree.unflatten(structure, filled))
 
         directions = [jnp.zeros(len(chosen)).at[k].set(size) for k, size in enumerate(sizes)]
-        return run(*through(assembled, [leaves[i] for i in chosen], directions), duration, options)
+        return run(*through(assembled, [leaves[i] for i in chosen], directions), *others)
 
-    result = _per_lane(with_rows, leaves, sizes, duration, options)
+    result = _per_lane(with_rows, leaves, sizes, duration, options, allowed)
     shares = [moves[i] / size for i, size in zip(chosen, sizes, strict=True)]
 
     def moved(rows: Array) -> Array:
         return sum(rows[:, 1 + k, None] * share for k, share in enumerate(shares))
 
-    def of(result: Result, rows: Array, rates: Array) -> Result:
-        return result._replace(log=dataclasses.replace(result.log, rows=rows, rates=rates))
+    def of(result: Result, rows: Callable[[Array], Any]) -> Result:
+        log, steps = result.log, result.steps
+        log = dataclasses.replace(log, rows=rows(log.rows), rates=rows(log.rates))
+        return result._replace(log=log, steps=dataclasses.replace(steps, rows=rows(steps.rows)))
 
-    log = result.log
-    value = of(result, log.rows[:, :1], log.rates[:, :1])
-    return value, of(jax.tree.map(lambda _: None, value), moved(log.rows), moved(log.rates))
+    value = of(result, lambda rows: rows[:, :1])
+    none = jax.tree.map(lambda _: None, value)
+    change = of(result, moved)
+    return value, none._replace(
+        log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
+        steps=dataclasses.replace(none.steps, rows=change.steps.rows if options.keep else None),
+    )
+
+
+@jax.custom_jvp
+def _once(number: Array) -> Array:
+    """The number; an error where a derivative of a derivative is taken."""
+    return number
+
+
+@_once.defjvp
+def _once_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    raise InputError(SECOND)
 
 
 def _is_none(x: Any) -> bool:

@@ -1,11 +1,15 @@
 """What takes a step: an explicit method, an implicit one, or whichever gets further for its cost."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import diffrax
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
+from ..errors import check_choice
 from ..mechanisms.hybrid import Linearisation
 from . import methods, stages
 from .dop853 import DOP853
@@ -128,3 +132,18 @@ class Automatic(Solver):
         if not stiff.rank:
             return super().suited(stiff, step)
         return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)
+
+
+SOLVERS: Mapping[str, type[Solver]] = {
+    "automatic": Automatic,
+    "implicit": DiagonallyImplicit,
+    "explicit": ExplicitRungeKutta,
+}
+
+
+def solver_named(solver: Any) -> Solver:
+    """The solver of a name in `SOLVERS`; a solver itself stays as it is. **Raises:** `InputError` for all else."""
+    if isinstance(solver, Solver):
+        return solver
+    check_choice("solver", solver, SOLVERS)
+    return SOLVERS[solver]()

@@ -8,6 +8,7 @@ from .design import rigid_probe as rigid_probe
 from .design import table2 as table2
 from .hybrid import HybridSystem as HybridSystem
 from .hybrid import Linearisation as Linearisation
+from .label import scenario_label as scenario_label
 from .paths import get as get
 from .paths import paths as paths
 from .paths import replace as replace

@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..contact import BallOnSegments, RegularisedCoulomb, Segment, contact_law
+from ..contact import BallOnSegments, KelvinVoigt, RegularisedCoulomb, Segment, contact_law
 from ..multibody import AxialSpringDamper, Body, Prismatic, Revolute, System, TorsionalSpringDamper, Vector
 from .design import Design, Scenario
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 N = 12  # coordinates
 LOWER, UPPER = 0, 1  # flanks
+FLANKS = 2
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
 
 
@@ -66,6 +67,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
                 stiffness=design.buffer.k_A,
                 damping=design.buffer.c_A,
                 free_length=design.buffer.free_length,
+                guide=(1.0, 0.0),
                 published_damping=design.buffer.damping == "published",
             ),
             TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),
@@ -100,6 +102,13 @@ def assemble_contact(design: Design) -> BallOnSegments:
         law=contact_law(contact.law, numbers),
         friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
     )
+
+
+def end_stop(design: Design) -> KelvinVoigt | None:
+    """The force of the buffer's end stop, F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m; None
+    without a stop (the model's section 10)."""
+    stiffness = design.buffer.stop_stiffness
+    return None if stiffness is None else KelvinVoigt(stiffness, design.buffer.stop_damping)
 
 
 def start_motion(

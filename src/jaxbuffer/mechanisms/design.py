@@ -2,14 +2,24 @@
 
 import dataclasses
 import math
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import equinox as eqx
 import numpy as np
 
 from .._types import Scalar
 from ..contact import LAWS, hertz_stiffness
-from ..errors import InputError, check_choice, check_number, concrete
+from ..errors import (
+    InputError,
+    as_number,
+    check_choice,
+    check_entries,
+    check_flag,
+    check_number,
+    check_type,
+    concrete,
+    same_shape,
+)
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
@@ -19,8 +29,8 @@ HERTZ_EXPONENT = 1.5  # -
 
 
 def number(default: float | None, unit: str, **limits: Any) -> Any:
-    """A differentiable field with its unit and allowed range."""
-    return eqx.field(default=default, metadata={"unit": unit, "limits": limits})
+    """A differentiable field with its unit and allowed range; lists of numbers become arrays."""
+    return eqx.field(default=default, converter=as_number, metadata={"unit": unit, "limits": limits})
 
 
 def choice(default: str, *options: str) -> Any:
@@ -44,10 +54,16 @@ class Part(eqx.Module):
             if "choices" in field.metadata:
                 check_choice(path, value, field.metadata["choices"])
             elif "flag" in field.metadata:
-                if not isinstance(value, bool):
-                    raise InputError(f"{path} = {value!r} must be true or false")
-            elif "unit" in field.metadata and not (value is None and field.default is None):
-                check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+                check_flag(path, value)
+            elif "unit" in field.metadata:
+                if value is not None or field.default is not None:
+                    check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+            elif isinstance(field.default, Part):
+                check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
+        self.check_together()
+
+    def check_together(self) -> None:
+        """Raise `InputError` where fields, each good in itself, don't go together."""
 
 
 class Active(Part):
@@ -68,8 +84,11 @@ class Passive(Part):
 
 
 class Buffer(Part):
-    """Axial and torsional spring-dampers, and the cylinder between them.
+    """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
 
+    ``max_stroke``: stroke at which the buffer is at its end (None: ``free_length``, where the spring's ends meet). A
+    run that gets there ends as "bottomed", unless ``stop_stiffness`` is given: an end stop then pushes the probe out
+    again with F_s = max(0, k_s (s - s_m) + c_s ṡ) while the stroke s exceeds s_m; only ``free_length`` ends that run.
     ``damping``: "physical" damps L̇; "published" damps the whole rate of D, the paper's eq. 10, which does not conserve
     angular momentum.
     """
@@ -82,7 +101,28 @@ class Buffer(Part):
     free_length: Scalar = number(0.1365, "m", **POSITIVE)
     cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE)
     cylinder_length: Scalar = number(0.1365, "m", **POSITIVE)
+    max_stroke: Scalar | None = number(None, "m", **POSITIVE)
+    stop_stiffness: Scalar | None = number(None, "N/m", **POSITIVE)
+    stop_damping: Scalar = number(0.0, "N s/m", **NON_NEGATIVE)
     damping: str = choice("physical", "physical", "published")
+
+    def check_together(self) -> None:
+        if self.max_stroke is not None:
+            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, self.free_length, high_open=False)
+        damping = concrete(self.stop_damping)
+        if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
+            shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+            raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
+
+    @property
+    def end(self) -> Scalar:
+        """The stroke at which the buffer, or its end stop if there is one, begins to be at its end [m]."""
+        return self.free_length if self.max_stroke is None else self.max_stroke
+
+    @property
+    def longest_stroke(self) -> Scalar:
+        """The stroke that ends a run as "bottomed" [m]: an end stop lets the spring's ends meet."""
+        return self.end if self.stop_stiffness is None else self.free_length
 
 
 class Probe(Part):
@@ -114,6 +154,7 @@ class Contact(Part):
     ``exponent``, ``damping`` and ``ramp_depth``. Their defaults are as stiff and as lossy as Table 2's law at the depth
     of its first impact. ``stiffness`` None means computed from ``young_modulus``, ``poisson_ratio`` (both sides) and
     the tip radius.
+    ``yield_stress`` of the softer side, if given, lets the answer say where the materials yield.
     ``memory``: "event" holds the speed of the last touchdown, located as an event (the exact model); "smooth" lets it
     follow the approach speed within ``memory_time`` while out of contact, and rounds the onset over ``onset_length``.
     ``arms``: "moving" acts at the foot; "published" freezes the arms at first contact as the paper does (eq. 21).
@@ -127,6 +168,7 @@ class Contact(Part):
     slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
     young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
     poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    yield_stress: Scalar | None = number(None, "Pa", **POSITIVE)
     linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE)
     damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE)
     exponent: Scalar = number(1.5, "-", low=1.0)
@@ -136,7 +178,7 @@ class Contact(Part):
     memory: str = choice("event", "event", "smooth")
     arms: str = choice("moving", "moving", "published")
 
-    def __check_init__(self) -> None:
+    def check_together(self) -> None:
         exponent = concrete(self.exponent)
         if exponent is not None and np.any(exponent != HERTZ_EXPONENT):
             shown = f"contact.exponent = {float(exponent.flat[0]):g}"
@@ -160,13 +202,12 @@ class Design(Part):
     cone: Cone = Cone()
     contact: Contact = Contact()
 
-    def __check_init__(self) -> None:
+    def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
-        known = [concrete(v) for v in (self.cone.throat_radius, self.cone.length, self.cone.half_angle)]
-        if not any(v is None for v in known):
-            throat, length, angle = (v for v in known if v is not None)
-            mouth = float(np.min(throat + length * np.sin(angle)))
-            check_number("probe.tip_radius", self.probe.tip_radius, "m", high=mouth, high_open=True, **POSITIVE)
+        cone = _known("cone", self.cone.throat_radius, self.cone.length, self.cone.half_angle)
+        if cone is not None:
+            throat, length, angle = cone
+            check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
 
     @property
     def contact_stiffness(self) -> Scalar:
@@ -192,23 +233,37 @@ class Scenario(Part):
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:
-    """Raise `InputError` where scenario and design don't fit: first contact off the flank, tip not facing the flank."""
-    length, angle = _least(design.cone.length), _least(design.cone.half_angle)
-    if length is not None:
-        check_number("scenario.contact_distance", scenario.contact_distance, "m", high=length, **POSITIVE)
-    if angle is not None:
-        limit = min(angle, math.pi / 2 + cast(float, _least(-design.cone.half_angle)))
-        check_number(
-            "scenario.misalignment", scenario.misalignment, "rad", low=-limit, high=limit, low_open=True, high_open=True
-        )
+    """Raise `InputError` where scenario and design don't fit: the first contact off the flank, the tip in the other
+    flank at the start, or not facing the flank. Where numbers are arrays, each scenario meets its own design."""
+    check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
+    check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
+    cone, tip = design.cone, design.probe.tip_radius
+    start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
+    least = 0.0 if start is None else least_contact_distance(*start)
+    too_low = "; nearer to the throat the tip would be in the other flank at the start"
+    distance = scenario.contact_distance
+    check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
+    if (angle := _known("cone", cone.half_angle)) is not None:
+        limit = np.minimum(angle[0], math.pi / 2 - angle[0])
+        check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
 
 
-def _least(value: Scalar) -> float | None:
-    """The smallest number of an array, or the number; None of one that is traced."""
-    if type(value) is float:
-        return value
-    array = concrete(value)
-    return None if array is None else float(array.min())
+def _known(path: str, *values: Scalar) -> list[Any] | None:
+    """Numbers as they are, or as arrays of one shape if some are arrays; None if some are traced."""
+    if all(type(value) is float for value in values):
+        return list(values)
+    arrays = [concrete(value) for value in values]
+    return None if any(array is None for array in arrays) else same_shape(path, arrays)
+
+
+def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any, xp: Any = np) -> Any:
+    """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m].
+
+    The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
+    farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
+    ``xp``: NumPy, or jax.numpy for traced numbers.
+    """
+    return xp.maximum((tip_radius * xp.cos(half_angle) - throat_radius) / xp.sin(half_angle), 0.0)
 
 
 def table2() -> Design:

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import equinox as eqx
 
-from ..errors import InputError, suggest
+from ..errors import InputError, check_type, shown, suggest
 
 T = TypeVar("T", bound=eqx.Module)
 
@@ -23,6 +23,8 @@ def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
 
 def check_path(module: eqx.Module, path: str) -> None:
     """Raise `InputError` with the nearest name unless ``path`` exists."""
+    if not isinstance(path, str):
+        raise InputError(f"{shown(path)} is not a dotted path such as 'buffer.k_A'")
     known = list(paths(module))
     if path not in known:
         sections = {p.rsplit(".", 1)[0] for p in known if "." in p}
@@ -32,6 +34,7 @@ def check_path(module: eqx.Module, path: str) -> None:
 
 def get(module: eqx.Module, path: str) -> Any:
     """The value at a dotted path."""
+    check_type("design or scenario", module, eqx.Module, "get(jb.table2(), 'buffer.k_A')")
     check_path(module, path)
     for name in path.split("."):
         module = getattr(module, name)
@@ -61,18 +64,29 @@ def replace(module: T, values: Mapping[str, Any]) -> T:
 
     Example: ``replace(table2(), {"buffer.k_A": 800.0, "probe.tip_mass": 0.05})``.
     """
+    check_type("design or scenario", module, eqx.Module, "replace(jb.table2(), {'buffer.k_A': 800.0})")
+    check_type("values", values, Mapping, "replace(jb.table2(), {'buffer.k_A': 800.0})")
     for path in values:
         check_path(module, path)
     return _replace(module, {tuple(path.split(".")): value for path, value in values.items()})
 
 
-def by_path(table: Mapping[str, Any], values: Collection[str] = (), prefix: str = "") -> dict[str, Any]:
-    """TOML's nested tables as dotted paths: to it an unquoted ``buffer.k_A = …`` is a table in a table. A table with a
-    key of ``values`` is itself a value."""
+def by_path(table: Mapping[str, Any], values: Collection[str] = (), where: str = "") -> dict[str, Any]:
+    """TOML's nested tables as dotted paths: to it an unquoted ``buffer.k_A = …`` is a table in a table.
+
+    **Arguments:** ``values``: keys that make a table a value itself; ``where``: the table's name in an error.
+    **Raises:** `InputError` for a path given twice, as ``buffer.k_A`` and as ``"buffer.k_A"``.
+    """
     flat: dict[str, Any] = {}
     for name, value in table.items():
         nested = isinstance(value, Mapping) and not set(value) & set(values)
-        flat |= by_path(value, values, f"{prefix}{name}.") if nested else {prefix + name: value}
+        inner = (
+            {f"{name}.{rest}": it for rest, it in by_path(value, values, where).items()} if nested else {name: value}
+        )
+        for path in inner:
+            if path in flat:
+                raise InputError(f'{where}: {path} is given twice, as {path} and as "{path}"; keep one')
+        flat |= inner
     return flat
 
 

@@ -1,6 +1,7 @@
 """A design in a scenario at one instant: where everything is, and what acts on it.
 
-The state is ``[q (12), v (12), tip spin (if free), energy lost (4), contact memory (2)]``.
+The state is ``[q (12), v (12), tip spin (if free), energy lost (4, with an end stop 5), contact memory (2)]``. Contacts
+are the lower and the upper flank and, if there is one, the buffer's end stop.
 """
 
 from typing import NamedTuple
@@ -10,21 +11,25 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, Values
-from ..contact import Approach, Ball, BallOnSegments, Carrier
-from ..multibody import AxialSpringDamper, Kinematics, Load, Motion, System, Vector, load_at
-from .assembly import Masses, N, P, T, assemble_contact, assemble_system, probe_masses
+from ..contact import Approach, Ball, BallOnSegments, Carrier, KelvinVoigt
+from ..multibody import AxialSpringDamper, AxialState, Kinematics, Load, Motion, System, Vector, load_at
+from .assembly import FLANKS, B, Masses, N, P, T, assemble_contact, assemble_system, end_stop, probe_masses
 from .design import Design, Scenario
 
 
 class Posture(NamedTuple):
     """A state looked at once: the bodies' frames, the tip ball with its arm from the probe's centre of mass, geometry
-    and relative motion of the tip against both flanks."""
+    and relative motion of the tip against both flanks; the buffer's axial element, its ``stroke`` [m] and that one's
+    rate [m/s]."""
 
     state: Float[Array, " state"]
     kin: Kinematics
     tip: Ball
     arm: Vector
     approach: Approach
+    axial: AxialState
+    stroke: Scalar
+    stroke_rate: Scalar
 
 
 class Forces(NamedTuple):
@@ -39,7 +44,8 @@ class ProbeInCone(eqx.Module):
     """The capture mechanism at one instant.
 
     **Arguments:** ``design``; ``scenario``; ``stabilisation``: Baumgarte's gain [1/s]. Assembled once: ``probe``,
-    masses and lengths of the probe with its tip; ``system``, bodies, joints and buffer; ``pair``, tip against flanks.
+    masses and lengths of the probe with its tip; ``system``, bodies, joints and buffer; ``pair``, tip against flanks;
+    ``stop``, the law of the buffer's end stop, or None.
     """
 
     design: Design
@@ -47,12 +53,14 @@ class ProbeInCone(eqx.Module):
     probe: Masses
     system: System
     pair: BallOnSegments
+    stop: KelvinVoigt | None
 
     def __init__(self, design: Design, scenario: Scenario, stabilisation: Scalar = 20.0):
         self.design, self.scenario = design, scenario
         self.probe = probe_masses(design)
         self.system = assemble_system(design, self.probe, stabilisation)
         self.pair = assemble_contact(design)
+        self.stop = end_stop(design)
 
     @property
     def axial(self) -> AxialSpringDamper:
@@ -65,6 +73,11 @@ class ProbeInCone(eqx.Module):
     def smooth(self) -> bool:
         """Whether the contact's memory is a state that follows, rather than set by events."""
         return self.design.contact.memory == "smooth"
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts: both flanks, and the end stop if there is one."""
+        return FLANKS + (self.stop is not None)
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
@@ -82,9 +95,9 @@ class ProbeInCone(eqx.Module):
         """Frames of the bodies."""
         return Kinematics(state[:N], state[N : 2 * N])
 
-    def losses(self, state: Float[Array, " state"]) -> Float[Array, " 4"]:
-        """Energy lost so far in axial damper, torsional damper, contact and friction [J]."""
-        return state[2 * N + self.spins : 2 * N + self.spins + 4]
+    def losses(self, state: Float[Array, " state"]) -> Float[Array, " losses"]:
+        """Energy lost so far in axial damper, torsional damper, contact, friction and end stop, if there is one [J]."""
+        return state[2 * N + self.spins : -2]
 
     def memory(self, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
         """δ̇⁻ of each flank [m/s]."""
@@ -101,21 +114,40 @@ class ProbeInCone(eqx.Module):
         return Ball(centre.x, centre.y, velocity.x, velocity.y, spin), arm
 
     def posture(self, state: Float[Array, " state"]) -> Posture:
-        """Where everything is; tip against both flanks."""
+        """Where everything is; tip against both flanks, and the buffer."""
         kin = self.kinematics(state)
         (tip, arm), cone = self.tip(kin, state), kin.frame(T)
         carrier = Carrier(cone.origin.x, cone.origin.y, cone.cos, cone.sin, cone.velocity.x, cone.velocity.y, cone.spin)
-        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier))
+        axial = self.axial.state(kin)
+        stroke = self.axial.free_length - axial.length
+        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier), axial, stroke, -axial.rate)
 
-    def contact(self, at: Posture, active: Float[Array, " flanks"]) -> Forces:
+    def contact(self, at: Posture, active: Float[Array, " contacts"]) -> Forces:
         """Contact forces of both flanks; an open one exerts none (the smooth law knows no open and closed)."""
         pair, approach = self.pair, at.approach
         normal = self.exerting(active) * pair.normal_force(self.rounded(approach), self.memory(at.state))
         return Forces(approach, normal, pair.friction_force(approach, normal))
 
-    def exerting(self, active: Float[Array, " flanks"]) -> Float[Array, " flanks"]:
+    def exerting(self, active: Float[Array, " contacts"]) -> Float[Array, " flanks"]:
         """1 for flanks whose force follows the gap, 0 for open ones."""
-        return jnp.ones(2) if self.smooth else active
+        return jnp.ones(FLANKS) if self.smooth else active[:FLANKS]
+
+    def stop_force(self, at: Posture, active: Float[Array, " contacts"]) -> Scalar:
+        """F_s [N] of the end stop, 0 while it is open or where there is none."""
+        if self.stop is None:
+            return 0.0
+        return active[FLANKS] * self.stop.force(self._stop_depth(at), jnp.asarray(at.stroke_rate), jnp.ones(()))
+
+    def _stop_depth(self, at: Posture) -> Float[Array, ""]:
+        """By how much the stroke exceeds the end stop's place [m]."""
+        return jnp.asarray(at.stroke - self.design.buffer.end)
+
+    def _stop_loads(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Load, ...]:
+        """The end stop pushes the spring's ends apart along the cylinder."""
+        if self.stop is None:
+            return ()
+        push = at.axial.along * self.stop_force(at, active)
+        return load_at(B, -push, at.axial.first_arm), load_at(P, push, at.axial.second_arm)
 
     def rounded(self, approach: Approach) -> Approach:
         """With the smooth law, the penetration is rounded over the onset length: δ → (δ + √(δ² + ε²))/2."""
@@ -146,11 +178,11 @@ class ProbeInCone(eqx.Module):
             on_probe = on_probe._replace(moment=on_probe.moment + tip_moment)
         return on_probe, Load(T, -total, cone_moment), tip_moment
 
-    def dynamics(self, at: Posture, active: Float[Array, " flanks"]) -> tuple[Motion, Forces, Scalar]:
+    def dynamics(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Motion, Forces, Scalar]:
         """Accelerations and multipliers, contact forces, and the moment on the tip about its centre [N m]."""
         forces = self.contact(at, active)
         on_probe, on_cone, tip_moment = self._contact_loads(at, forces)
-        return self.system.motion(at.kin, (on_probe, on_cone)), forces, tip_moment
+        return self.system.motion(at.kin, (on_probe, on_cone, *self._stop_loads(at, active))), forces, tip_moment
 
     def throat(self, kin: Kinematics, tip: Ball) -> tuple[Float[Array, ""], Float[Array, ""]]:
         """How far the tip centre is before the capture plane x = -L_T - R sin β in the cone's axes [m], and how that
@@ -166,10 +198,19 @@ class ProbeInCone(eqx.Module):
         kin = self.kinematics(state)
         return self.throat(kin, self.tip(kin, state)[0])
 
-    def stored(self, at: Posture, active: Float[Array, " flanks"]) -> tuple[Scalar, Scalar, Float[Array, ""]]:
-        """Energy in motion, in the springs and in the contacts [J]."""
+    def stored(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+        """Energy in motion, in the springs, in the contacts and in the end stop [J]."""
         kinetic = self.system.kinetic_energy(at.kin.v)
         if self.spins:
             kinetic = kinetic + 0.5 * self.probe.tip_inertia * at.state[2 * N] ** 2
-        elastic = self.pair.stored_energy(self.rounded(at.approach))
-        return kinetic, self.system.stored_energy(at.kin), jnp.sum(self.exerting(active) * elastic)
+        elastic = jnp.sum(self.exerting(active) * self.pair.stored_energy(self.rounded(at.approach)))
+        stop: Scalar = 0.0
+        if self.stop is not None:
+            stop = active[FLANKS] * self.stop.energy(self._stop_depth(at))
+        return kinetic, self.system.stored_energy(at.kin), elastic, stop
+
+    def stop_loss(self, at: Posture, active: Float[Array, " contacts"]) -> Scalar:
+        """Power lost in the end stop [W]: what it takes less than the spring in it."""
+        assert self.stop is not None
+        elastic = active[FLANKS] * self.stop.elastic(self._stop_depth(at))
+        return (self.stop_force(at, active) - elastic) * at.stroke_rate

@@ -1,7 +1,8 @@
 """The stiff forces of the capture mechanism, linearised in closed form for implicit steps.
 
-Six scalar forces act along six directions b with rates b·w: the axial and the torsional spring-damper, and on each
-flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms: not stiff.
+Six scalar forces act along six directions b with rates b·w: the axial spring-damper with its end stop, the torsional
+one, and on each flank the normal force and friction. Freezing the directions leaves out geometric and gyroscopic terms:
+not stiff.
 """
 
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..contact import Approach
-from .assembly import SIDE, N
+from .assembly import FLANKS, SIDE, N
 from .hybrid import Linearisation
 from .probe_in_cone import Posture
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def linearisation(
-    mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " flanks"]
+    mechanism: "CaptureMechanism", state: Float[Array, " state"], active: Float[Array, " contacts"]
 ) -> Linearisation:
     """How the six forces act on the velocities and answer to motion at a state."""
     at, buffer = mechanism.posture(state), mechanism.design.buffer
@@ -31,11 +32,16 @@ def linearisation(
     response = mechanism.system.response(at.kin, directions[:N])
     if mechanism.spins:
         response = jnp.concatenate([response, directions[N:] / mechanism.probe.tip_inertia])
+    axial_stiffness, axial_damping = buffer.k_A, buffer.c_A
+    if mechanism.stop is not None:
+        pushing = active[FLANKS] * (mechanism.stop_force(at, active) > 0.0)
+        axial_stiffness = axial_stiffness + pushing * mechanism.stop.linear_stiffness
+        axial_damping = axial_damping + pushing * mechanism.stop.damping
     return Linearisation(
         directions=directions,
         response=response,
-        stiffness=_coupling(buffer.k_A, buffer.k_T, per_depth, jnp.zeros(2)),
-        damping=_coupling(buffer.c_A, buffer.c_T, per_speed, per_slip[1]),
+        stiffness=_coupling(axial_stiffness, buffer.k_T, per_depth, jnp.zeros(2)),
+        damping=_coupling(axial_damping, buffer.c_T, per_speed, per_slip[1]),
         coordinates=N,
     )
 
@@ -65,12 +71,15 @@ def _coupling(axial: Scalar, torsional: Scalar, contact: tuple[Array, Array], fr
 
 def _buffer_directions(mechanism: "CaptureMechanism", at: Posture) -> Float[Array, "velocities 2"]:
     """Columns b with L̇ = b·w and θ̇_B - θ̇_S = b·w."""
-    axial = mechanism.axial.state(at.kin)
-    u, a, b = axial.along, axial.first_arm, axial.second_arm
-    along = [0.0, 0.0, 0.0, -u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u), 0.0, 0.0, 0.0]
     twist = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    spin = [0.0] * mechanism.spins
-    return jnp.stack([stacked([*along, *spin]), stacked([*twist, *spin])], axis=1)
+    still = (0, mechanism.spins)
+    return jnp.stack([jnp.pad(axial_direction(at), still), jnp.pad(stacked(twist), still)], axis=1)
+
+
+def axial_direction(at: Posture) -> Float[Array, " coordinates"]:
+    """b with L̇ = b·q̇: how a unit force in the axial spring-damper acts on the coordinates."""
+    u, a, b = at.axial.along, at.axial.first_arm, at.axial.second_arm
+    return stacked([0.0, 0.0, 0.0, -u.x, -u.y, -a.cross(u), u.x, u.y, b.cross(u), 0.0, 0.0, 0.0])
 
 
 def contact_directions(mechanism: "CaptureMechanism", at: Posture) -> Float[Array, "velocities 4"]:

@@ -11,6 +11,9 @@ from .forces import (
     AxialSpringDamper as AxialSpringDamper,
 )
 from .forces import (
+    AxialState as AxialState,
+)
+from .forces import (
     ForceElement as ForceElement,
 )
 from .forces import (

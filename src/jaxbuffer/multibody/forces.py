@@ -8,6 +8,8 @@ import jax.numpy as jnp
 from .._types import Scalar
 from .kinematics import Kinematics, Vector
 
+PASSING = 1e-6  # m
+
 
 class Load(NamedTuple):
     """A force [N] through a body's centre of mass and a moment [N m] about it."""
@@ -53,6 +55,8 @@ class AxialSpringDamper(ForceElement):
     """Spring and damper between two points (eq. 8-9): f = k (L - l_0) + c L̇, pulling the ends together when positive.
 
     **Arguments:** ``stiffness`` [N/m]; ``damping`` [N s/m]; ``free_length`` [m]; the points in their bodies' axes [m].
+    ``guide``: direction in which the first body guides the second end, a unit vector in its axes; the length then goes
+    on below zero where the ends pass each other. None: the length is the distance.
     ``published_damping``: damp with the whole rate of D as the paper's Rayleigh function does (eq. 10). That resists a
     rigid rotation and does not conserve angular momentum; it exists for comparison only.
     """
@@ -65,6 +69,7 @@ class AxialSpringDamper(ForceElement):
     damping: Scalar
     free_length: Scalar
     published_damping: bool = eqx.field(static=True, default=False)
+    guide: tuple[float, float] | None = eqx.field(static=True, default=None)
 
     def state(self, kin: Kinematics) -> AxialState:
         """Length, rate and direction at one instant."""
@@ -72,8 +77,16 @@ class AxialSpringDamper(ForceElement):
         a, b = i.turn(Vector(*self.first_point)), j.turn(Vector(*self.second_point))
         separation = j.origin + b - i.origin - a
         rate = j.velocity_at(b) - i.velocity_at(a)
-        length = jnp.sqrt(separation.dot(separation))
-        along = separation * (1.0 / length)
+        if self.guide is None:
+            length = jnp.sqrt(separation.dot(separation))
+            along = separation * (1.0 / length)
+        else:
+            axis = i.turn(Vector(*self.guide))
+            signed = separation.dot(axis)
+            passing = signed < PASSING  # the ends' line has no direction where they meet: the guide's serves
+            apart = jnp.sqrt(jnp.where(passing, 1.0, separation.dot(separation)))
+            length = jnp.where(passing, signed, apart)
+            along = Vector(*(jnp.where(passing, g, d / apart) for g, d in zip(axis, separation, strict=True)))
         return AxialState(length, rate.dot(along), along, a, b, rate)
 
     def tension(self, kin: Kinematics) -> Scalar:

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError, check_choice, check_number
+from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
 from ..mechanisms import Design, Scenario, get, unit
 from ..mechanisms.paths import check_path
 from .problem import Case
 
 KINDS = ("uniform", "normal")
+MOST = 100_000  # cases in a sample
+ONE_NUMBER = "a distribution has two numbers"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -26,9 +28,9 @@ class Distribution:
 
     def __post_init__(self) -> None:
         check_choice("distribution", self.kind, KINDS)
-        check_number(f"{self.kind}, first number", self.first, "-")
+        check_single(f"{self.kind}, first number", self.first, "-", ONE_NUMBER)
         low: dict[str, Any] = {"low": self.first} if self.kind == "uniform" else {"low": 0.0}
-        check_number(f"{self.kind}, second number", self.second, "-", **low, low_open=True)
+        check_single(f"{self.kind}, second number", self.second, "-", ONE_NUMBER, **low, low_open=True)
 
     def at(self, share: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
         """Quantiles."""
@@ -42,12 +44,15 @@ class Distribution:
 def grid(fields: Mapping[str, Sequence[float]], base: Scenario | None = None) -> tuple[Case, ...]:
     """Every combination of the listed values of scenario fields; the others are ``base``'s."""
     base = Scenario() if base is None else base
+    check_type("grid's fields", fields, Mapping, "grid({'approach_speed': [0.1, 0.2]})")
     for name, values in fields.items():
         check_path(base, name)
+        if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, (str, bytes)):
+            raise InputError(f"grid.{name} = {shown(values)} is not a list of values in {unit(base, name)}")
         if not len(values):
             raise InputError(f"grid.{name} is empty; list at least one value in {unit(base, name)}")
     return tuple(
-        Case(dataclasses.replace(base, **dict(zip(fields, map(float, values), strict=True))))
+        Case(dataclasses.replace(base, **dict(zip(fields, values, strict=True))))
         for values in itertools.product(*fields.values())
     )
 
@@ -69,10 +74,14 @@ def sample(
     from scipy.stats import qmc
 
     base, factors = Scenario() if base is None else base, factors or {}
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise InputError(f"sample.count = {count!r} must be a whole number of at least 1")
+    check_whole("sample.count", count, 1)
+    if count > MOST:
+        raise InputError(f"sample.count = {count} is out of range; allowed: [1, {MOST}]")
+    check_whole("sample.seed", seed, 0)
     if not fields and not factors:
         raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
+    for name, given in (*fields.items(), *factors.items()):
+        check_type(f"sample.{name}", given, Distribution, "Distribution('uniform', 0.9, 1.1)")
     for name in fields:
         check_path(base, name)
     for path in factors:

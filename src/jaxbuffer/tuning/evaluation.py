@@ -14,9 +14,9 @@ from jaxtyping import Array, Bool, Float, Int
 from ..capture import Capture, simulate
 from ..errors import InputError
 from ..mechanisms import CaptureMechanism, Design, Scenario, check_fit, get, replace
-from ..metrics import state_at
 from ..outcome import Outcome
 from ..programs import Static, kept
+from ..quantities import QUANTITIES as CATALOGUE
 from .problem import QUANTITIES, Case, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
@@ -171,8 +171,11 @@ def _seen(design: Design, scenario: Scenario, duration: Array, rtol: Array) -> t
     """Every impact's peak, the other quantities, the margin; outcome and count of impacts."""
     capture = simulate(design, scenario, duration, rtol=rtol)
     clear = margin(CaptureMechanism(capture.design, scenario), capture, duration)
-    rest = jnp.stack([getattr(capture, name) for name in list(QUANTITIES)[1:]])
-    return capture.impacts.peak_force, rest, clear, capture.code, capture.impact_count
+    rest = jnp.stack([CATALOGUE[name].of(capture) for name in list(QUANTITIES)[1:]])
+    peaks = capture.impacts.peak_force
+    # the last slot is free: of a run with more impacts than are listed it takes the largest, if that is not
+    peaks = peaks.at[-1].set(jnp.where(capture.peak_impact < 0, capture.peak_force, 0.0))
+    return peaks, rest, clear, capture.code, capture.impact_count
 
 
 def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array, ""]) -> Float[Array, ""]:
@@ -180,13 +183,13 @@ def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array,
     to the speed that arrives just in time, minus 1.
 
     One formula, smooth where one outcome turns into another: captured after t of at most D, D/t - 1; still on its way
-    at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner.
+    at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner. Of a bottomed run it
+    says what it would have come to, going on like that; what is wrong with it is its `stroke_share`.
     """
-    last = jnp.maximum(capture.log.count - 1, 0)
-    ends = (mechanism.start()[0], state_at(capture.log, last))
-    before, after = (mechanism.throat_of(state)[0] for state in ends)
+    before, after = mechanism.throat_of(mechanism.start()[0])[0], capture.throat_distance
     # where an event ended the run, the distance there is always the same and the time moves
-    after = jnp.where(capture.code == Outcome.timeout, after, jax.lax.stop_gradient(after))
+    anywhere = (capture.code == Outcome.timeout) | (capture.code == Outcome.bottomed)
+    after = jnp.where(anywhere, after, jax.lax.stop_gradient(after))
     return (before - after) / before * duration / capture.end_time - 1.0
 
 
@@ -212,7 +215,7 @@ def _gathered(problem: Problem, places: np.ndarray, found: list[Measured]) -> Ev
     for array in values_of.values():
         array[lost] = 0.0
     values_of["margin"][lost] = LOST
-    escaped = code == Outcome.escaped
+    escaped = (code == Outcome.escaped) | (code == Outcome.bottomed)
     time = list(QUANTITIES).index("end_time") - 1
     values_of["rest"][escaped | lost, time] = problem.duration
     values_of["rest_slope"][escaped | lost, time] = 0.0

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..outcome import Outcome
 from .evaluation import Evaluation
-from .problem import QUANTITIES, Objective, Problem
+from .problem import LARGEST, QUANTITIES, Objective, Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N
@@ -61,7 +62,8 @@ class Goal:
 
     def limited(self) -> list[tuple[int, float]]:
         """Index into `QUANTITIES` and limit of every limited quantity."""
-        return [(NAMES.index(name), float(limit)) for name, limit in self.problem.limits.at_most.items()]
+        limits = LARGEST | dict(self.problem.limits.at_most)
+        return [(NAMES.index(name), float(limit)) for name, limit in limits.items()]
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
@@ -104,11 +106,13 @@ class Goal:
         """One sentence for each constraint that fails, naming the case."""
         lines, limits = [], self.problem.limits
         for k, (quantities, margin) in enumerate(zip(evaluation.quantities, evaluation.margin, strict=True)):
-            where = f"scenario {k + 1}"
+            where = self.problem.cases[k].label(self.problem.cases)
             if not evaluation.solved[k]:
                 lines.append(f"{where}: the simulation failed")
             elif limits.captured and margin < 0.0:
                 lines.append(f"{where}: not captured (margin {margin:.3g})")
+            if evaluation.code[k] == Outcome.bottomed:
+                lines.append(f"{where}: {Outcome.bottomed.reason}")
             for name, limit in limits.at_most.items():
                 value, symbol = quantities[NAMES.index(name)], QUANTITIES[name]
                 if value > limit:

@@ -9,9 +9,19 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
-from ..errors import InputError, check_choice, check_number, suggest
-from ..mechanisms import Design, Scenario, check_fit, get, paths, replace, unit
+from ..capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, TOLERANCES
+from ..errors import (
+    InputError,
+    check_choice,
+    check_flag,
+    check_number,
+    check_single,
+    check_type,
+    check_whole,
+    shown,
+    suggest,
+)
+from ..mechanisms import Design, Scenario, check_fit, get, paths, replace, scenario_label, unit
 
 QUANTITIES = {  # that objectives and limits speak of; the first one is made of every impact's peak
     "peak_force": "N",
@@ -20,9 +30,13 @@ QUANTITIES = {  # that objectives and limits speak of; the first one is made of 
     "stroke": "m",
     "hinge_angle": "rad",
     "end_time": "s",
+    "peak_stop_force": "N",
+    "stroke_share": "-",
 }
+LARGEST = {"stroke_share": 1.0}  # limits that hold unless a problem sets lower ones: no buffer may come to its end
 SCALES = ("log", "linear")
 AGGREGATES = ("worst", "mean", "cvar")
+ONE_LIMIT = "it holds for all cases"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,6 +76,20 @@ class Case:
     scenario: Scenario
     factors: tuple[tuple[str, float], ...] = ()
 
+    def __post_init__(self) -> None:
+        check_type("case's scenario", self.scenario, Scenario, "Case(Scenario(approach_speed=0.2))")
+        for pair in self.factors:
+            if not isinstance(pair, tuple) or len(pair) != 2:
+                raise InputError(
+                    f"case's factors = {shown(self.factors)}; write Case(scenario, (('buffer.k_A', 1.1),))"
+                )
+            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one capture")
+
+    def label(self, among: Sequence["Case"] = ()) -> str:
+        """What people call the case: "0.2 m/s, 3°, 1.1 buffer.k_A"."""
+        factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
+        return scenario_label(self.scenario, [case.scenario for case in among]) + "".join(factors)
+
     def of(self, design: Design) -> Design:
         """The mechanism as built."""
         return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
@@ -81,11 +109,12 @@ class Objective:
     level: float = 0.9
 
     def __post_init__(self) -> None:
+        check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
         if not self.weights:
             raise InputError("objective: no quantity is given; name one of " + ", ".join(QUANTITIES))
         for name, weight in self.weights.items():
             check_quantity("objective", name)
-            check_number(f"objective.{name}", weight, f"N/{QUANTITIES[name]}", low=0.0, low_open=True)
+            check_single(f"objective.{name}", weight, f"N/{QUANTITIES[name]}", ONE_LIMIT, low=0.0, low_open=True)
         check_choice("objective.over", self.over, AGGREGATES)
         check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
 
@@ -120,23 +149,23 @@ class Objective:
 @dataclasses.dataclass(frozen=True)
 class Limits:
     """What every case must keep to: ``captured`` within the duration; ``at_most``: upper limits of `QUANTITIES` in
-    their units; ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it
-    is rejected, none is led back by it)."""
+    their units, of ``stroke_share`` always 1 at most (beyond, the buffer has come to its end); ``impacts``: at most so
+    many touchdowns (a whole number, so without a gradient: a design that breaks it is rejected, none is led back by
+    it)."""
 
     captured: bool = True
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
     impacts: int | None = None
 
     def __post_init__(self) -> None:
+        check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
         for name, limit in self.at_most.items():
             check_quantity("constraints", name)
-            check_number(f"constraints.{name}", limit, QUANTITIES[name], low=0.0, low_open=True)
-        if not isinstance(self.captured, bool):
-            raise InputError(f"constraints.captured = {self.captured!r} must be true or false")
-        if self.impacts is not None and (
-            isinstance(self.impacts, bool) or not isinstance(self.impacts, int) or self.impacts < 1
-        ):
-            raise InputError(f"constraints.impacts = {self.impacts!r} must be a whole number of at least 1")
+            high = LARGEST.get(name, math.inf)
+            check_single(f"constraints.{name}", limit, QUANTITIES[name], ONE_LIMIT, low=0.0, low_open=True, high=high)
+        check_flag("constraints.captured", self.captured)
+        if self.impacts is not None:
+            check_whole("constraints.impacts", self.impacts, 1)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -147,6 +176,7 @@ class Then:
     slack: float = 0.01
 
     def __post_init__(self) -> None:
+        check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
         check_number("then.slack", self.slack, "-", low=0.0, high=1.0, low_open=True)
 
 
@@ -170,19 +200,45 @@ class Problem:
     rtol: float = DEFAULT_TOLERANCE
 
     def __post_init__(self) -> None:
+        self._check_parts()
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
         object.__setattr__(self, "cases", cases)
         object.__setattr__(self, "variables", tuple(self.variables))
-        check_number("duration", self.duration, "s", low=0.0, low_open=True)
-        check_number("rtol", self.rtol, "-", low=1e-13, high=1e-2)
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         _check_variables(self.design, self.variables)
+        self._check_stroke()
         for number, case in enumerate(cases, 1):
             try:
                 check_fit(case.of(self.design), case.scenario)
             except InputError as error:
-                raise InputError(f"scenario {number}: {error}") from None
+                raise InputError(f"scenario {number} ({case.label(cases)}): {error}") from None
+
+    def _check_parts(self) -> None:
+        check_type("design", self.design, Design, "a design such as jb.table2()")
+        for name, values, example in (
+            ("scenarios", self.scenarios, "[Scenario(approach_speed=0.2)]"),
+            ("variables", self.variables, "[Variable('buffer.k_A', 100.0, 2000.0)]"),
+        ):
+            if not isinstance(values, Iterable) or isinstance(values, (str, bytes, Mapping)):
+                raise InputError(f"{name} = {shown(values)} is not a list; write {example}")
+        check_type("objective", self.objective, Objective, "Objective({'peak_force': 1.0})")
+        check_type("limits", self.limits, Limits, "Limits(at_most={'stroke': 0.025})")
+        if self.then is not None:
+            check_type("then", self.then, Then, "Then(Objective({'stroke': 1.0}))")
+        check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
+        check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
+
+    def _check_stroke(self) -> None:
+        """A limit on the stroke beyond the longest one that a design within the bounds allows limits nothing."""
+        longest = {"buffer.max_stroke", "buffer.free_length"}
+        corners = [{v.path: v.high for v in self.variables if v.path in longest}, {}]
+        most = max(float(np.asarray(replace(self.design, corner).buffer.longest_stroke)) for corner in corners)
+        if (limit := self.limits.at_most.get("stroke", 0.0)) > most:
+            raise InputError(
+                f"constraints.stroke = {limit:g} m is out of range; allowed: (0, {most:g}] m, the buffer's end"
+                " (buffer.max_stroke, or buffer.free_length with an end stop or without max_stroke)"
+            )
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
 
@@ -220,8 +276,7 @@ class Problem:
 def check_quantity(where: str, name: str) -> None:
     """Raise `InputError` unless ``name`` is one of `QUANTITIES`."""
     if name not in QUANTITIES:
-        hint = suggest(name, QUANTITIES) or f"; choose one of {', '.join(QUANTITIES)}"
-        raise InputError(f"{where}.{name} is unknown{hint}")
+        raise InputError(f"{where}.{name} is unknown{suggest(name, QUANTITIES)}")
 
 
 def _check_variables(design: Design, variables: Sequence[Variable]) -> None:
@@ -229,6 +284,7 @@ def _check_variables(design: Design, variables: Sequence[Variable]) -> None:
         raise InputError("variables is empty; tuning needs at least one")
     seen: set[str] = set()
     for variable in variables:
+        check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
         path, value = variable.path, get(design, variable.path)
         if path in seen:
             raise InputError(f"{path} is named twice among the variables")
@@ -238,8 +294,13 @@ def _check_variables(design: Design, variables: Sequence[Variable]) -> None:
         check_choice(f"{path} scale", variable.scale, SCALES)
         name, above_zero = unit(design, path), variable.scale == "log"
         lowest: dict[str, Any] = {"low": 0.0, "low_open": True} if above_zero else {}
-        check_number(f"{path} low bound", variable.low, name, **lowest)
-        check_number(f"{path} high bound", variable.high, name, low=variable.low, low_open=True)
+        check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
+        check_single(f"{path} high bound", variable.high, name, ONE_LIMIT, low=variable.low, low_open=True)
         for bound in (variable.low, variable.high):
             replace(design, {path: bound})  # the design itself says what it does not allow
-        check_number(path, value, name, low=variable.low, high=variable.high)
+        check_single(path, value, name, "tuning starts from one design")
+        if not variable.low <= value <= variable.high:
+            bounds = f"[{variable.low:g}, {variable.high:g}] {name}".rstrip(" -")
+            raise InputError(
+                f"the start, {path} = {value:g} {name}, is outside its bounds {bounds}".replace(" -,", ",")
+            )

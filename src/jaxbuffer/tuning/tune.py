@@ -3,10 +3,11 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, check_single, check_type, check_whole
 from ..outcome import Outcome
 from .evaluation import Evaluation, Evaluator
 from .floor import floor
@@ -57,6 +58,13 @@ def tune(
     not. **Raises:** `InputError` for settings out of range, for starts of which no capture can be solved or climbed
     from, and on resuming another problem's run.
     """
+    check_type(
+        "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
+    )
+    if workers is not None:
+        check_whole("workers", workers, 1)
+    if folder is not None and not str(folder):
+        raise InputError("folder = '' is empty; name the folder for log and state, or leave it out")
     settings = _checked(Settings(iterations, starts, searches, rounds, seed, tolerance))
     store = Store(None if folder is None else Path(folder), f"{problem.fingerprint()}-{settings}", resume)
     with Evaluator(problem, workers) as evaluator:
@@ -69,11 +77,9 @@ def tune(
 
 def _checked(settings: Settings) -> Settings:
     for name, low in (("iterations", 1), ("starts", 1), ("searches", 1), ("rounds", 1), ("seed", 0)):
-        value = getattr(settings, name)
-        if isinstance(value, bool) or not isinstance(value, int) or value < low:
-            raise InputError(f"tune.{name} = {value!r} must be a whole number of at least {low}")
-    if not 0.0 < settings.tolerance < 1.0:
-        raise InputError(f"tune.tolerance = {settings.tolerance!r} is out of range; allowed: (0, 1)")
+        check_whole(f"tune.{name}", getattr(settings, name), low)
+    limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
+    check_single("tune.tolerance", settings.tolerance, "-", "it holds for all searches", **limits)
     return settings
 
 

@@ -20,6 +20,8 @@ from .hertzian import LeeWang as LeeWang
 from .impact import FreeImpact as FreeImpact
 from .impact import free_impact as free_impact
 from .kelvin_voigt import KelvinVoigt as KelvinVoigt
+from .pressure import hertz_pressure as hertz_pressure
+from .pressure import yield_pressure as yield_pressure
 from .stiffness import hertz_stiffness as hertz_stiffness
 from .stiffness import socket_stiffness as socket_stiffness
 from .stiffness import two_spheres_stiffness as two_spheres_stiffness

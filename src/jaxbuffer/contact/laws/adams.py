@@ -5,7 +5,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 
 from ..._types import Scalar, Values
-from .base import ContactLaw, power
+from .base import ContactLaw, power, root
 
 
 def step(x: Values, start: Scalar, start_value: Scalar, end: Scalar, end_value: Scalar) -> Values:
@@ -33,6 +33,9 @@ class AdamsImpact(ContactLaw):
 
     def energy(self, penetration: Values) -> Values:
         return self.elastic(penetration) * penetration / (self.exponent + 1.0)
+
+    def depth(self, force: Scalar) -> Scalar:
+        return root(force / self.stiffness, self.exponent)
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         damper = self.damping * approach_speed * step(penetration, 0.0, 0.0, self.ramp_depth, 1.0)

@@ -28,6 +28,13 @@ class ContactLaw(eqx.Module):
         """What the spring in the contact stores [J]."""
         raise NotImplementedError
 
+    def depth(self, force: Scalar) -> Scalar:
+        """The penetration [m] at which the spring alone exerts a force [N]; differentiable.
+
+        No law's penetration exceeds that of its peak force: where it is deepest the damper exerts nothing.
+        """
+        raise NotImplementedError
+
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         """F_n [N] of a closed contact from δ [m], δ̇ [m/s] and δ̇⁻ [m/s]."""
         raise NotImplementedError
@@ -56,3 +63,9 @@ def power(penetration: Values, exponent: Scalar) -> Values:
     depth = jnp.where(inside, penetration, 1.0)
     raised = depth * jnp.sqrt(depth) if isinstance(exponent, float) and exponent == 1.5 else depth**exponent
     return jnp.where(inside, raised, 0.0)
+
+
+def root(value: Scalar, exponent: Scalar) -> Scalar:
+    """The n-th root, the inverse of `power`; zero, with no derivative, for values ≤ 0."""
+    positive = jnp.asarray(value) > 0.0
+    return jnp.where(positive, jnp.where(positive, value, 1.0) ** (1.0 / exponent), 0.0)

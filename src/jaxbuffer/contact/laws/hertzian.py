@@ -10,7 +10,7 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ..._types import Scalar, Values
-from .base import ContactLaw, power
+from .base import ContactLaw, power, root
 from .restitution import damping_delivering, psi, restitution_delivered
 
 
@@ -36,6 +36,10 @@ class HystereticLaw(ContactLaw):
     def energy(self, penetration: Values) -> Values:
         """K δⁿ⁺¹/(n + 1) [J]."""
         return self.elastic(penetration) * penetration / (self.exponent + 1.0)
+
+    def depth(self, force: Scalar) -> Scalar:
+        """(F/K)^(1/n) [m]."""
+        return root(force / self.stiffness, self.exponent)
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.hysteresis * approach_speed / touchdown_speed)

@@ -32,6 +32,9 @@ class KelvinVoigt(ContactLaw):
     def energy(self, penetration: Values) -> Values:
         return 0.5 * self.elastic(penetration) * penetration
 
+    def depth(self, force: Scalar) -> Scalar:
+        return force / self.linear_stiffness
+
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         return jnp.maximum(0.0, self.linear_stiffness * penetration + self.damping * approach_speed)
 
