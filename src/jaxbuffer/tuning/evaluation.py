@@ -21,7 +21,7 @@ from .problem import QUANTITIES, Case, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
 LOST = -10.0  # margin of a capture that could not be solved [-]
-MISFIT = Outcome.failed_not_finite  # of a case whose design and scenario do not fit each other
+MISFIT = Outcome.failed_input  # of a case whose design and scenario do not fit each other
 
 
 class Evaluation(NamedTuple):
