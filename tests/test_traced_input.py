@@ -13,25 +13,8 @@ from jaxbuffer import InputError, Outcome
 from jaxbuffer.mechanisms import check_fit, paths
 from jaxbuffer.mechanisms.validity import valid
 
-CANDIDATES = (
-    -math.inf,
-    -2.0,
-    -0.8,
-    -0.1,
-    0.0,
-    1e-3,
-    0.015,
-    0.06,
-    0.07,
-    0.1365,
-    0.49,
-    0.6,
-    1.0,
-    1.5,
-    2.0,
-    math.inf,
-    math.nan,
-)
+ORDINARY = (-2.0, -0.8, -0.1, 0.0, 1e-3, 0.015, 0.06, 0.07, 0.1365, 0.49, 0.6, 1.0, 1.5, 2.0)
+CANDIDATES = (-math.inf, *ORDINARY, math.inf, math.nan)
 NUMBERS = [
     *(path for path in paths(jb.table2()) if not isinstance(jb.get(jb.table2(), path), (str, bool))),
     *(f"scenario.{path}" for path in paths(jb.Scenario())),

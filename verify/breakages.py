@@ -26,6 +26,10 @@ REFERENCE = "tests/verification/test_reference.py::test_table_2_as_the_model_sta
 BALANCE = "tests/verification/test_balance.py::test_default_settings_conserve[table 2]"
 FIRST = "tests/verification/test_first_impact.py::test_peak_tends_to_the_closed_form_as_the_buffer_goes_soft"
 ORDERS = "tests/integrate/test_orders.py::test_order_on_a_smooth_phase[Tsit5]"
+STOP = "tests/mechanisms/test_end_stop.py"
+STOPPED = "tests/verification/test_buffer_end.py::test_an_end_stop_pushes_back"
+BOTTOMED = "tests/verification/test_buffer_end.py::test_a_run_ends_where_the_buffer_does"
+THROUGH = "tests/verification/test_buffer_end.py::test_gradients_go_right_through[end stop]"
 UNITS = f"{INVARIANTS}::test_units_may_be_changed"
 
 
@@ -241,7 +245,37 @@ def _tableau() -> None:
     methods._square = broken
 
 
+def _stop_pulls() -> None:
+    from jaxbuffer.contact import KelvinVoigt
+
+    KelvinVoigt.force = lambda self, depth, speed, _: self.linear_stiffness * depth + self.damping * speed
+
+
+def _stop_loss() -> None:
+    from jaxbuffer.mechanisms.probe_in_cone import ProbeInCone
+
+    ProbeInCone.stop_loss = lambda self, at, active: 0.0
+
+
+def _stop_jump() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.mechanisms.capture import CaptureMechanism
+
+    CaptureMechanism.saltation = lambda self, closed, contact: jnp.zeros_like(closed)
+
+
+def _no_end() -> None:
+    from jaxbuffer.mechanisms.design import Buffer
+
+    Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
+
+
 BREAKAGES = (
+    Breakage("stop pulls", "the buffer's end stop pulls while the probe leaves it", _stop_pulls, (STOPPED,)),
+    Breakage("stop's books", "the end stop's loss not booked", _stop_loss, (STOP, STOPPED)),
+    Breakage("no jump at the stop", "sensitivities do not jump with the end stop's force", _stop_jump, (THROUGH,)),
+    Breakage("no end", "the buffer's end 1 % beyond where the spring's ends meet", _no_end, (BOTTOMED,)),
     Breakage("gamma sign", "γ of the revolute joint with the other sign", _flip_gamma, (JOINTS, MECHANISMS, EQUATIONS)),
     Breakage(
         "lost entry",

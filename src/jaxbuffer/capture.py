@@ -17,7 +17,7 @@ from .history import History, history, trimmed
 from .integrate import Log, Options, Solver, Status, Tolerance, moving, solve_at_fixed_times, solver_named
 from .ledger import Balance, Energy, balance
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
-from .mechanisms.assembly import UPPER
+from .mechanisms.assembly import FLANKS, UPPER
 from .mechanisms.design import NON_NEGATIVE, POSITIVE
 from .mechanisms.probe_in_cone import Posture
 from .mechanisms.validity import all_of, valid
@@ -54,13 +54,14 @@ class Capture(eqx.Module):
 
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed capture they are NaN.
     ``peak_force`` [N] of either flank, with ``peak_time`` [s], ``peak_flank`` (0 lower, 1 upper) and ``peak_impact``
-    (index into ``impacts``); ``peak_hinge_force``, ``peak_buffer_force``, ``peak_stop_force`` [N] (of the end stop, 0
-    without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before the buffer's end, of a bottomed run minus
-    how much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth at which the contact's spring alone
-    exerts the peak force, which the tip's deepest penetration does not exceed; ``end_time`` [s]; ``contact_time`` [s];
-    ``throat_distance`` [m] of the tip from the capture plane at the end; ``capture_margin`` [m]: how far beyond that
-    plane the tip would be at ``duration``, coasting on from the end of the run, or ``stroke_margin`` if that is less
-    (positive exactly for a captured run); ``impact_count``; ``first_impact``: its closed form; ``energy`` at the end;
+    (index into ``impacts``, -1 if it is not listed there); ``peak_hinge_force``, ``peak_buffer_force``,
+    ``peak_stop_force`` [N] (of the end stop, 0 without one); ``stroke`` [m]; ``stroke_margin`` [m]: stroke left before
+    the buffer's end, of a bottomed run minus how much is missing; ``hinge_angle`` [rad]; ``penetration`` [m]: the depth
+    at which the contact's spring alone exerts the peak force, which the deepest penetration does not exceed;
+    ``end_time`` [s]; ``contact_time`` [s]; ``throat_distance`` [m] of the tip from the capture plane at the end;
+    ``capture_margin`` [m]: how far beyond that plane the tip would be at ``duration``, coasting on from the end of the
+    run, or ``stroke_margin`` if that is less (positive exactly for a captured run); ``impact_count``;
+    ``first_impact``: its closed form; ``energy`` at the end;
     ``balance``: what numerical error did to conserved quantities; ``attempts``, ``accepted``: steps taken.
     """
 
@@ -131,8 +132,8 @@ def simulate(
     **Arguments:** ``design``, ``scenario`` (default: Table 2's); ``duration`` [s] after which a run counts as timeout;
     ``solver``: a name in `integrate.SOLVERS` or an `integrate.Solver`; ``rtol``, ``atol`` [-]: local error allowed in a
     step, of a component's size and of its natural scale (``atol`` defaults to ``rtol``); ``history``: keep time
-    histories; ``max_steps``, ``max_events``: limits whose passing is a failed outcome; ``stabilisation`` [1/s]:
-    Baumgarte's gain.
+    histories; ``max_steps``: limit whose passing is a failed outcome; ``max_events``: room for events in order, of
+    later ones only the maxima, the end and the number of impacts are known; ``stabilisation`` [1/s]: Baumgarte's gain.
 
     **Returns:** a `Capture`. Not converging is an outcome, not an error.
 
@@ -238,6 +239,7 @@ def _simulate(
     reserve = stroke_margin(mechanism, log, top.stroke, code == Outcome.bottomed)
     slots = hits.time.shape[0]
     earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.flank == top.peak_flank)
+    listed = ~log.overflown | (top.peak_time <= log.time[log.room - 1])
     numbers = {
         "peak_force": top.peak_force,
         "peak_time": top.peak_time,
@@ -258,8 +260,8 @@ def _simulate(
         scenario=parameters[1],
         code=code,
         peak_flank=top.peak_flank,
-        peak_impact=jnp.max(jnp.where(earlier, jnp.arange(slots), -1)),
-        impact_count=hits.count,
+        peak_impact=jnp.max(jnp.where(earlier & listed, jnp.arange(slots), -1)),
+        impact_count=hits.count + jnp.sum(log.missed[:FLANKS]),
         impacts=hits,
         first_impact=predict(mechanism, start),
         energy=energy,

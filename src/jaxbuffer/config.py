@@ -49,8 +49,9 @@ class Tuning(Part):
 
     section = "tune"
     iterations: int = whole(40, 1)
-    starts: int = whole(4, 1)
+    starts: int = whole(32, 1)
     searches: int = whole(2, 1)
+    rounds: int = whole(6, 1)
     seed: int = whole(0, 0)
     tolerance: float = number(1e-4, "-", low=0.0, high=1.0, low_open=True, high_open=True)
 

@@ -154,7 +154,8 @@ def _carried_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
 
 
 class Impacts(eqx.Module):
-    """Touchdowns in order, an entry each; slots beyond ``count`` are padding (flank -1, zeros).
+    """Touchdowns in order, an entry each; slots beyond ``count`` are padding (flank -1, zeros). A run with more events
+    than its log has room for lists the first ones; `Capture.impact_count` counts all.
 
     ``time`` [s], ``flank`` (0 lower, 1 upper), ``approach_speed`` δ̇⁻ [m/s], ``peak_force`` [N] until the flank's next
     touchdown, ``release_time`` [s] (NaN where the run ended in contact).
@@ -170,7 +171,8 @@ class Impacts(eqx.Module):
 
 def impacts(mechanism: CaptureMechanism, log: Log, seen: Survey) -> Impacts:
     """All impacts of a run whose log's events move (`moving_events`)."""
-    touch, flank = (log.kind == Kind.TOUCHDOWN) & (log.which < FLANKS), log.which % FLANKS
+    in_order = jnp.arange(log.kind.shape[0]) < log.room
+    touch, flank = (log.kind == Kind.TOUCHDOWN) & (log.which < FLANKS) & in_order, log.which % FLANKS
     speed = jax.vmap(lambda row, flank: mechanism.memory(row)[flank])(log.rows[:, 0], flank)
     top, release = _impact_ends(log)
     peak = jnp.maximum(seen.force[top, flank], 0.0)
@@ -206,7 +208,8 @@ def _impact_ends(log: Log) -> tuple[Int[Array, " slots"], Float[Array, " slots"]
         return slot + 1, under_way, top, release
 
     begin = (jnp.asarray(0), jnp.full(FLANKS, slots), jnp.arange(slots), jnp.full(slots, jnp.nan))
-    _, _, top, release = jax.lax.while_loop(lambda carry: carry[0] < log.count, visit, begin)
+    last = jnp.minimum(log.count, log.room)
+    _, _, top, release = jax.lax.while_loop(lambda carry: carry[0] < last, visit, begin)
     return top, release
 
 
@@ -240,9 +243,21 @@ def stroke_margin(
 
 
 def contact_time(log: Log) -> Float[Array, ""]:
-    """Time during which at least one flank is touched [s]."""
-    last = jnp.maximum(log.count - 1, 0)
+    """Time during which at least one flank is touched [s]; its derivative is NaN if events found no room in the log."""
+    last = jnp.minimum(jnp.maximum(log.count - 1, 0), log.room - 1)
     touching = jnp.any(log.active[:, :FLANKS] > 0.5, axis=1)
     inside = (jnp.arange(log.kind.shape[0]) < last) & touching
     following = jnp.append(log.time[1:], 0.0)
-    return jnp.sum(jnp.where(inside, following - log.time, 0.0))
+    listed = jnp.sum(jnp.where(inside, following - log.time, 0.0))
+    return _undifferentiable(listed + log.missed_time, log.overflown)
+
+
+@jax.custom_jvp
+def _undifferentiable(value: Array, where: Array) -> Float[Array, ""]:
+    """The value, whose derivative is NaN ``where`` it is not known."""
+    return value
+
+
+@_undifferentiable.defjvp
+def _undifferentiable_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    return primals[0], tangents[0] * jnp.where(primals[1], jnp.nan, 1.0)

@@ -21,9 +21,8 @@ class Outcome(enum.IntEnum):
     failed_steps = 4
     failed_step_size = 5
     failed_not_finite = 6
-    failed_log = 7
-    failed_penetration = 8
-    failed_input = 9
+    failed_penetration = 7
+    failed_input = 8
 
     @property
     def failed(self) -> bool:
@@ -46,7 +45,6 @@ _REASONS = {
     Outcome.failed_not_finite: "failed: the state stopped being finite",
     Outcome.failed_penetration: "failed: the tip went deeper into a flank than its radius; the contact is too soft for "
     "this speed",
-    Outcome.failed_log: "failed: more events than max_events; raise it, or lower rtol if the tip sticks and slips",
     Outcome.failed_input: "failed: a number of the design, the scenario or the options is out of its allowed range",
 }
 
@@ -59,7 +57,6 @@ _FROM_STATUS = {
     Status.TOO_MANY_STEPS: Outcome.failed_steps,
     Status.STEP_TOO_SMALL: Outcome.failed_step_size,
     Status.NOT_FINITE: Outcome.failed_not_finite,
-    Status.LOG_FULL: Outcome.failed_log,
     Status.INPUT: Outcome.failed_input,
 }
 

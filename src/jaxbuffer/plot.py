@@ -159,7 +159,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     """The largest stroke, hinge angle, end time and hinge force over the scenarios, relative to before."""
     before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
     names = list(QUANTITIES)
-    share = 100.0 * (after / before - 1.0)
+    share = 100.0 * (np.divide(after, before, out=np.ones_like(after), where=before != 0.0) - 1.0)
     axes.barh(range(len(names)), share, color=[BLUE if x <= 0.0 else ORANGE for x in share])
     axes.axvline(0.0, color="black", linewidth=0.6)
     axes.set_yticks(

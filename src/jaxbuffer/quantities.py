@@ -52,6 +52,11 @@ QUANTITIES: dict[str, Quantity] = {
         "stroke left before the buffer's end; of a bottomed run minus what is missing",
         signed=True,
     ),
+    "stroke_share": Quantity(
+        "-",
+        lambda c: 1.0 - c.stroke_margin / c.design.buffer.longest_stroke,
+        "share of the buffer's stroke that is used; of a bottomed run above 1",
+    ),
     "peak_stop_force": Quantity("N", lambda c: c.peak_stop_force, "largest force of the buffer's end stop"),
     "penetration": Quantity("m", lambda c: c.penetration, "depth that the tip's deepest penetration does not exceed"),
     "contact_pressure": Quantity(
@@ -128,5 +133,5 @@ def value_of(capture: "Capture", name: str) -> float:
     asked = of_impact(name)
     if asked is None:
         return float(QUANTITIES[name].of(capture))
-    present = asked.slot < int(capture.impact_count) and not capture.outcome.failed
+    present = asked.slot < int(capture.impacts.count) and not capture.outcome.failed
     return float(asked.of(capture)) if present else float("nan")

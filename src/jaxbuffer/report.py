@@ -13,7 +13,7 @@ from .outcome import Outcome
 from .quantities import is_signed, quantity_unit
 from .tables import table as _table
 from .tables import text as _text
-from .validity import warnings
+from .validity import of_peaks, warnings
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -48,7 +48,7 @@ def summary(capture: "Capture") -> str:
     if outcome.failed:
         where = scenario_label(capture.scenario)
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
-    flank, impact = FLANKS[int(capture.peak_flank)], int(capture.peak_impact) + 1
+    flank = FLANKS[int(capture.peak_flank)]
     first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
     lines = [
@@ -56,7 +56,7 @@ def summary(capture: "Capture") -> str:
         f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
-        f" {flank} flank, impact {impact} of {int(capture.impact_count)}",
+        f" {flank} flank, {_which_impact(capture)}",
         f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
         f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
@@ -76,6 +76,14 @@ def summary(capture: "Capture") -> str:
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _which_impact(capture: "Capture") -> str:
+    count, listed = int(capture.impact_count), int(capture.impacts.count)
+    which = int(capture.peak_impact) + 1
+    if count == listed:
+        return f"impact {which} of {count}"
+    return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
 
 
 def _stop(capture: "Capture") -> str:
@@ -207,21 +215,49 @@ def tuned_table(tuned: "Tuned") -> str:
         summary_.add_row(f"then {problem.then.objective} [N]", *(f"{value:.6g}" for value in then))
     for text, points in (("cases captured", (tuned.before, tuned.after)),):
         summary_.add_row(text, *(f"{int(np.sum(p.captured))} of {len(p.code)}" for p in points))
-    floor = tuned.floor
     facts = [
+        *_floor_facts(tuned),
+        f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
+        f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures,"
+        f" {tuned.screened} of them without derivatives",
+    ]
+    facts += [f"outside the contact law's validity: {line}" for line in tuned_warnings(tuned)]
+    broken = tuned.goal.broken(tuned.after)
+    facts += [f"broken: {line}" for line in broken[:SHOWN]]
+    tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
+    return _text(f"Tuned: {tuned.message}", *tables, *facts)
+
+
+def tuned_warnings(tuned: "Tuned") -> list[str]:
+    """In how many scenarios the tuned design lies beyond what the contact law is good for, a line each reason."""
+    problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
+    found = [of_peaks(case.of(tuned.design), peak) for case, peak in zip(problem.cases, peaks, strict=True)]
+    lines = []
+    for beyond, what in (
+        (sum(bool(v.too_deep) for v in found), "the tip goes deeper into a flank than a tenth of its radius"),
+        (sum(bool(v.yields) for v in found), "the materials yield"),
+    ):
+        if beyond:
+            lines.append(f"{what} in {beyond} of {len(found)} scenarios")
+    return lines
+
+
+def _floor_facts(tuned: "Tuned") -> list[str]:
+    """The floor of the worst scenario, or that it is not known."""
+    floor, cases = tuned.floor, len(tuned.problem.cases)
+    if floor.unknown:
+        return [
+            "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
+            f" {floor.unknown} of {cases} scenarios"
+        ]
+    return [
         "floor, the first impact in the worst scenario, which no buffer softens:",
         f"  without any buffer {np.max(floor.simulated):.6g} N;"
         f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
         f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
         f" from T_c⁻ {1e3 * np.max(floor.energy):.4g} mJ at the tip",
         f"  within the bounds none gets below {floor.lowest:.6g} N",
-        f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
-        f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures",
     ]
-    broken = tuned.goal.broken(tuned.after)
-    facts += [f"broken: {line}" for line in broken[:SHOWN]]
-    tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return _text(f"Tuned: {tuned.message}", *tables, *facts)
 
 
 def _tuned_cases(tuned: "Tuned") -> Table:

@@ -164,7 +164,7 @@ class Linearised(eqx.Module):
         asked = of_impact(name)
         if asked is None:
             return np.asarray(self.gradients[list(CATALOGUE).index(name)])
-        present = asked.slot < int(self.capture.impact_count)
+        present = asked.slot < int(self.capture.impacts.count)
         return np.asarray(self.by_impact[asked.field][asked.slot]) * (1.0 if present else np.nan)
 
 

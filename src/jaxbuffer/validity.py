@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from .contact.laws import hertz_pressure, yield_pressure
 from .mechanisms import Design
+from .mechanisms.assembly import assemble_contact
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -42,6 +43,11 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
         return Validity(depth, np.zeros_like(depth))
     limit = yield_pressure(contact.yield_stress, contact.poisson_ratio)
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
+
+
+def of_peaks(design: Design, peak_force: Any) -> Validity:
+    """The same from peak forces [N] alone."""
+    return validity(design, np.asarray(assemble_contact(design).law.depth(peak_force)), peak_force)
 
 
 def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:

@@ -24,7 +24,7 @@ class Functions:
     def __exit__(self, *_):
         pass
 
-    def __call__(self, points, rtol=None):
+    def __call__(self, points, rtol=None, slopes=None):
         if self.dies_after is not None and self.batches >= self.dies_after:
             raise KeyboardInterrupt
         self.batches += 1

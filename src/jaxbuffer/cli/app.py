@@ -200,7 +200,7 @@ def sensitivity(
 def tune(
     request: Request,
     iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
-    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs tried first; default 4.")] = None,
+    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
     seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
 ) -> int:

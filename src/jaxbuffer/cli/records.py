@@ -15,7 +15,7 @@ from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import get, paths, unit
 from ..outcome import Outcome
 from ..quantities import quantity_unit
-from ..report import FLANKS, SHOWN, UNITS, per, scenario_label
+from ..report import FLANKS, SHOWN, UNITS, per, scenario_label, tuned_warnings
 from ..tuning.problem import QUANTITIES
 from ..validity import warnings
 
@@ -237,6 +237,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "converged": tuned.converged,
         "feasible": tuned.feasible,
         "broken": tuned.goal.broken(tuned.after),
+        "outside_validity": tuned_warnings(tuned),
         "objective": str(problem.objective),
         "objective_before [N]": _number(start),
         "objective_after [N]": _number(end),

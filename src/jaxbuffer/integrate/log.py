@@ -1,5 +1,8 @@
 """What a run remembers: located events, and accepted steps when a history is wanted.
 
+A run with more events than its log has room for goes on: of the later ones the log keeps the end and, of each
+observable, the highest maximum, counts touchdowns and adds up the time in contact.
+
 Both are fixed-size buffers with a spare slot at the end that takes the writes of iterations with nothing to record, so
 that every write is a plain slice update and stays in place inside a compiled loop.
 """
@@ -36,6 +39,9 @@ class Log(eqx.Module):
     event's time shifts by -guard/guard_rate; ``rows``: state after the event, and its sensitivities at that fixed time;
     ``rates``: their derivatives just before it (where a contact opens or closes, its force's share in those of
     sensitivities is rounding).
+
+    ``latest``: time of the last event [s]. Of events that found no room: ``missed``, each contact's touchdowns;
+    ``missed_time``, time in contact until them [s].
     """
 
     kind: Int[Array, " slots"]
@@ -47,19 +53,44 @@ class Log(eqx.Module):
     rows: Float[Array, "slots rows state"]
     rates: Float[Array, "slots rows state"]
     count: Int[Array, ""]
+    latest: Float[Array, ""]
+    missed: Int[Array, " contacts"]
+    missed_time: Float[Array, ""]
+
+    @property
+    def room(self) -> int:
+        """How many events are kept in order; after those come a slot for each observable, the end's and a spare one."""
+        return self.kind.shape[-1] - self.values.shape[-1] - 2
+
+    @property
+    def overflown(self) -> Bool[Array, ""]:
+        """Whether there were more events than room."""
+        return self.count > self.room
 
     @staticmethod
     def empty(slots: int, rows: Rows, contacts: int, observables: int) -> "Log":
-        """A log with room for ``slots`` events.
+        """A log with room for ``slots`` events in order.
 
         Unused slots hold the start: whatever is computed from them is thrown away, but it must stay finite, or
         reverse-mode derivatives turn it into NaN.
         """
-        n = slots + 1
+        n = slots + observables + 2
         none, zero = jnp.full(n, int(Kind.NONE)), jnp.zeros(n)
         start = jnp.broadcast_to(rows, (n, *rows.shape))
-        values = jnp.zeros((n, observables))
-        return Log(none, none, zero, values, jnp.ones(n), jnp.zeros((n, contacts)), start, 0.0 * start, jnp.asarray(0))
+        return Log(
+            kind=none,
+            which=none,
+            time=zero,
+            values=jnp.zeros((n, observables)),
+            guard_rate=jnp.ones(n),
+            active=jnp.zeros((n, contacts)),
+            rows=start,
+            rates=0.0 * start,
+            count=jnp.asarray(0),
+            latest=jnp.zeros(()),
+            missed=jnp.zeros(contacts, int),
+            missed_time=jnp.zeros(()),
+        )
 
     def append(
         self,
@@ -72,11 +103,35 @@ class Log(eqx.Module):
         active: Float[Array, " contacts"],
         rows: Rows,
         rates: Rows,
+        touching: Bool[Array, ""],
     ) -> "Log":
-        """The log with one more entry if ``when``."""
-        entry = (jnp.where(when, kind, int(Kind.NONE)), which, time, values, guard_rate, active, rows, rates)
-        slot = jnp.where(when, self.count, self.kind.shape[0] - 1)
-        return _put(self, entry, slot, self.count + when)
+        """The log with one more entry if ``when``; ``touching``: whether there was contact since the last event."""
+        end, spare = self.kind.shape[0] - 2, self.kind.shape[0] - 1
+        missed = when & (self.count >= self.room)
+        # Observables of contacts come first, so a touchdown's slot is that of its force.
+        its_own = self.room + jnp.clip(which, 0, self.values.shape[1] - 1)
+        higher = values[its_own - self.room] > self.values[its_own, its_own - self.room]
+        worth = (kind != Kind.RELEASE) & higher
+        beyond = jnp.where(kind == Kind.END, end, jnp.where(worth, its_own, spare))
+        slot = jnp.where(missed, beyond, jnp.where(when, self.count, spare))
+        entry = {
+            "kind": jnp.where(slot == spare, int(Kind.NONE), kind),
+            "which": which,
+            "time": time,
+            "values": values,
+            "guard_rate": guard_rate,
+            "active": active,
+            "rows": rows,
+            "rates": rates,
+        }
+        touchdown = (jnp.arange(self.missed.shape[0]) == which) & (kind == Kind.TOUCHDOWN)
+        return dataclasses.replace(
+            _put(self, entry, slot),
+            count=jnp.where(missed, self.kind.shape[0] - 1, self.count + when),
+            latest=jnp.where(when, time, self.latest),
+            missed=self.missed + (missed & touchdown),
+            missed_time=self.missed_time + jnp.where(missed & touching, time - self.latest, 0.0),
+        )
 
 
 class Steps(eqx.Module):
@@ -105,16 +160,15 @@ class Steps(eqx.Module):
         if spare < 0:
             return dataclasses.replace(self, count=self.count + when)
         slot = jnp.where(when, jnp.minimum(self.count, spare), spare)
-        entry = (time, active, rows)
-        return _put(self, entry, slot, self.count + when)
+        entry = {"time": time, "active": active, "rows": rows}
+        return dataclasses.replace(_put(self, entry, slot), count=self.count + when)
 
 
-def _put(buffers: B, entry: tuple, slot: Int[Array, ""], count: Int[Array, ""]) -> B:
-    """Every buffer (all fields but the last, the count) with its item of the entry written into one slot."""
-    names = [field.name for field in dataclasses.fields(buffers)[:-1]]
+def _put(buffers: B, entry: dict[str, Array], slot: Int[Array, ""]) -> B:
+    """The buffers that the entry names, with its items written into one slot."""
     put = lax.dynamic_update_index_in_dim
     new = {
         name: put(getattr(buffers, name), jnp.asarray(item, getattr(buffers, name).dtype), slot, 0)
-        for name, item in zip(names, entry, strict=True)
+        for name, item in entry.items()
     }
-    return dataclasses.replace(buffers, **new, count=count)
+    return dataclasses.replace(buffers, **new)

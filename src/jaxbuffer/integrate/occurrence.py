@@ -98,6 +98,7 @@ def logged(task: Task, c: Progress, a: Attempt, d: Decision, o: Occurrence) -> L
         rows=o.there,
         # where the second derivative matters, near a maximum of what depends on the rate, it is watched
         rates=a.trial.rate + o.offset * a.trial.second,
+        touching=task.system.touching(c.active),
     )
 
 

@@ -11,9 +11,9 @@ class Options(eqx.Module):
     """How to step.
 
     **Arguments:** ``solver``; ``tolerance``; ``controller``; ``max_steps``: attempts before giving up; ``max_events``:
-    room in the log; ``event_time`` [s]: how closely a step lands on an event; ``shortfall`` [-]: of its height, by how
-    much a maximum may be missed before a step of second order onto it; ``keep``: accepted steps to keep for a history,
-    0 for none.
+    room in the log (of later events it keeps the maxima and the end); ``event_time`` [s]: how closely a step lands on
+    an event; ``shortfall`` [-]: of its height, by how much a maximum may be missed before a step of second order onto
+    it; ``keep``: accepted steps to keep for a history, 0 for none.
     """
 
     solver: Solver = Automatic()

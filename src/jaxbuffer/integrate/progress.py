@@ -25,8 +25,7 @@ class Status(enum.IntEnum):
     TOO_MANY_STEPS = 101
     STEP_TOO_SMALL = 102
     NOT_FINITE = 103
-    LOG_FULL = 104
-    INPUT = 105
+    INPUT = 104
 
 
 class Place(NamedTuple):
@@ -83,7 +82,7 @@ def begin(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Progress:
     status = jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE)
     for contact in range(contacts):
         closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
-        log = log.append(closed, kind, jnp.asarray(contact), zero, highest, one, active, start, place.rate)
+        log = log.append(closed, kind, jnp.asarray(contact), zero, highest, one, active, start, place.rate, closed)
     return Progress(
         at=place,
         ahead=place,

@@ -80,7 +80,7 @@ def _trip(task: Task[P], c: Progress) -> Progress:
         landing=where(foreseen, Landing.toward(contact, release, at.guards.gap), d.landing),
         whole=d.again,
         renew=o.closing & task.system.jumps | o.opening & bool(task.lanes.count),
-        status=_status(task, c, a, d, o, pace, log.count),
+        status=_status(task, c, a, d, o, pace),
         attempts=c.attempts + 1,
         log=log,
         # A history ends where the run does, not where the last step landed beside that.
@@ -121,9 +121,7 @@ def _paced(task: Task[P], c: Progress, a: Attempt, d: Decision, o: Occurrence) -
     return where(o.opening, c.before_contact, pace)
 
 
-def _status(
-    task: Task[P], c: Progress, a: Attempt, d: Decision, o: Occurrence, pace: Pace, entries: Int[Array, ""]
-) -> Int[Array, ""]:
+def _status(task: Task[P], c: Progress, a: Attempt, d: Decision, o: Occurrence, pace: Pace) -> Int[Array, ""]:
     """Whether and how the run ends here."""
     free = ~c.landing.under_way | d.dropped
     stuck = ~d.accept & ~d.again & free & ~d.starts & (c.renew | (jnp.min(pace.steps) < 1e-14))
@@ -131,7 +129,6 @@ def _status(
     status = jnp.where(o.is_terminal, o.target - task.contacts, over)
     for failed, code in (
         (c.attempts + 1 >= task.options.max_steps, Status.TOO_MANY_STEPS),
-        (entries >= task.options.max_events, Status.LOG_FULL),
         (stuck & a.finite, Status.STEP_TOO_SMALL),
         (stuck & ~a.finite, Status.NOT_FINITE),
     ):

@@ -2,7 +2,7 @@
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar, stacked
 from ..contact import Approach
@@ -79,6 +79,9 @@ class CaptureMechanism(ProbeInCone, HybridSystem):
         if self.stop is None:
             return gap, closing
         return jnp.append(gap, self.design.buffer.end - at.stroke), jnp.append(closing, at.stroke_rate)
+
+    def touching(self, active: Float[Array, " contacts"]) -> Bool[Array, ""]:
+        return jnp.any(active[:FLANKS] > 0.5)
 
     def touchdown(
         self, state: Float[Array, " state"], quickening: Float[Array, ""], contact: Int[Array, ""]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 
@@ -95,6 +95,10 @@ class HybridSystem(eqx.Module):
         """The state just after a contact closes, from the state at the crossing; ``quickening``: how its approach speed
         grows there [m/s²]."""
         raise NotImplementedError
+
+    def touching(self, active: Active) -> Bool[Array, ""]:
+        """Whether what counts as contact time passes while these contacts are closed."""
+        return jnp.any(active > 0.5)
 
     def terminals(self, state: State) -> Float[Array, " terminals"]:
         """Functions whose crossing of zero upwards ends the run."""

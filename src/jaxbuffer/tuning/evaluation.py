@@ -12,13 +12,16 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..capture import Capture, simulate
-from ..mechanisms import CaptureMechanism, Design, Scenario, get, replace
+from ..errors import InputError
+from ..mechanisms import CaptureMechanism, Design, Scenario, check_fit, get, replace
 from ..outcome import Outcome
 from ..programs import Static, kept
-from .problem import QUANTITIES, Problem
+from ..quantities import QUANTITIES as CATALOGUE
+from .problem import QUANTITIES, Case, Problem
 
 PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
 LOST = -10.0  # margin of a capture that could not be solved [-]
+MISFIT = Outcome.failed_not_finite  # of a case whose design and scenario do not fit each other
 
 
 class Evaluation(NamedTuple):
@@ -62,7 +65,7 @@ class Evaluator:
     False: they are zero then, for methods that use none."""
 
     def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True) -> None:
-        self.problem, self.captures, self._measure = problem, 0, measure if slopes else measure_values
+        self.problem, self.captures, self.slopes = problem, 0, slopes
         self._pool = ThreadPoolExecutor(workers or len(os.sched_getaffinity(0)))
 
     def __enter__(self) -> "Evaluator":
@@ -71,19 +74,35 @@ class Evaluator:
     def __exit__(self, *_: object) -> None:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def __call__(self, points: Iterable[np.ndarray], rtol: float | None = None) -> list[Evaluation]:
-        """Evaluate designs at their places, together; ``rtol`` [-] defaults to the problem's."""
-        problem, rtol = self.problem, rtol or self.problem.rtol
+    def __call__(
+        self, points: Iterable[np.ndarray], rtol: float | None = None, slopes: bool | None = None
+    ) -> list[Evaluation]:
+        """Evaluate designs at their places, together; ``rtol`` [-] defaults to the problem's, ``slopes`` to the
+        evaluator's."""
+        problem, measured = self.problem, measure if (self.slopes if slopes is None else slopes) else measure_values
         points = [np.asarray(point, float) for point in points]
-        jobs = [
-            (case.of(problem.built(point)), case.scenario, problem.paths, problem.duration, rtol)
-            for point in points
-            for case in problem.cases
-        ]
-        found = list(self._pool.map(lambda job: self._measure(*job), jobs))
+        jobs = [(point, case) for point in points for case in problem.cases]
+
+        def solved(job: tuple[np.ndarray, Case]) -> Measured:
+            fitting = fitted(problem, *job)
+            if fitting is None:
+                return Measured.lost(len(problem.paths))
+            return measured(fitting, job[1].scenario, problem.paths, problem.duration, rtol or problem.rtol)
+
+        found = list(self._pool.map(solved, jobs))
         self.captures += len(jobs)
         count = len(problem.cases)
         return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+
+
+def fitted(problem: Problem, places: Float[np.ndarray, " variables"], case: Case) -> Design | None:
+    """The mechanism of a case as built at those places, or None where its parts or its scenario do not fit."""
+    try:
+        design = case.of(problem.built(places))
+        check_fit(design, case.scenario)
+    except InputError:
+        return None
+    return design
 
 
 class Measured(eqx.Module):
@@ -99,6 +118,15 @@ class Measured(eqx.Module):
     peaks_slope: Float[Array, "peaks paths"]
     rest_slope: Float[Array, "rest paths"]
     margin_slope: Float[Array, " paths"]
+
+    @staticmethod
+    def lost(paths: int) -> "Measured":
+        """Of a case that can not be simulated."""
+        rest, peaks = len(QUANTITIES) - 1, np.arange(PEAKS)
+        shapes: list[tuple[int, ...]] = [(rest,), (), (), (PEAKS, paths), (rest, paths), (paths,)]
+        numbers: list[Any] = [np.full(shape, np.nan) for shape in shapes]
+        code: list[Any] = [np.array(int(MISFIT)), np.array(0), np.full(PEAKS, np.nan), peaks]
+        return Measured(*code, *numbers)
 
 
 def measure(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
@@ -143,8 +171,11 @@ def _seen(design: Design, scenario: Scenario, duration: Array, rtol: Array) -> t
     """Every impact's peak, the other quantities, the margin; outcome and count of impacts."""
     capture = simulate(design, scenario, duration, rtol=rtol)
     clear = margin(CaptureMechanism(capture.design, scenario), capture, duration)
-    rest = jnp.stack([getattr(capture, name) for name in list(QUANTITIES)[1:]])
-    return capture.impacts.peak_force, rest, clear, capture.code, capture.impact_count
+    rest = jnp.stack([CATALOGUE[name].of(capture) for name in list(QUANTITIES)[1:]])
+    peaks = capture.impacts.peak_force
+    # the last slot is free: of a run with more impacts than are listed it takes the largest, if that is not
+    peaks = peaks.at[-1].set(jnp.where(capture.peak_impact < 0, capture.peak_force, 0.0))
+    return peaks, rest, clear, capture.code, capture.impact_count
 
 
 def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array, ""]) -> Float[Array, ""]:
@@ -152,11 +183,13 @@ def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array,
     to the speed that arrives just in time, minus 1.
 
     One formula, smooth where one outcome turns into another: captured after t of at most D, D/t - 1; still on its way
-    at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner.
+    at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner. Of a bottomed run it
+    says what it would have come to, going on like that; what is wrong with it is its `stroke_share`.
     """
     before, after = mechanism.throat_of(mechanism.start()[0])[0], capture.throat_distance
     # where an event ended the run, the distance there is always the same and the time moves
-    after = jnp.where(capture.code == Outcome.timeout, after, jax.lax.stop_gradient(after))
+    anywhere = (capture.code == Outcome.timeout) | (capture.code == Outcome.bottomed)
+    after = jnp.where(anywhere, after, jax.lax.stop_gradient(after))
     return (before - after) / before * duration / capture.end_time - 1.0
 
 
@@ -182,7 +215,7 @@ def _gathered(problem: Problem, places: np.ndarray, found: list[Measured]) -> Ev
     for array in values_of.values():
         array[lost] = 0.0
     values_of["margin"][lost] = LOST
-    escaped = code == Outcome.escaped
+    escaped = (code == Outcome.escaped) | (code == Outcome.bottomed)
     time = list(QUANTITIES).index("end_time") - 1
     values_of["rest"][escaped | lost, time] = problem.duration
     values_of["rest_slope"][escaped | lost, time] = 0.0

@@ -12,20 +12,22 @@ from jaxtyping import Float
 
 from ..first_impact import first_impact
 from ..mechanisms import get, replace
-from .evaluation import measure
+from ..outcome import Outcome
+from .evaluation import fitted, measure
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
 BUFFER = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
+FAR = 10.0  # times the floor at the design: what counts for designs whose parts do not fit, or that fail
 
 
 @dataclasses.dataclass(frozen=True)
 class Floor:
     """A lower limit of the first impact's peak in each case [N]: ``simulated`` without a buffer, and ``closed_form``,
     elastic and frictionless; ``energy`` T_c⁻ [J]; ``lowest``: the least that the objective's first impacts can be
-    within the variables' bounds [N], and the numbers that reach it."""
+    within the variables' bounds [N], and the numbers that reach it. NaN where a first impact can not be simulated."""
 
     simulated: Float[np.ndarray, " cases"]
     closed_form: Float[np.ndarray, " cases"]
@@ -33,42 +35,67 @@ class Floor:
     lowest: float
     at: dict[str, float]
 
+    @property
+    def unknown(self) -> int:
+        """In how many cases the floor is not known."""
+        return int(np.sum(~np.isfinite(self.simulated)))
+
 
 def floor(problem: Problem, places: Float[np.ndarray, " variables"]) -> Floor:
     """The floor at a design, and the lowest one within the bounds."""
-    from scipy.optimize import minimize
-
-    def objective(where: np.ndarray) -> tuple[float, np.ndarray]:
-        peaks, slopes = _without_buffer(problem, where)
-        weights = problem.objective.case_weights(peaks)
-        return float(weights @ peaks), weights @ slopes
-
-    found = minimize(objective, places, jac=True, bounds=[(0.0, 1.0)] * len(places), method="L-BFGS-B", tol=1e-6)
-    closed = [first_impact(case.of(problem.built(places)), case.scenario) for case in problem.cases]
-    at = dict(zip(problem.paths, map(float, problem.values(found.x)), strict=True))
+    simulated = _without_buffer(problem, places)[0]
+    lowest, best = _lowest(problem, places, simulated)
+    built = [(fitted(problem, places, case), case.scenario) for case in problem.cases]
+    closed = [None if design is None else first_impact(design, scenario) for design, scenario in built]
+    at = dict(zip(problem.paths, map(float, problem.values(best)), strict=True))
     return Floor(
-        _without_buffer(problem, places)[0],
-        np.array([float(c.elastic_peak) for c in closed]),
-        np.array([float(c.effective_energy) for c in closed]),
-        float(found.fun),
+        simulated,
+        np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
+        np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),
+        lowest,
         {path: value for path, value in at.items() if path not in BUFFER},
     )
 
 
+def _lowest(problem: Problem, places: np.ndarray, peaks: np.ndarray) -> tuple[float, np.ndarray]:
+    """The least floor within the bounds [N] and where it is, from the design with these ``peaks`` on."""
+    from scipy.optimize import minimize
+
+    here = problem.objective.aggregate(peaks)
+    if not np.isfinite(here):
+        return np.nan, places
+    best = (here, places)
+
+    def objective(where: np.ndarray) -> tuple[float, np.ndarray]:
+        nonlocal best
+        peaks, slopes = _without_buffer(problem, where)
+        weights = problem.objective.case_weights(peaks)
+        value, slope = float(weights @ peaks), weights @ slopes
+        if not (np.isfinite(value) and np.all(np.isfinite(slope))):
+            return FAR * here, np.zeros_like(where)
+        best = min(best, (value, where.copy()), key=lambda found: found[0])
+        return value, slope
+
+    minimize(objective, places, jac=True, bounds=[(0.0, 1.0)] * len(places), method="L-BFGS-B", tol=1e-6)
+    return best
+
+
 def _without_buffer(problem: Problem, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First peaks [N] of all cases with the buffer gone, and their slopes by the places."""
-    drawn, values = problem.built(places), problem.values(places)
-    peaks, slopes = [], []
-    for case in problem.cases:
-        built = case.of(drawn)
+    """First peaks [N] of all cases with the buffer gone, and their slopes by the places; NaN where there is none."""
+    values = problem.values(places)
+    peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(places)), np.nan)
+    for k, case in enumerate(problem.cases):
+        if (built := fitted(problem, places, case)) is None:
+            continue
         design = replace(built, {path: GONE * float(get(built, path)) for path in BUFFER})
         duration = DURATIONS * float(first_impact(built, case.scenario).duration)
         found = measure(design, case.scenario, problem.paths, duration, SHARPER * problem.rtol)
+        if int(found.code) >= Outcome.failed_steps:
+            continue
         factors = dict(case.factors)
         scale = [
             v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in BUFFER)
             for v, x in zip(problem.variables, values, strict=True)
         ]
-        peaks.append(float(found.peaks[0]))
-        slopes.append(found.peaks_slope[0] * np.array(scale))
-    return np.array(peaks), np.array(slopes)
+        peaks[k], slopes[k] = float(found.peaks[0]), found.peaks_slope[0] * np.array(scale)
+    return peaks, slopes

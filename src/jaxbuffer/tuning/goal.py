@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..outcome import Outcome
 from .evaluation import Evaluation
-from .problem import QUANTITIES, Objective, Problem
+from .problem import LARGEST, QUANTITIES, Objective, Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N
@@ -61,7 +62,8 @@ class Goal:
 
     def limited(self) -> list[tuple[int, float]]:
         """Index into `QUANTITIES` and limit of every limited quantity."""
-        return [(NAMES.index(name), float(limit)) for name, limit in self.problem.limits.at_most.items()]
+        limits = LARGEST | dict(self.problem.limits.at_most)
+        return [(NAMES.index(name), float(limit)) for name, limit in limits.items()]
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
@@ -121,6 +123,8 @@ class Goal:
             found.append("the simulation failed")
         elif limits.captured and margin < 0.0:
             found.append(f"not captured (margin {margin:.3g})")
+        if evaluation.code[k] == Outcome.bottomed:
+            found.append(Outcome.bottomed.reason)
         for name, limit in limits.at_most.items():
             value, symbol = evaluation.quantities[k, NAMES.index(name)], QUANTITIES[name]
             if value > limit:

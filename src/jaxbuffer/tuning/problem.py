@@ -30,7 +30,10 @@ QUANTITIES = {  # that objectives and limits speak of; the first one is made of 
     "stroke": "m",
     "hinge_angle": "rad",
     "end_time": "s",
+    "peak_stop_force": "N",
+    "stroke_share": "-",
 }
+LARGEST = {"stroke_share": 1.0}  # limits that hold unless a problem sets lower ones: no buffer may come to its end
 SCALES = ("log", "linear")
 AGGREGATES = ("worst", "mean", "cvar")
 ONE_LIMIT = "it holds for all cases"
@@ -146,8 +149,9 @@ class Objective:
 @dataclasses.dataclass(frozen=True)
 class Limits:
     """What every case must keep to: ``captured`` within the duration; ``at_most``: upper limits of `QUANTITIES` in
-    their units; ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it
-    is rejected, none is led back by it)."""
+    their units, of ``stroke_share`` always 1 at most (beyond, the buffer has come to its end); ``impacts``: at most so
+    many touchdowns (a whole number, so without a gradient: a design that breaks it is rejected, none is led back by
+    it)."""
 
     captured: bool = True
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
@@ -157,7 +161,8 @@ class Limits:
         check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
         for name, limit in self.at_most.items():
             check_quantity("constraints", name)
-            check_single(f"constraints.{name}", limit, QUANTITIES[name], ONE_LIMIT, low=0.0, low_open=True)
+            high = LARGEST.get(name, math.inf)
+            check_single(f"constraints.{name}", limit, QUANTITIES[name], ONE_LIMIT, low=0.0, low_open=True, high=high)
         check_flag("constraints.captured", self.captured)
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
@@ -202,6 +207,7 @@ class Problem:
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         _check_variables(self.design, self.variables)
+        self._check_stroke()
         for number, case in enumerate(cases, 1):
             try:
                 check_fit(case.of(self.design), case.scenario)
@@ -222,6 +228,17 @@ class Problem:
             check_type("then", self.then, Then, "Then(Objective({'stroke': 1.0}))")
         check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
         check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
+
+    def _check_stroke(self) -> None:
+        """A limit on the stroke beyond the longest one that a design within the bounds allows limits nothing."""
+        longest = {"buffer.max_stroke", "buffer.free_length"}
+        corners = [{v.path: v.high for v in self.variables if v.path in longest}, {}]
+        most = max(float(np.asarray(replace(self.design, corner).buffer.longest_stroke)) for corner in corners)
+        if (limit := self.limits.at_most.get("stroke", 0.0)) > most:
+            raise InputError(
+                f"constraints.stroke = {limit:g} m is out of range; allowed: (0, {most:g}] m, the buffer's end"
+                " (buffer.max_stroke, or buffer.free_length with an end stop or without max_stroke)"
+            )
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
 

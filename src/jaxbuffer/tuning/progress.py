@@ -8,22 +8,27 @@ import numpy as np
 from .evaluation import Evaluation
 from .search import Branch
 
+NUMBERS = ("stage", "captures", "scale", "peak_scale", "ceiling", "searches", "apart")
+
 
 class Progress(NamedTuple):
     """``stage``; ``captures`` spent; ``scale`` of the objective and ``peak_scale`` [N]; ``ceiling`` [N] on the first
-    objective in the second stage, else NaN; ``first``: the problem's own start; the searches."""
+    objective in the second stage, else NaN; of the first stage, how many ``searches`` were begun and how far the best
+    two that began apart are ``apart`` [-]; ``first``: the problem's own start; the searches."""
 
     stage: int
     captures: int
     scale: float
     peak_scale: float
     ceiling: float
+    searches: int
+    apart: float
     first: Evaluation
     branches: tuple[Branch, ...]
 
     def written(self) -> dict[str, np.ndarray]:
         """Flat names and arrays."""
-        flat = {name: np.asarray(getattr(self, name)) for name in Progress._fields[:5]}
+        flat = {name: np.asarray(getattr(self, name)) for name in NUMBERS}
         flat |= _flat("first", self.first)
         for k, branch in enumerate(self.branches):
             flat |= _flat(f"{k}/point", branch.point) | _flat(f"{k}/kept", branch.kept)
@@ -40,7 +45,7 @@ class Progress(NamedTuple):
             k = k.removesuffix("/radius")
             rest = {name: _plain(flat[f"{k}/{name}"]) for name in Branch._fields[2:]}
             branches.append(Branch(_evaluation(flat, f"{k}/point"), _evaluation(flat, f"{k}/kept"), **rest))
-        numbers = {name: _plain(flat[name]) for name in Progress._fields[:5]}
+        numbers = {name: _plain(flat[name]) for name in NUMBERS}
         return Progress(**numbers, first=_evaluation(flat, "first"), branches=tuple(branches))
 
 

@@ -37,13 +37,14 @@ RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """**Arguments:** ``iterations`` of each local search at most, in each stage; ``starts``: designs tried first, the
-    problem's own and a sample of the bounds; ``searches``: the best of them that are followed; ``seed`` of the sample;
-    ``tolerance`` [-]: residual that counts as converged."""
+    """**Arguments:** ``iterations`` of each local search at most; ``starts``: designs screened in a round, the first
+    time the problem's own among them; ``searches``: the best of them that are followed; ``rounds`` at most; ``seed`` of
+    the samples; ``tolerance`` [-]: residual that counts as converged."""
 
     iterations: int = 40
-    starts: int = 4
+    starts: int = 32
     searches: int = 2
+    rounds: int = 6
     seed: int = 0
     tolerance: float = 1e-4
 
@@ -52,7 +53,8 @@ class Branch(NamedTuple):
     """One local search: its best design so far and what it has learnt. All arrays, so that it can be stored.
 
     ``point``: where it stands; ``kept``: the best design seen, feasible before infeasible; ``cliffs``: places of
-    designs that lost a capture against the model's word, NaN where none; ``merits``: of the last steps, latest last.
+    designs that lost a capture against the model's word, NaN where none; ``merits``: of the last steps, latest last;
+    ``round`` it began in; ``family``: the number of the search around whose design it began, or its own.
     """
 
     point: Evaluation
@@ -65,6 +67,8 @@ class Branch(NamedTuple):
     residual: float
     status: int
     steps: int
+    round: int
+    family: int
 
 
 class Move(NamedTuple):
@@ -83,7 +87,7 @@ class Search:
         self.scale, self.peak_scale = scales
         self.setup = Setup.of(goal, *scales, ROOM)
 
-    def begin(self, point: Evaluation) -> Branch:
+    def begin(self, point: Evaluation, round_: int = 0, family: int = 0) -> Branch:
         """A branch at an evaluated design."""
         size = len(point.places)
         branch = Branch(
@@ -97,6 +101,8 @@ class Search:
             residual=np.inf,
             status=RUNNING,
             steps=0,
+            round=round_,
+            family=family,
         )
         return self._examined(branch)
 
@@ -220,19 +226,6 @@ def without_hopeless(search: Search, branches: list[Branch]) -> list[Branch]:
         else branch
         for branch in branches
     ]
-
-
-def first_places(start: np.ndarray, settings: Settings) -> list[np.ndarray]:
-    """The problem's own start and a Latin hypercube of the bounds."""
-    from scipy.stats import qmc
-
-    others = qmc.LatinHypercube(len(start), rng=settings.seed).random(max(settings.starts - 1, 0))
-    return [start, *others]
-
-
-def chosen(search: Search, points: list[Evaluation]) -> list[Branch]:
-    """Branches from the starts of least merit."""
-    return [search.begin(point) for point in sorted(points, key=search.rank)[: search.settings.searches]]
 
 
 def advanced(search: Search, branches: list[Branch], evaluator: Evaluator) -> list[tuple[int, Evaluation, Branch]]:

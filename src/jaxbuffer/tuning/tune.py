@@ -13,9 +13,11 @@ from .evaluation import Evaluation, Evaluator
 from .floor import floor
 from .goal import Ceiling, Goal, Tangent
 from .linear import residual
+from .message import message
 from .problem import QUANTITIES, Problem
 from .progress import Progress
-from .search import CONVERGED, RUNNING, Branch, Search, Settings, advanced, chosen, first_places, without_hopeless
+from .search import CONVERGED, RUNNING, Branch, Search, Settings, advanced, without_hopeless
+from .starts import Places, Standing, anywhere, around
 from .store import Record, Store
 from .tuned import Tuned
 
@@ -27,8 +29,9 @@ def tune(
     problem: Problem,
     *,
     iterations: int = 40,
-    starts: int = 4,
-    searches: int = 2,
+    starts: int = Settings.starts,
+    searches: int = Settings.searches,
+    rounds: int = Settings.rounds,
     seed: int = 0,
     tolerance: float = 1e-4,
     folder: str | Path | None = None,
@@ -42,15 +45,17 @@ def tune(
     inside a region that shrinks where the model was wrong (docs/tuning.md). An infeasible start is led to feasibility
     first. ``problem.then`` is a second search from the first one's best.
 
-    **Arguments:** ``iterations``: steps of each search at most, in each stage; ``starts``: designs tried first, the
-    problem's own and a Latin hypercube of the bounds drawn with ``seed``; ``searches``: the best of them that are
-    followed, in one batch; ``tolerance`` [-]: a search has converged when first-order information promises no larger
-    decrease of the objective, relative, within a tenth of every range; ``folder``: where log and state are kept, an
-    earlier run's files there are overwritten unless ``resume`` goes on with it; ``workers``: threads, by default one a
-    core; ``report``: called with the log's record of each evaluation, also those of the run that is resumed.
+    **Arguments:** ``iterations``: steps of each search at most; ``starts``: designs screened without derivatives in
+    each round, the problem's own and a Latin hypercube of the bounds drawn with ``seed`` (1: the problem's own only,
+    and no further round); ``searches``: the best of them that are followed, in one batch; ``rounds`` at most: others
+    follow the first where cliffs were met or searches disagree; ``tolerance`` [-]: a search has converged when
+    first-order information promises no larger decrease of the objective, relative, within a tenth of every range;
+    ``folder``: where log and state are kept, an earlier run's files there are overwritten unless ``resume`` goes on
+    with it; ``workers``: threads, by default one a core; ``report``: called with the log's record of each evaluation,
+    also those of the run that is resumed.
 
     **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9. The same arguments give the same result, interrupted or
-    not. **Raises:** `InputError` for settings out of range, for a start of which no capture can be solved or climbed
+    not. **Raises:** `InputError` for settings out of range, for starts of which no capture can be solved or climbed
     from, and on resuming another problem's run.
     """
     check_type(
@@ -60,7 +65,7 @@ def tune(
         check_whole("workers", workers, 1)
     if folder is not None and not str(folder):
         raise InputError("folder = '' is empty; name the folder for log and state, or leave it out")
-    settings = _checked(Settings(iterations, starts, searches, seed, tolerance))
+    settings = _checked(Settings(iterations, starts, searches, rounds, seed, tolerance))
     store = Store(None if folder is None else Path(folder), f"{problem.fingerprint()}-{settings}", resume)
     with Evaluator(problem, workers) as evaluator:
         if report is not None:
@@ -71,7 +76,7 @@ def tune(
 
 
 def _checked(settings: Settings) -> Settings:
-    for name, low in (("iterations", 1), ("starts", 1), ("searches", 1), ("seed", 0)):
+    for name, low in (("iterations", 1), ("starts", 1), ("searches", 1), ("rounds", 1), ("seed", 0)):
         check_whole(f"tune.{name}", getattr(settings, name), low)
     limits: dict[str, Any] = {"low": 0.0, "high": 1.0, "low_open": True, "high_open": True}
     check_single("tune.tolerance", settings.tolerance, "-", "it holds for all searches", **limits)
@@ -87,42 +92,89 @@ class _Run:
     report: Callable[[Record], None] | None
 
     def searched(self, progress: Progress | None) -> Progress:
-        """All stages, from the start or from stored progress."""
-        if progress is None:
-            progress = self._begun()
+        """All rounds of both stages."""
+        progress = self._begun() if progress is None else progress
         self.evaluator.captures = progress.captures
         while True:
             search = self._search(progress)
-            while any(branch.status == RUNNING for branch in progress.branches):
-                branches = list(progress.branches)
-                for k, trial, branch in advanced(search, branches, self.evaluator):
-                    branches[k] = branch
-                    self._log(progress.stage, k, search, trial, branch)
-                branches = without_hopeless(search, branches)
-                progress = progress._replace(branches=tuple(branches), captures=self.evaluator.captures)
-                self.store.keep(progress.written())
-            if self.problem.then is None or progress.stage > 0:
-                return progress
+            progress = self._ended(search, progress)
             best = _best(search, progress.branches)
-            if not search.goal.feasible(best.kept):
+            if progress.stage == 0:
+                standing = Standing.of(search, progress.branches)
+                progress = progress._replace(searches=len(progress.branches), apart=standing.apart)
+            if self._unsettled(search, progress):
+                progress = self._again(search, progress, best)
+            elif self.problem.then is not None and progress.stage == 0 and search.goal.feasible(best.kept):
+                progress = self._second(progress, search, best)
+            else:
                 return progress
-            progress = self._second(progress, search, best)
             self.store.keep(progress.written())
 
+    def _ended(self, search: Search, progress: Progress) -> Progress:
+        """After all running searches have stopped."""
+        while any(branch.status == RUNNING for branch in progress.branches):
+            branches = list(progress.branches)
+            for k, trial, branch in advanced(search, branches, self.evaluator):
+                branches[k] = branch
+                self._log(progress.stage, k, search, trial, branch)
+            branches = without_hopeless(search, branches)
+            progress = progress._replace(branches=tuple(branches), captures=self.evaluator.captures)
+            self.store.keep(progress.written())
+        return progress
+
     def _begun(self) -> Progress:
-        """The starts, evaluated in one batch."""
-        goal = Goal(self.problem, self.problem.objective)
-        points = self.evaluator(first_places(self.problem.start(), self.settings))
-        _check_start(self.problem, points[0])
-        scales = (_scale(goal, points), max(float(np.max(p.peaks)) for p in points[:1]))
-        progress = Progress(0, self.evaluator.captures, *scales, np.nan, points[0], ())
+        """The first round, with the problem's own start among the designs screened; alone it needs no screening."""
+        goal, own, settings = Goal(self.problem, self.problem.objective), self.problem.start(), self.settings
+        alone = settings.starts == 1
+        points = self.evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=alone)
+        progress = Progress(0, 0, *_scales(goal, points), np.nan, 0, np.inf, points[0], ())
         search = self._search(progress)
-        for k, point in enumerate(points):
-            self._log(0, k, search, point, None)
-        branches = tuple(chosen(search, points))
-        progress = progress._replace(branches=branches)
+        for point in points:
+            self._log(0, 0, search, point, None)
+        chosen = sorted(points, key=search.rank)[: settings.searches]
+        picked = [(point.places, k) for k, point in enumerate(chosen)]
+        branches = (search.begin(points[0]),) if alone else self._branches(search, progress, picked)
+        _check_starts(self.problem, [branch.point for branch in branches])
+        progress = progress._replace(branches=branches, captures=self.evaluator.captures)
         self.store.keep(progress.written())
         return progress
+
+    def _unsettled(self, search: Search, progress: Progress) -> bool:
+        """Whether another round is called for and allowed."""
+        latest = max(branch.round for branch in progress.branches)
+        if self.settings.starts == 1 or latest + 1 >= self.settings.rounds:
+            return False
+        return not Standing.of(search, progress.branches).settled(progress.stage)
+
+    def _again(self, search: Search, progress: Progress, best: Branch) -> Progress:
+        """Another round: of designs around the best one and, in the first stage, anywhere."""
+        settings, round_ = self.settings, max(branch.round for branch in progress.branches) + 1
+        count, number = settings.starts // 2, len(progress.branches)
+        near = self._screened(search, progress.stage, around(best.kept.places, settings, round_, count))
+        picked = [(min(near, key=search.rank).places, best.family)]
+        if progress.stage == 0:
+            places = anywhere(settings, round_, len(best.kept.places), settings.starts - count)
+            far = sorted(self._screened(search, 0, places), key=search.rank)[: max(1, settings.searches - 1)]
+            picked += [(point.places, number + k) for k, point in enumerate(far, 1)]
+        branches = progress.branches + self._branches(search, progress, picked, round_)
+        return progress._replace(branches=branches, captures=self.evaluator.captures)
+
+    def _screened(self, search: Search, stage: int, places: list[Places]) -> list[Evaluation]:
+        """Designs evaluated without derivatives."""
+        points = self.evaluator(places, slopes=False)
+        for point in points:
+            self._log(stage, 0, search, point, None)
+        return points
+
+    def _branches(
+        self, search: Search, progress: Progress, picked: list[tuple[Places, int]], round_: int = 0
+    ) -> tuple[Branch, ...]:
+        """New searches from places, each with its family."""
+        branches, points = list[Branch](), self.evaluator([places for places, _ in picked])
+        for k, (point, (_, family)) in enumerate(zip(points, picked, strict=True), len(progress.branches)):
+            branches.append(search.begin(point, round_, family))
+            self._log(progress.stage, k, search, point, branches[-1])
+        return tuple(branches)
 
     def _second(self, progress: Progress, search: Search, best: Branch) -> Progress:
         """The second stage, from the first one's best design."""
@@ -186,7 +238,7 @@ class _Run:
             residual=left,
             gradient_error=_disagreement(search.goal, branch.kept, after),
             converged=branch.status == CONVERGED,
-            message=_message(search.goal, branch, after, self.settings),
+            message=message(search.goal, branch, after, progress, self.settings),
             floor=floor(self.problem, places),
             records=tuple(self.store.records),
             captures=self.evaluator.captures,
@@ -197,19 +249,19 @@ def _best(search: Search, branches: tuple[Branch, ...]) -> Branch:
     return min(branches, key=lambda branch: search.rank(branch.kept))
 
 
-def _scale(goal: Goal, points: list[Evaluation]) -> float:
-    """The objective's size: its value at the first start that has one."""
-    values = [goal.value(point) for point in points if np.any(point.solved)]
-    return next((value for value in values if value > 0.0), 1.0)
+def _scales(goal: Goal, points: list[Evaluation]) -> tuple[float, float]:
+    """Sizes of the objective and of contact forces [N]: those of the first start that has both, else 1."""
+    sizes = [(goal.value(point), float(np.max(point.peaks))) for point in points]
+    return next(((value, peak) for value, peak in sizes if value > 0.0 and peak > 0.0), (1.0, 1.0))
 
 
-def _check_start(problem: Problem, point: Evaluation) -> None:
-    reasons = sorted({Outcome(int(code)).reason for code in point.code})
-    if not np.any(point.solved):
-        raise InputError(f"every capture of the start fails ({'; '.join(reasons)}): there is no slope to climb")
-    if problem.limits.captured and not np.any(point.captured) and not np.any(point.margin_slope):
+def _check_starts(problem: Problem, points: list[Evaluation]) -> None:
+    reasons = "; ".join(sorted({Outcome(int(code)).reason for point in points for code in point.code}))
+    if not any(np.any(point.solved) for point in points):
+        raise InputError(f"every capture of the start fails ({reasons}): there is no slope to climb")
+    if problem.limits.captured and not any(np.any(p.captured) or np.any(p.margin_slope) for p in points):
         raise InputError(
-            f"no capture of the start succeeds ({'; '.join(reasons)}), and no variable changes that to first order: "
+            f"no capture of the start succeeds ({reasons}), and no variable changes that to first order: "
             "start from another design or tune other variables"
         )
 
@@ -225,16 +277,3 @@ def _disagreement(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
 
     exact = slope(tight)
     return float(np.max(np.abs(slope(usual) - exact)) / max(float(np.max(np.abs(exact))), 1e-300))
-
-
-def _message(goal: Goal, branch: Branch, after: Evaluation, settings: Settings) -> str:
-    if not goal.feasible(after):
-        return "no feasible design was found: " + "; ".join(goal.broken(after)[:3])
-    if branch.status == CONVERGED:
-        return f"converged: first-order residual {branch.residual:.1e} within {settings.tolerance:g}"
-    if branch.steps >= settings.iterations:
-        return f"stopped at the limit of {settings.iterations} steps, first-order residual {branch.residual:.1e}"
-    where = "stalled: steps gain less than the tolerance"
-    if np.any(np.isfinite(branch.cliffs)):
-        where = "stopped at a cliff: the designs ahead lose a capture by one bounce more or less"
-    return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"

@@ -45,6 +45,12 @@ class Tuned:
         return first.value(self.before), first.value(self.after)
 
     @property
+    def screened(self) -> int:
+        """How many of the captures were solved without derivatives."""
+        alone = self.settings.starts == 1
+        return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
+
+    @property
     def feasible(self) -> bool:
         """Whether the result keeps to every constraint."""
         return self.goal.feasible(self.after)
