@@ -79,7 +79,7 @@ def test_unknown_quantities_are_refused_with_a_suggestion(name, message):
 def test_no_quantity_no_parameter_and_one_named_twice():
     for call, message in (
         (lambda: check_quantities(()), "quantities is empty"),
-        (lambda: check_quantities(("stroke", "stroke")), "one twice"),
+        (lambda: check_quantities(("stroke", "stroke")), "names stroke twice"),
         (lambda: jb.sensitivity(jb.table2(), wrt=()), "wrt is empty"),
         (lambda: jb.sensitivity(jb.table2(), certify="full"), "certify = 'full' is unknown; choose one of quick"),
         (lambda: jb.sensitivity(jb.table2(), wrt=("buffer.damping",)), "is not a number that can be differentiated"),

@@ -168,7 +168,10 @@ def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
     if count == 1:
         return config, ""
     which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
-    return config, f"ran {which}, {scenario_label(config.scenario)}; --scenario-number N takes another, 1 to {count}"
+    return (
+        config,
+        f"running {which}, {scenario_label(config.scenario)}; --scenario-number N takes another, 1 to {count}",
+    )
 
 
 def design_toml(design: Design, scenarios: Iterable[Scenario] = (), comment: str = "") -> str:

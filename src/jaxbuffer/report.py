@@ -281,7 +281,7 @@ def _tuned_cases(tuned: "Tuned") -> Table:
     worst = sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN])
     for k in worst:
         table.add_row(
-            scenario_label(problem.cases[k].scenario, problem.meetings),
+            problem.cases[k].label(problem.cases),
             *_change(first[k, 0], last[k, 0]),
             *_change(first[k, 1], last[k, 1]),
             f"{1e3 * first[k, 3]:.4g} → {1e3 * last[k, 3]:.4g}",

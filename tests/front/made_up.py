@@ -174,5 +174,23 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
             peak[index] = np.nan
     share = peak / np.nanmax(peak)
     whole = np.ones(count, int)
-    rest = (0.02 * share, whole, 1.5 * peak, 4 * share, 0.01 * share, 0.005 * share, share, share)
-    return Sweep(code, peak, *rest, 3 * whole, 400 * whole)
+    numbers = {
+        "peak_time": 0.02,
+        "peak_hinge_force": 1.5 * np.nanmax(peak),
+        "peak_buffer_force": 4.0,
+        "peak_stop_force": 0.0,
+        "stroke": 0.01,
+        "stroke_margin": 0.1,
+        "hinge_angle": 0.005,
+        "penetration": 1e-5,
+        "end_time": 1.0,
+        "contact_time": 1.0,
+    }
+    return Sweep(
+        code=code,
+        peak_force=peak,
+        peak_flank=whole,
+        impact_count=3 * whole,
+        attempts=400 * whole,
+        **{name: value * share for name, value in numbers.items()},
+    )

@@ -70,7 +70,7 @@ def test_which_of_several_scenarios_is_run(computed, capsys, tmp_path, command):
     (tmp_path / "study.toml").write_text(FORTY)
     assert run([command, "study.toml"]) == 0
     shown = capsys.readouterr()
-    assert "note: ran the first of 40 scenarios, 0.1 m/s, 0.573°; --scenario-number N takes another" in shown.err
+    assert "note: running the first of 40 scenarios, 0.1 m/s, 0.573°; --scenario-number N takes another" in shown.err
     assert computed.calls[-1][1]["scenario"].approach_speed == 0.1
     assert run([command, "study.toml", "--scenario-number", "40"]) == 0
     shown = capsys.readouterr()
@@ -81,7 +81,7 @@ def test_which_of_several_scenarios_is_run(computed, capsys, tmp_path, command):
 def test_a_scenario_of_its_own_comes_before_the_list(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text(f"[scenario]\napproach_speed = 0.3\n{FORTY}")
     assert run(["simulate", "study.toml"]) == 0
-    assert "note: ran [scenario], 0.3 m/s, 0°; --scenario-number N" in capsys.readouterr().err
+    assert "note: running [scenario], 0.3 m/s, 0°; --scenario-number N" in capsys.readouterr().err
 
 
 def test_the_summary_says_which_scenario_it_is_of(computed, capsys):

@@ -103,24 +103,32 @@ class Goal:
         return float(np.sum(np.maximum(self.rows(*tangent.after(step)), 0.0)))
 
     def broken(self, evaluation: Evaluation) -> list[str]:
-        """One sentence for each constraint that fails, naming the case."""
-        lines, limits = [], self.problem.limits
-        for k, (quantities, margin) in enumerate(zip(evaluation.quantities, evaluation.margin, strict=True)):
-            where = self.problem.cases[k].label(self.problem.cases)
-            if not evaluation.solved[k]:
-                lines.append(f"{where}: the simulation failed")
-            elif limits.captured and margin < 0.0:
-                lines.append(f"{where}: not captured (margin {margin:.3g})")
-            if evaluation.code[k] == Outcome.bottomed:
-                lines.append(f"{where}: {Outcome.bottomed.reason}")
-            for name, limit in limits.at_most.items():
-                value, symbol = quantities[NAMES.index(name)], QUANTITIES[name]
-                if value > limit:
-                    lines.append(f"{where}: {name} {value:.4g} {symbol} is above {limit:g} {symbol}")
-            if limits.impacts is not None and evaluation.impacts[k] > limits.impacts:
-                lines.append(f"{where}: {evaluation.impacts[k]} impacts, above {limits.impacts}")
+        """One sentence for each constraint that fails, naming the case by its values."""
+        lines, cases = [], self.problem.cases
+        for k, case in enumerate(cases):
+            found = self._broken_in(evaluation, k)
+            if found:
+                where = case.label(cases)
+                lines += [f"{where}: {text}" for text in found]
         if self.ceiling is not None and (now := self._value(self.ceiling.objective, evaluation.quantities)) > (
             self.ceiling.value
         ):
             lines.append(f"{self.ceiling.objective}: {now:.5g} N is above {self.ceiling.value:.5g} N")
         return lines
+
+    def _broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
+        """What fails in one case."""
+        found, limits, margin = [], self.problem.limits, evaluation.margin[k]
+        if not evaluation.solved[k]:
+            found.append("the simulation failed")
+        elif limits.captured and margin < 0.0:
+            found.append(f"not captured (margin {margin:.3g})")
+        if evaluation.code[k] == Outcome.bottomed:
+            found.append(Outcome.bottomed.reason)
+        for name, limit in limits.at_most.items():
+            value, symbol = evaluation.quantities[k, NAMES.index(name)], QUANTITIES[name]
+            if value > limit:
+                found.append(f"{name} {value:.4g} {symbol} is above {limit:g} {symbol}")
+        if limits.impacts is not None and evaluation.impacts[k] > limits.impacts:
+            found.append(f"{evaluation.impacts[k]} impacts, above {limits.impacts}")
+        return found
