@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from .exits import OK
-from .request import Request, wrote
+from .request import Request
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
+    from .output import Contents
 
 Mass = Annotated[float | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
 Speed = Annotated[float | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
@@ -37,18 +38,19 @@ def laws(
     from ..comparison import compare_laws
 
     comparison = compare_laws(study.design, study.scenario, mass=mass, speed=speed)
-    typer.echo(repr(comparison))
-    if request.output is not None:
-        from ..laws_plot import laws_figure
-        from ..plot_style import png
-        from .output import csv_text
-
-        contents: dict[str, str | bytes] = {
-            "laws.csv": csv_text(*_rows(comparison)),
-            "laws.png": png(laws_figure(comparison)),
-        }
-        wrote(files.write(contents))
+    files.save_and_show(lambda: _contents(comparison), comparison)
     return OK
+
+
+def _contents(comparison: "Comparison") -> "Contents":
+    from ..laws_plot import laws_figure
+    from ..plot_style import png
+    from .output import csv_text
+
+    return {
+        "laws.csv": lambda: csv_text(*_rows(comparison)),
+        "laws.png": lambda: png(laws_figure(comparison)),
+    }
 
 
 def _rows(comparison: "Comparison") -> tuple[list[str], list[Sequence[Any]]]:
