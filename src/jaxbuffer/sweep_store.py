@@ -57,7 +57,7 @@ class SweepStore:
         **Arguments:** ``columns``: an array (n,) a quantity, of float or int; ``finished`` (n,): which captures are in
         them. Both are read again at each `save`.
         """
-        self.file, self.columns, self.finished = folder / STORE, columns, finished
+        self.file, self.columns, self.finished = folder / STORE, tuple(columns), finished
         self.stored = np.zeros_like(finished)
         self.due = time.monotonic() + PERIOD
         if resume and not self.file.exists():
