@@ -130,7 +130,7 @@ class SweepStore:
         found = json.loads(text)
         differ = [name for name in {**identity, **found} if identity.get(name) != found.get(name)]
         if differ:
-            raise InputError(f"{self.file} is of another sweep, which cannot be resumed here: another {_and(differ)}")
+            raise InputError(f"{self.file} holds another sweep, differing in {_and(differ)}; it is left as it is")
 
 
 def _records(

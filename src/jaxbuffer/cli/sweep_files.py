@@ -68,7 +68,7 @@ def arrays(swept: Swept) -> bytes:
 def read(file: Path) -> Swept:
     """The sweep that `arrays` wrote. Raises `InputError` if the file is not one."""
     try:
-        with np.load(file, allow_pickle=False) as stored:
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
             arrays = dict(stored)
         description = json.loads(str(arrays[INDEX]))
         axes = tuple(

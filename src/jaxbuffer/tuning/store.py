@@ -130,7 +130,7 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
 def _read(file: Path) -> dict[str, np.ndarray]:
     """The arrays of a state. Raises `InputError` that says what is wrong with it."""
     try:
-        with np.load(file, allow_pickle=False) as stored:
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
             arrays = dict(stored)
     except FileNotFoundError:
         raise InputError("is missing") from None
