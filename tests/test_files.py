@@ -90,6 +90,9 @@ def test_the_lock_of_a_run_that_was_killed_is_free(tmp_path):
         assert process.stdout.readline() == b"1\n"
         with pytest.raises(InputError, match=f"process {process.pid};"):
             Lock(tmp_path)
+        (tmp_path / f".a.csv.{process.pid}.part").write_text("half")
         process.send_signal(signal.SIGKILL)
     assert (tmp_path / ".lock").exists()
+    (tmp_path / f".b.csv.{os.getpid()}.part").write_text("being written")
     Lock(tmp_path).release()
+    assert [file.name for file in tmp_path.iterdir()] == [f".b.csv.{os.getpid()}.part"], "its draft goes as well"

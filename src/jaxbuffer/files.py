@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .errors import InputError
 
-LOCK = ".lock"
+LOCK, DRAFT = ".lock", ".part"
 
 
 def version() -> str:
@@ -36,7 +36,7 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
     **Arguments:** ``content``: text is written as UTF-8; ``overwrite``: whether to replace a file that is there.
     **Raises:** `FileExistsError` without ``overwrite``; any other `OSError` too names the file.
     """
-    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    draft = path.with_name(f".{path.name}.{os.getpid()}{DRAFT}")
     try:
         with naming(path):
             with draft.open("wb") as file:
@@ -88,8 +88,22 @@ def _sync(folder: Path) -> None:
         os.close(descriptor)
 
 
+def _remove_drafts(folder: Path) -> None:
+    """Remove the drafts of processes that are gone."""
+    for draft in folder.glob(f".*{DRAFT}"):
+        process = draft.name.removesuffix(DRAFT).rpartition(".")[2]
+        try:
+            os.kill(int(process), 0)
+        except (ValueError, ProcessLookupError):
+            draft.unlink(missing_ok=True)
+        except OSError:  # another user's, alive
+            continue
+
+
 class Lock:
     """The right to write in a folder, made if it is not there, until `release` or the end of the process.
+
+    What killed processes left half written there is removed.
 
     **Raises:** `InputError` while another run has it.
     """
@@ -100,6 +114,7 @@ class Lock:
         with naming(self.path):
             while not self._acquired(folder):
                 pass
+        _remove_drafts(folder)
 
     def _acquired(self, folder: Path) -> bool:
         """Lock the file; False if its former owner removed it meanwhile, and it is to be made anew."""

@@ -53,7 +53,8 @@ def root(
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
     \b
-    Exit codes: 0 done, 1 the simulation failed, 2 bad input, 130 interrupted.
+    Exit codes: 0 done, 1 the simulation failed or a file could not be written, 2 bad input; interrupted: 130 by Ctrl-C,
+    143 by SIGTERM, 129 by SIGHUP.
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:

@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     prepare()
     streams.prepare()
     code = run(sys.argv[1:] if arguments is None else arguments)
-    if code == INTERRUPTED:
+    if code == INTERRUPTED or (code and ENDING.first is not None):
         ENDING.leave()
     try:
         sys.stdout.flush()
