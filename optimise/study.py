@@ -11,6 +11,7 @@ from jaxbuffer.cli.output import csv_text, json_text
 from jaxbuffer.cli.progress import in_words
 from jaxbuffer.cli.records import tuned_comment, tuned_record, tuning_history
 from jaxbuffer.config import Config, design_toml, load
+from jaxbuffer.files import write as write_whole
 from jaxbuffer.plot import png, tune_figure
 
 HERE = Path(__file__).parent
@@ -27,18 +28,18 @@ def tuned(study: Config, folder: Path, resume: bool, problem: Problem | None = N
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
     found = tune(problem, **settings, folder=folder, resume=resume, report=_told)
-    print(found, flush=True)
     write(folder, "design.toml", design_toml(found.design, problem.meetings, tuned_comment(found)))
     write(folder, "tuned.json", json_text(tuned_record(found)))
     write(folder, "history.csv", csv_text(*tuning_history(found)))
     write(folder, "tune.png", png(tune_figure(found)))
+    print(found, flush=True)
     return found
 
 
 def write(folder: Path, name: str, content: str | bytes) -> None:
     """Write one result, over an earlier one."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    write_whole(folder / name, content)
     print(f"wrote {folder / name}", flush=True)
 
 

@@ -11,6 +11,7 @@ import tomli_w
 
 from .capture import DEFAULT_DURATION, DEFAULT_TOLERANCE
 from .errors import InputError, as_number, check_number, check_whole, shown, suggest
+from .files import write
 from .grid import SPAN, grid
 from .integrate import SOLVERS, Solver, solver_named
 from .mechanisms import Design, Scenario, check_fit, paths, replace, scenario_label, unit
@@ -186,7 +187,7 @@ def design_toml(design: Design, scenarios: Iterable[Scenario] = (), comment: str
 
 def write_design(design: Design, path: str | Path, comment: str = "", scenarios: Iterable[Scenario] = ()) -> None:
     """Write `design_toml` to a file, over any that is there."""
-    Path(path).write_text(design_toml(design, scenarios, comment), encoding="utf-8")
+    write(Path(path), design_toml(design, scenarios, comment))
 
 
 def _lines(part: eqx.Module) -> list[str]:

@@ -6,8 +6,9 @@ are handed to one thread a core: a compiled chunk runs outside Python.
 
 import itertools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
@@ -21,6 +22,7 @@ from .mechanisms import Design, Scenario, check_fit
 from .mechanisms.design import POSITIVE
 from .outcome import Outcome
 from .programs import kept
+from .sweep_store import SweepStore, identity
 
 CHUNK = 16
 ONE_FOR_ALL = "all captures of a sweep share it"
@@ -98,17 +100,22 @@ def sweep(
     stabilisation: float = 20.0,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
 ) -> Sweep:
     """Simulate many captures.
 
     **Arguments:** ``design``, ``scenarios``: any of their numbers may be an array of shape (n,), one entry a capture;
     ``duration`` [s], ``solver``, ``rtol``, ``stabilisation`` as for `simulate`; ``workers``: threads, by default one a
-    core (one on an accelerator, which gets large chunks); ``progress``: called with captures done and asked for.
+    core (one on an accelerator, which gets large chunks); ``progress``: called with captures done and asked for;
+    ``folder``: where captures are stored as they are finished (`sweep_store`), over an earlier sweep's unless
+    ``resume`` goes on with it.
 
-    **Returns:** a `Sweep`. A capture that fails says so in its ``code``; the others are not touched by it.
+    **Returns:** a `Sweep`, the same bits whether it was interrupted and resumed or not. A capture that fails says so in
+    its ``code``; the others are not touched by it.
 
-    **Raises:** `InputError` for values out of range or arrays of unequal lengths; `SweepInterrupted`, a
-    `KeyboardInterrupt` that has what was done, on Ctrl-C.
+    **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use, and on resuming
+    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C.
     """
     check_fit(design, scenarios)
     check_number("duration", duration, "s", **POSITIVE)
@@ -126,6 +133,12 @@ def sweep(
     result = Sweep(*(np.full(count, *((-1, int) if name in INTEGERS else (np.nan, float))) for name in QUANTITIES))
     finished = np.zeros(count, bool)
     options = (np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
+    store = None
+    if folder is not None:
+        asked = identity(design=design, scenarios=scenarios, options=(duration, *options), quantities=QUANTITIES)
+        store = SweepStore(Path(folder), asked, result, finished, resume)
+    elif resume:
+        raise InputError("resume needs the folder of the sweep to go on with")
 
     def solve(first: int) -> None:
         index = np.minimum(np.arange(first, first + chunk), count - 1)  # the last chunk is filled up with its last
@@ -136,13 +149,21 @@ def sweep(
             mine[its_own] = np.asarray(values)[: its_own.stop - first]
         finished[its_own] = True
 
+    todo = [first for first in range(0, count, chunk) if not finished[first : first + chunk].all()]
     try:
-        for _ in _in_threads(solve, range(0, count, chunk), workers):
+        if progress is not None and finished.any():
+            progress(int(finished.sum()), count)
+        for _ in _in_threads(solve, todo, workers):
+            if store is not None:
+                store.save()
             if progress is not None:
                 progress(int(finished.sum()), count)
     except KeyboardInterrupt:
         done = finished.copy()  # calls under way go on for a moment
         raise SweepInterrupted(Sweep(*(mine.copy() for mine in result)), done) from None
+    finally:
+        if store is not None:
+            store.close()
     return result
 
 
@@ -168,7 +189,7 @@ def _shapes(arrays: list[np.ndarray]) -> str:
     return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
 
 
-def _in_threads(function: Callable[[int], None], items: range, workers: int) -> Iterator[None]:
+def _in_threads(function: Callable[[int], None], items: Iterable[int], workers: int) -> Iterator[None]:
     """Whenever some are done, with few calls waiting; an interrupt leaves at once the calls under way to themselves."""
     todo, running = iter(items), set[Future[None]]()
     pool = ThreadPoolExecutor(workers)

@@ -58,7 +58,7 @@ def _lines(swept: Swept, along: int) -> "Figure":
                 axes.plot(x[here], places, MARKS[outcome][0], color=colour, markersize=7, label=outcome)
         axes.set_ylim(bottom=0.0)
         axes.set_xscale(axis.scale)
-        label(axes, title, _name(axis), y, legend=bool((outcomes != "captured").any()))
+        label(axes, title, _name(axis), y, legend=bool(axes.get_legend_handles_labels()[0]))
     figure.suptitle(_title(swept))
     return figure
 

@@ -25,7 +25,7 @@ from jaxbuffer.quantities import IMPACT_UNITS
 from jaxbuffer.quantities import QUANTITIES as CATALOGUE
 from jaxbuffer.sensitivity import QUANTITIES
 
-SIMULATED = ("capture.json", "history.csv", "capture.png", "capture.txt")
+SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
 TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
 PNG = b"\x89PNG"

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from jaxbuffer.cli import main
+from jaxbuffer.cli.entry import run as command
 from jaxbuffer.reproduce import STUDIES, run
 from jaxbuffer.reproduce.claims import CLAIMS, NO, PARTLY, YES, Claim
 from jaxbuffer.reproduce.figures import figure
@@ -57,9 +57,7 @@ def test_success_at_all_values_means_all():
 
 def test_existing_results_are_refused_before_anything_runs(tmp_path, capsys):
     (tmp_path / "claims.md").write_text("mine")
-    with pytest.raises(SystemExit) as stopped:
-        main(["reproduce", "--output", str(tmp_path)])
-    assert stopped.value.code == 2
+    assert command(["reproduce", "--output", str(tmp_path)]) == 2
     assert "--force" in capsys.readouterr().err
     assert (tmp_path / "claims.md").read_text() == "mine"
 

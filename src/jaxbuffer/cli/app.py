@@ -12,12 +12,14 @@ from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
 from .report import report
 from .reproduce import reproduce
-from .request import Request, given, verb, wrote
+from .request import Request, given, verb
 from .sweep import sweep
 
 ScenarioNumber = Annotated[
     str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
 ]
+
+RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -57,7 +59,8 @@ def root(
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
     \b
-    Exit codes: 0 done, 1 the simulation failed, 2 bad input, 130 interrupted.
+    Exit codes: 0 done, 1 the simulation failed or a file could not be written, 2 bad input; interrupted: 130 by Ctrl-C,
+    143 by SIGTERM, 129 by SIGHUP.
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:
@@ -100,24 +103,9 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     )
     if capture.outcome.failed:
         return fail(capture.outcome.reason)
-    typer.echo(repr(capture))
-    if request.output is not None:
-        from .. import plot
-        from .output import csv_text, json_text
-        from .records import capture_history, capture_record
+    from .results import capture_files
 
-        if capture.history is not None and (kept := capture.history.time.size) < int(capture.accepted):
-            typer.echo(f"note: the history holds the first {kept} steps only", err=True)
-        wrote(
-            files.write(
-                {
-                    "capture.json": json_text(capture_record(capture)),
-                    "history.csv": csv_text(*capture_history(capture)),
-                    "capture.png": plot.png(plot.capture_figure(capture)),
-                    "capture.txt": f"{capture!r}\n",
-                }
-            )
-        )
+    files.save_and_show(lambda: capture_files(capture), capture)
     return OK
 
 
@@ -179,20 +167,9 @@ def sensitivity(
     )
     if result.capture.outcome.failed:
         return fail(result.capture.outcome.reason)
-    typer.echo(repr(result))
-    if request.output is not None:
-        from .output import csv_text, json_text
-        from .records import sensitivity_record, sensitivity_rows
+    from .results import sensitivity_files
 
-        wrote(
-            files.write(
-                {
-                    "sensitivity.json": json_text(sensitivity_record(result)),
-                    "sensitivity.csv": csv_text(*sensitivity_rows(result)),
-                    "sensitivity.txt": f"{result!r}\n",
-                }
-            )
-        )
+    files.save_and_show(lambda: sensitivity_files(result), result)
     return OK
 
 
@@ -216,7 +193,9 @@ def tune(
       history.csv  objective, worst values and variables of each evaluation
       tune.png     peaks before and after, objective, variables, worst values
       tune.txt     the tables
-      log.jsonl, state.npz  kept up while running; --resume needs them
+      log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
+
+    Ctrl-C saves the best design so far.
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
@@ -229,35 +208,22 @@ def tune(
     study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
-    names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt", *_RUN_FILES)
-    files = dataclasses.replace(request, force=request.force or resume).files(*names)
+    names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
+    files = request.files(*names, resumable=RUN_FILES, resume=resume)
     from ..tuning import tune as compute
     from .progress import tuning
 
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
-    tuned = tuning(lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report))
-    typer.echo(repr(tuned))
-    if request.output is not None:
-        from .. import plot
-        from ..config import design_toml
-        from .output import csv_text, json_text
-        from .records import tuned_comment, tuned_record, tuning_history
+    try:
+        tuned = tuning(lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report))
+    except KeyboardInterrupt:
+        from .unfinished import keep_best
 
-        wrote(
-            files.write(
-                {
-                    "design.toml": design_toml(tuned.design, problem.meetings, tuned_comment(tuned)),
-                    "tuned.json": json_text(tuned_record(tuned)),
-                    "history.csv": csv_text(*tuning_history(tuned)),
-                    "tune.png": plot.png(plot.tune_figure(tuned)),
-                    "tune.txt": f"{tuned!r}\n",
-                }
-            )
-        )
+        return keep_best(problem, settings, files)
+    from .results import tuned_files
+
+    files.save_and_show(lambda: tuned_files(tuned), tuned)
     return OK if tuned.feasible else fail(tuned.message)
-
-
-_RUN_FILES = ("log.jsonl", "state.npz")
 
 
 verb(app, "Many captures: every combination of values of some fields.")(sweep)

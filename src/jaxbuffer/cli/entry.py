@@ -7,20 +7,24 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import InputError
+from . import streams
 from .app import app
-from .exits import BAD_INPUT, INTERRUPTED, OK, fail
+from .exits import BAD_INPUT, FAILED, INTERRUPTED, OK, fail
 from .quick import prepare
+from .signals import ENDING
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     prepare()
+    streams.prepare()
     code = run(sys.argv[1:] if arguments is None else arguments)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    if code == INTERRUPTED:
-        # an ordinary exit would trip over a compiler still at work in its thread
-        os._exit(code)
+    if code == INTERRUPTED or (code and ENDING.first is not None):
+        ENDING.leave()
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os._exit(code or FAILED)  # Python would try again and complain
     sys.exit(code)
 
 
@@ -39,5 +43,5 @@ def run(arguments: Sequence[str]) -> int:
             raise
         return fail(error.format_message(), BAD_INPUT)
     if code == INTERRUPTED:
-        typer.echo("interrupted", err=True)
+        print("interrupted", file=sys.stderr, flush=True)
     return code or OK

@@ -7,10 +7,11 @@ import typer
 
 from ..errors import check_number
 from .exits import OK
-from .request import Request, wrote
+from .request import Request
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
+    from .output import Contents
 
 Mass = Annotated[str | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
 Speed = Annotated[str | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
@@ -40,18 +41,19 @@ def laws(
     comparison = compare_laws(
         study.design, study.scenario, mass=_number("--mass", mass, "kg"), speed=_number("--speed", speed, "m/s")
     )
-    typer.echo(repr(comparison))
-    if request.output is not None:
-        from ..laws_plot import laws_figure
-        from ..plot_style import png
-        from .output import csv_text
-
-        contents: dict[str, str | bytes] = {
-            "laws.csv": csv_text(*_rows(comparison)),
-            "laws.png": png(laws_figure(comparison)),
-        }
-        wrote(files.write(contents))
+    files.save_and_show(lambda: _contents(comparison), comparison)
     return OK
+
+
+def _contents(comparison: "Comparison") -> "Contents":
+    from ..laws_plot import laws_figure
+    from ..plot_style import png
+    from .output import csv_text
+
+    return {
+        "laws.csv": lambda: csv_text(*_rows(comparison)),
+        "laws.png": lambda: png(laws_figure(comparison)),
+    }
 
 
 def _number(option: str, text: str | None, unit: str) -> float | None:

@@ -1,45 +1,77 @@
-"""Result files: refused before anything is computed if they exist, written in one go at the end."""
+"""Result files: refused before computing if they exist; saved at the end, and only then is anything printed."""
 
 import csv
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..files import write, write_beside
+from .streams import note, show
 
 SUMMARIES = ("capture.txt", "sensitivity.txt", "tune.txt")  # what a command printed, for `jaxbuffer report`
 ARRAYS = "sweep.npz"
+Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 
 
 class Output:
     """The files of one command in a folder, or nothing at all without a folder."""
 
-    def __init__(self, folder: Path | None, names: Sequence[str], force: bool) -> None:
-        self.folder, self.force = folder, force
+    def __init__(
+        self,
+        folder: Path | None,
+        names: Sequence[str],
+        force: bool,
+        resumable: Sequence[str] = (),
+        resume: bool = False,
+    ) -> None:
+        self.folder, self.force = folder, force or resume
         if folder is None:
             return
         parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
         if not parent.is_dir():
             raise InputError(f"{parent} is a file; --output needs a folder")
-        taken = [str(folder / name) for name in names if (folder / name).exists()]
-        if taken and not force:
-            raise InputError(f"{', '.join(taken)} exist{'s' if len(taken) == 1 else ''}; --force overwrites")
+        taken = [str(folder / name) for name in (*names, *resumable) if (folder / name).exists()]
+        begun = [str(folder / name) for name in resumable if (folder / name).exists()]
+        if taken and not self.force:
+            goes_on = "--resume goes on, " if begun else ""
+            raise InputError(f"{', '.join(taken)} exist{'s' if len(taken) == 1 else ''}; {goes_on}--force overwrites")
+        if begun and not resume:
+            note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
         if not os.access(parent, os.W_OK | os.X_OK):
             raise InputError(f"{folder}: no permission to write there")
 
-    def write(self, contents: Mapping[str, str | bytes]) -> list[Path]:
-        """Write every file; returns their paths."""
-        if self.folder is None:
-            return []
-        self.folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            # "x" fails on a file that appeared while we computed
-            with (self.folder / name).open("wb" if self.force else "xb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
-        return [self.folder / name for name in contents]
+    def save_and_show(self, contents: Callable[[], Contents], result: object) -> None:
+        """Write every file, then print the result and what was written.
+
+        A file that cannot be written leaves the others and the printing alone. **Raises:** the first such `OSError`.
+        """
+        failure = None
+        written: list[Path] = []
+        try:
+            if self.folder is not None:
+                for name, content in contents().items():
+                    try:
+                        written.append(self._write(self.folder / name, content()))
+                    except OSError as error:
+                        failure = failure or error
+        finally:
+            show("\n".join([str(result), *(f"wrote {path}" for path in written)]))
+        if failure is not None:
+            raise failure
+
+    def _write(self, path: Path, content: str | bytes) -> Path:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if self.force:
+            write(path, content)
+            return path
+        found = write_beside(path, content)
+        if found != path:
+            note(f"{path} appeared meanwhile and is left as it is; the result is in {found}")
+        return found
 
 
 def json_text(record: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ import typer
 from ..errors import InputError
 from .exits import OK
 from .output import ARRAYS, SUMMARIES
+from .streams import show
 
 
 def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that --output named.")]) -> int:
@@ -20,13 +21,23 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder 
         raise InputError(f"{folder}: no such folder")
     found = [folder / name for name in SUMMARIES if (folder / name).is_file()]
     for file in found:
-        typer.echo(file.read_text(encoding="utf-8").rstrip("\n"))
+        show(_text(file))
     if (folder / ARRAYS).is_file():
         from .sweep_files import read
 
-        typer.echo(repr(read(folder / ARRAYS)))
+        show(read(folder / ARRAYS))
     elif not found:
         raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
     for figure in sorted(folder.glob("*.png")):
-        typer.echo(f"figure {figure}")
+        show(f"figure {figure}")
     return OK
+
+
+def _text(file: Path) -> str:
+    try:
+        text = file.read_text(encoding="utf-8").rstrip("\n")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{file} is damaged: byte {error.start} is not text") from None
+    if not text:
+        raise InputError(f"{file} is damaged: it is empty")
+    return text

@@ -1,12 +1,13 @@
 """`jaxbuffer reproduce`: the paper's own studies, as figures and as claims that hold or don't."""
 
+import functools
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from .exits import OK, fail
-from .request import cache_folder, wrote
+from .request import cache_folder
 
 
 def reproduce(
@@ -27,7 +28,7 @@ def reproduce(
     """
     from ..plot_style import require_matplotlib
     from ..runtime import configure
-    from .output import Output, csv_text, json_text
+    from .output import Contents, Output, csv_text, json_text
 
     require_matplotlib()
     configure(cache=cache_folder())
@@ -47,14 +48,11 @@ def reproduce(
     verdicts = judged(studied)
     rows = [row for found in studied for row in found.rows]
     heads = [f"{name} [{unit}]" if unit else name for name, unit in COLUMNS.items()]
-    written = files.write(
-        {
-            "claims.md": markdown(studied, verdicts),
-            "studies.csv": csv_text(heads, ([row[name] for name in COLUMNS] for row in rows)),
-            "studies.json": json_text({"units": COLUMNS, "captures": rows, "claims": verdicts}),
-            **{f"{found.study.name}.png": figure(found) for found in studied},
-        }
-    )
-    typer.echo(claims_table(verdicts))
-    wrote(written)
+    contents: Contents = {
+        "claims.md": lambda: markdown(studied, verdicts),
+        "studies.csv": lambda: csv_text(heads, ([row[name] for name in COLUMNS] for row in rows)),
+        "studies.json": lambda: json_text({"units": COLUMNS, "captures": rows, "claims": verdicts}),
+        **{f"{found.study.name}.png": functools.partial(figure, found) for found in studied},
+    }
+    files.save_and_show(lambda: contents, claims_table(verdicts))
     return OK

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..errors import InputError
 from .overrides import FIELDS, Command
 
 if TYPE_CHECKING:
@@ -60,15 +61,20 @@ class Request:
             typer.echo(f"note: {note}", err=True)
         return study
 
-    def files(self, *names: str) -> "Output":
-        """Files to write later; everything that can go wrong with it is found now, before computing them."""
+    def files(self, *names: str, resumable: Sequence[str] = (), resume: bool = False) -> "Output":
+        """Files to write later; everything that can go wrong with it is found now, before computing them.
+
+        **Arguments:** ``resumable``: files of a run that ``resume`` goes on with; it may overwrite the others.
+        """
         from .output import Output
 
+        if resume and self.output is None:
+            raise InputError("--resume needs --output DIR, the folder of the run to go on with")
         if self.output is not None and any(name.endswith(".png") for name in names):
             from ..plot_style import require_matplotlib
 
             require_matplotlib()
-        return Output(self.output, names, self.force)
+        return Output(self.output, names, self.force, resumable, resume)
 
 
 def verb(
@@ -112,12 +118,6 @@ def verb(
 def given(**options: Any) -> dict[str, Any]:
     """Those options that were given."""
     return {name: value for name, value in options.items() if value is not None}
-
-
-def wrote(paths: Sequence[Path]) -> None:
-    """Say which files were written."""
-    for path in paths:
-        typer.echo(f"wrote {path}")
 
 
 def cache_folder() -> Path:

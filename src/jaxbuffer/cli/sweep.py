@@ -6,7 +6,8 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, OK
-from .request import Request, wrote
+from .request import Request
+from .streams import note
 
 if TYPE_CHECKING:
     from ..config import Config
@@ -18,12 +19,16 @@ Over = Annotated[
 ]
 
 
-def sweep(request: Request, over: Over = None) -> int:
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in DIR, however it ended.")]
+
+
+def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
 
     The grid is that of [sweep] in CONFIG.toml, with the fields of --over added or put in their place. Without either:
     approach speeds from 0.05 to 0.25 m/s by misalignments from -0.1 to 0.1 rad, 11 of each. A capture that fails is
-    counted and named; it does not touch the others. Ctrl-C ends the sweep and keeps what was done.
+    counted and named; it does not touch the others. Ctrl-C ends the sweep and saves what was done; --resume goes on,
+    also after a kill.
 
     \b
     In CONFIG.toml:
@@ -37,6 +42,7 @@ def sweep(request: Request, over: Over = None) -> int:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png  over one field lines, over two heat maps, over more slices of heat maps
+      sweep.chunks  kept up while running; --resume needs it
 
     \b
     Examples:
@@ -44,20 +50,22 @@ def sweep(request: Request, over: Over = None) -> int:
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
     from ..grid import check_swept_once
-    from .output import ARRAYS, csv_text
-    from .sweep_files import FIGURE, TABLE, arrays, rows
+    from ..sweep_store import STORE
+    from .output import ARRAYS
+    from .sweep_files import FIGURE, TABLE
 
     study = request.study()
     grid = _grid(study, over or [])
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     design, scenarios = grid.applied(study.design, study.scenario)
-    files = request.files(TABLE, ARRAYS, FIGURE)
+    files = request.files(TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
     import numpy as np
 
     from ..sweep import SweepInterrupted
     from ..sweep import sweep as compute
     from ..swept import Swept
     from .progress import sweeping
+    from .results import swept_files
 
     options = study.options
     interrupted = False
@@ -71,25 +79,20 @@ def sweep(request: Request, over: Over = None) -> int:
                 solver=options.stepper(),
                 rtol=options.rtol,
                 progress=report,
+                folder=request.output,
+                resume=resume,
             ),
         )
         done = np.ones(len(grid), bool)
     except SweepInterrupted as stop:
         found, done, interrupted = stop.found, stop.done, True
+        if request.output is not None:
+            told = f"{done.sum()} of {done.size} captures are kept"
+            note(f"{told}; the same command with --resume goes on in {request.output}")
         if not done.any():
             return INTERRUPTED
     swept = Swept(grid, study.design, study.scenario, found, done)
-    typer.echo(repr(swept))
-    if request.output is not None:
-        from ..plot_style import png
-        from ..sweep_plot import sweep_figure
-
-        contents: dict[str, str | bytes] = {
-            TABLE: csv_text(*rows(swept)),
-            ARRAYS: arrays(swept),
-            FIGURE: png(sweep_figure(swept)),
-        }
-        wrote(files.write(contents))
+    files.save_and_show(lambda: swept_files(swept), swept)
     return INTERRUPTED if interrupted else OK
 
 

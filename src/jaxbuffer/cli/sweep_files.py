@@ -68,15 +68,19 @@ def arrays(swept: Swept) -> bytes:
 def read(file: Path) -> Swept:
     """The sweep that `arrays` wrote. Raises `InputError` if the file is not one."""
     try:
-        with np.load(file) as stored:
-            description = json.loads(str(stored[INDEX]))
-            axes = tuple(
-                Axis(path, unit, tuple(stored[f"{path} [{unit}]"].tolist()), scale)
-                for path, unit, scale in description["axes"]
-            )
-            found = Sweep(*(stored[named(name)].ravel() for name in QUANTITIES))
-            done = stored["done"].ravel()
-    except (KeyError, OSError, ValueError) as error:
-        raise InputError(f"{file} is not a sweep's result: {error}") from None
-    study = loads(description["study"].encode(), file)
-    return Swept(Grid(axes), study.design, study.scenario, found, done)
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
+            arrays = dict(stored)
+        description = json.loads(str(arrays[INDEX]))
+        axes = tuple(
+            Axis(path, unit, tuple(arrays[f"{path} [{unit}]"].tolist()), scale)
+            for path, unit, scale in description["axes"]
+        )
+        grid = Grid(axes)
+        found = Sweep(*(arrays[named(name)].reshape(len(grid)) for name in QUANTITIES))
+        done = arrays["done"].reshape(len(grid)).astype(bool)
+        for code in np.unique(found.code[done]):
+            Outcome(int(code))
+        study = loads(description["study"].encode(), file)
+    except Exception as error:  # zip files and arrays fail in many ways; all mean the same
+        raise InputError(f"{file} is not a sweep's result, or is damaged: {error}") from None
+    return Swept(grid, study.design, study.scenario, found, done)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from .evaluation import Evaluation
 from .search import Branch
 
@@ -40,6 +41,13 @@ class Progress(NamedTuple):
         """What `written` wrote, or None for nothing."""
         if flat is None:
             return None
+        try:
+            return Progress._of(flat)
+        except KeyError as error:
+            raise InputError(f"the stored run is of another version of jaxbuffer: it has no {error}") from None
+
+    @staticmethod
+    def _of(flat: Mapping[str, np.ndarray]) -> "Progress":
         branches: list[Branch] = []
         while (k := f"{len(branches)}/radius") in flat:
             k = k.removesuffix("/radius")

@@ -1,12 +1,15 @@
 """A tuning on disk: a log that only grows and a state that is replaced whole, so that a kill loses one step at most.
 
-``log.jsonl`` has a line for each evaluated design, for people and other programs; ``state.npz`` has all that the search
-needs to go on. The state is written beside the old one and renamed over it; it says how long the log was, and what was
-appended after it (by the step that was cut short) is dropped on resuming.
+``log.jsonl`` has a line for each evaluated design, for people and other programs. ``state.npz`` has all that the search
+needs to go on, the log up to then included, and a checksum; ``state.old.npz`` is the same one step earlier. Either of
+the two is enough to resume: lines of a step that was cut short are dropped from the log, a damaged log is restored.
 """
 
+import hashlib
+import io
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,62 +17,134 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..files import Lock, naming, version, write, write_beside
 
-LOG, STATE = "log.jsonl", "state.npz"
+LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
+CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
 Record = dict[str, Any]
 
 
 class Store:
-    """The files of one tuning; without a ``folder`` it keeps the log in memory only."""
+    """The files of one tuning, in a folder that is locked until `close`; without a ``folder`` it keeps the log in
+    memory only.
+
+    ``records``: the evaluations so far; ``state``: the arrays last given to `keep`, None before the first.
+    """
 
     def __init__(self, folder: Path | None, fingerprint: str, resume: bool) -> None:
         self.folder, self.fingerprint, self.records = folder, fingerprint, list[Record]()
         self.state: dict[str, np.ndarray] | None = None
+        self.lines = b""
         if folder is None:
             if resume:
                 raise InputError("resume needs the folder of the run to go on with")
             return
-        if resume:
-            self._read(folder)
-        else:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / STATE).unlink(missing_ok=True)
-            (folder / LOG).write_bytes(b"")
-
-    def _read(self, folder: Path) -> None:
-        if not (folder / LOG).exists():
+        if resume and not any((folder / name).exists() for name in (LOG, STATE, PREVIOUS)):
             raise InputError(f"{folder}: there is no run to resume; {LOG} is missing")
-        length = 0
-        if (folder / STATE).exists():
-            with np.load(folder / STATE, allow_pickle=False) as stored:
-                self.state = dict(stored)
-            if (found := str(self.state.pop("fingerprint"))) != self.fingerprint:
-                raise InputError(
-                    f"{folder} holds the run of another problem or other settings ({found}, not {self.fingerprint})"
-                )
-            length = int(self.state.pop("log_length"))
-        with (folder / LOG).open("r+b") as log:
-            log.truncate(length)
-            self.records = [json.loads(line) for line in log.read().decode().splitlines()]
+        self.lock = Lock(folder)
+        try:
+            if resume:
+                self._resume(folder)
+            else:
+                self._begin(folder)
+        except BaseException:
+            self.lock.release()
+            raise
+
+    def __enter__(self) -> "Store":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.folder is not None:
+            self.lock.release()
+
+    def _begin(self, folder: Path) -> None:
+        (folder / PREVIOUS).unlink(missing_ok=True)
+        write(folder / LOG, b"")
+        self.keep({})
+
+    def _resume(self, folder: Path) -> None:
+        state, self.lines = read_state(folder, self.fingerprint)
+        self.state = state or None
+        self.records = [json.loads(line) for line in self.lines.splitlines()]
+        log = folder / LOG
+        found = log.read_bytes() if log.exists() else None
+        told = f"restored from {STATE}, {len(self.records)} evaluations"
+        if found is None:
+            warnings.warn(f"{log} is missing; {told}", stacklevel=2)
+        elif not found.startswith(self.lines):
+            warnings.warn(f"{log} is damaged; {told}; what it was is in {write_beside(log, found)}", stacklevel=2)
+        if found != self.lines:
+            write(log, self.lines)
 
     def append(self, record: Mapping[str, Any]) -> None:
         """Add one evaluation to the log."""
         self.records.append(dict(record))
         if self.folder is not None:
-            with (self.folder / LOG).open("ab") as log:
-                log.write((json.dumps(record, allow_nan=False) + "\n").encode())
+            line = (json.dumps(record, allow_nan=False) + "\n").encode()
+            self.lines += line
+            with naming(self.folder / LOG), (self.folder / LOG).open("ab") as log:
+                log.write(line)
                 log.flush()
                 os.fsync(log.fileno())
 
     def keep(self, state: Mapping[str, np.ndarray]) -> None:
-        """Replace the state by the one after a finished step."""
+        """Replace the state by the one after a finished step; the one before stays as the previous one."""
         if self.folder is None:
             return
-        length = (self.folder / LOG).stat().st_size
-        new = self.folder / (STATE + ".new")
-        with new.open("wb") as file:
-            arrays: dict[str, Any] = {"fingerprint": self.fingerprint, "log_length": length, **state}
-            np.savez(file, **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(new, self.folder / STATE)
+        head = {VERSION: version(), FINGERPRINT: self.fingerprint, LINES: np.frombuffer(self.lines, np.uint8)}
+        arrays: dict[str, Any] = {name: np.asarray(value) for name, value in {**head, **state}.items()}
+        arrays[CHECKSUM] = np.asarray(_checksum(arrays))
+        content = io.BytesIO()
+        np.savez(content, **arrays)
+        if state and (self.folder / STATE).exists():
+            (self.folder / STATE).replace(self.folder / PREVIOUS)
+        write(self.folder / STATE, content.getvalue())
+
+
+def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], bytes]:
+    """The latest good state in a folder, empty if no step was finished, and the log's lines up to then.
+
+    Nothing is changed. **Raises:** `InputError` where there is none, or where it is another run's.
+    """
+    damage = []
+    for name in (STATE, PREVIOUS):
+        try:
+            state = _read(folder / name)
+        except InputError as error:
+            damage.append(f"{name} {error}")
+            continue
+        if (found := str(state.pop(VERSION))) != version():
+            raise InputError(f"{folder} holds a run of jaxbuffer {found}, which cannot be resumed by {version()}")
+        if (found := str(state.pop(FINGERPRINT))) != fingerprint:
+            told = f"({found}, not {fingerprint})"
+            raise InputError(f"{folder} holds the run of another problem or other settings {told}")
+        lines = state.pop(LINES).tobytes()
+        if damage:
+            count = len(lines.splitlines())
+            warnings.warn(f"{folder}: {damage[0]}; going on from {name}, {count} evaluations", stacklevel=2)
+        return state, lines
+    raise InputError(f"{folder}: the run cannot be resumed: {', '.join(damage)}; everything is left as it is")
+
+
+def _read(file: Path) -> dict[str, np.ndarray]:
+    """The arrays of a state. Raises `InputError` that says what is wrong with it."""
+    try:
+        with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
+            arrays = dict(stored)
+    except FileNotFoundError:
+        raise InputError("is missing") from None
+    except Exception:  # zip files and arrays fail in many ways; all mean the same
+        raise InputError("is damaged") from None
+    if CHECKSUM not in arrays:
+        raise InputError("is of another version of jaxbuffer")
+    if str(arrays.pop(CHECKSUM)) != _checksum(arrays):
+        raise InputError("is damaged")
+    return arrays
+
+
+def _checksum(arrays: Mapping[str, np.ndarray]) -> str:
+    content = hashlib.sha256()
+    for name in sorted(arrays):
+        content.update(f"{name} {arrays[name].dtype} {arrays[name].shape}\n".encode() + arrays[name].tobytes())
+    return content.hexdigest()

@@ -3,11 +3,12 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError, check_single, check_type, check_whole
+from ..mechanisms import Design
 from ..outcome import Outcome
 from .evaluation import Evaluation, Evaluator
 from .floor import floor
@@ -18,7 +19,7 @@ from .problem import QUANTITIES, Problem
 from .progress import Progress
 from .search import CONVERGED, RUNNING, Branch, Search, Settings, advanced, without_hopeless
 from .starts import Places, Standing, anywhere, around
-from .store import Record, Store
+from .store import Record, Store, read_state
 from .tuned import Tuned
 
 TIGHT = 1e-9  # rtol at which the result is judged
@@ -66,13 +67,51 @@ def tune(
     if folder is not None and not str(folder):
         raise InputError("folder = '' is empty; name the folder for log and state, or leave it out")
     settings = _checked(Settings(iterations, starts, searches, rounds, seed, tolerance))
-    store = Store(None if folder is None else Path(folder), f"{problem.fingerprint()}-{settings}", resume)
-    with Evaluator(problem, workers) as evaluator:
+    with (
+        Store(None if folder is None else Path(folder), _fingerprint(problem, settings), resume) as store,
+        Evaluator(problem, workers) as evaluator,
+    ):
         if report is not None:
             for record in store.records:
                 report(record)
         run = _Run(problem, settings, evaluator, store, report)
         return run.finished(run.searched(Progress.read(store.state)))
+
+
+class Unfinished(NamedTuple):
+    """The best design of a run that was interrupted: ``objective`` [N] of the stage it was in, 0 for the first;
+    ``feasible``: whether it keeps to every constraint; ``evaluations`` so far."""
+
+    design: Design
+    objective: float
+    feasible: bool
+    stage: int
+    evaluations: int
+
+
+def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfinished | None:
+    """The best design of an interrupted run, or None before its first designs were evaluated. Changes nothing.
+
+    **Arguments:** as for `tune`; ``settings``: those that the run was started with.
+    """
+    chosen = _checked(Settings(**settings))
+    state, lines = read_state(Path(folder), _fingerprint(problem, chosen))
+    progress = Progress.read(state or None)
+    if progress is None:
+        return None
+    search = _search(problem, chosen, progress)
+    best = _best(search, progress.branches).kept
+    return Unfinished(
+        problem.built(best.places),
+        search.goal.value(best),
+        search.goal.feasible(best),
+        progress.stage,
+        lines.count(b"\n"),
+    )
+
+
+def _fingerprint(problem: Problem, settings: Settings) -> str:
+    return f"{problem.fingerprint()}-{settings}"
 
 
 def _checked(settings: Settings) -> Settings:
@@ -185,14 +224,7 @@ class _Run:
         return progress._replace(branches=(self._search(progress).begin(best.kept),))
 
     def _search(self, progress: Progress) -> Search:
-        goal = self._goal(progress)
-        return Search(goal, (progress.scale, progress.peak_scale), self.settings)
-
-    def _goal(self, progress: Progress) -> Goal:
-        then = self.problem.then
-        if progress.stage == 0 or then is None:
-            return Goal(self.problem, self.problem.objective)
-        return Goal(self.problem, then.objective, Ceiling(self.problem.objective, progress.ceiling))
+        return _search(self.problem, self.settings, progress)
 
     def _log(self, stage: int, number: int, search: Search, point: Evaluation, branch: Branch | None) -> None:
         """One evaluated design as a line of the log; ``branch`` is None for a start."""
@@ -243,6 +275,16 @@ class _Run:
             records=tuple(self.store.records),
             captures=self.evaluator.captures,
         )
+
+
+def _search(problem: Problem, settings: Settings, progress: Progress) -> Search:
+    """The rules of the stage that the progress is in."""
+    then = problem.then
+    if progress.stage == 0 or then is None:
+        goal = Goal(problem, problem.objective)
+    else:
+        goal = Goal(problem, then.objective, Ceiling(problem.objective, progress.ceiling))
+    return Search(goal, (progress.scale, progress.peak_scale), settings)
 
 
 def _best(search: Search, branches: tuple[Branch, ...]) -> Branch:

@@ -1,0 +1,36 @@
+"""Ctrl-C, SIGTERM and SIGHUP end a command in the same way: what is done is kept, the exit code is 128 + the signal."""
+
+import os
+import signal
+import time
+from types import FrameType
+
+PATIENCE = 1.0  # s in which a second signal counts as the first, repeated
+
+
+class Ending:
+    """Turns the first signal into a `KeyboardInterrupt`; one that comes clearly later ends the process on the spot."""
+
+    def __init__(self) -> None:
+        self.number = int(signal.SIGINT)
+        self.first: float | None = None
+
+    def listen(self) -> None:
+        """From now on, except for signals that whoever started this process had ignored, as nohup does."""
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self)
+
+    def __call__(self, number: int, _: FrameType | None) -> None:
+        if self.first is None:
+            self.number, self.first = number, time.monotonic()
+            raise KeyboardInterrupt
+        if time.monotonic() - self.first > PATIENCE:
+            os._exit(128 + number)
+
+    def leave(self) -> None:
+        """End the process: an ordinary exit would trip over a compiler still at work in its thread."""
+        os._exit(128 + self.number)
+
+
+ENDING = Ending()

@@ -1,0 +1,35 @@
+"""What an interrupted `jaxbuffer tune` leaves: its best design so far, and how to go on."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from .exits import INTERRUPTED
+from .streams import note
+
+if TYPE_CHECKING:
+    from ..tuning import Problem
+    from .output import Output
+
+
+def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") -> int:
+    """Save the best design that the search has found, as far as its folder knows."""
+    if files.folder is None:
+        note("nothing is kept without --output DIR")
+        return INTERRUPTED
+    from ..config import design_toml
+    from ..errors import InputError
+    from ..tuning.tune import best_so_far
+
+    try:
+        best = best_so_far(problem, files.folder, **settings)
+    except InputError:  # before the run had taken the folder
+        return INTERRUPTED
+    if best is None:
+        note(f"no step was finished; the same command with --resume goes on in {files.folder}")
+        return INTERRUPTED
+    which = "the problem's then" if best.stage else "the objective"
+    kept = "within all limits" if best.feasible else "limits broken"
+    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {best.objective:.6g} N, {kept}"
+    files.save_and_show(lambda: {"design.toml": lambda: design_toml(best.design, problem.meetings, words)}, words)
+    note(f"the same command with --resume goes on in {files.folder}")
+    return INTERRUPTED

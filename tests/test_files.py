@@ -1,0 +1,98 @@
+"""Files are whole or not there, errors name them, and a folder belongs to one run at a time."""
+
+import contextlib
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jaxbuffer
+from jaxbuffer import InputError, table2
+from jaxbuffer.config import write_design
+from jaxbuffer.files import Lock, write, write_beside
+
+SOURCE = str(Path(jaxbuffer.__file__).resolve().parents[1])
+BIG = b"x" * 10**6
+
+
+@contextlib.contextmanager
+def room_for(size):
+    """Files of this process hold no more bytes than this, as on a disk that is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("before", [None, b"old"])
+def test_a_full_disk_leaves_the_old_file_and_no_part_of_the_new_one(tmp_path, before):
+    file = tmp_path / "a.csv"
+    if before is not None:
+        file.write_bytes(before)
+    with room_for(10**5), pytest.raises(OSError, match=r"File too large: '.*a\.csv'"):
+        write(file, BIG)
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+def test_a_design_is_written_whole_too(tmp_path):
+    write_design(table2(), tmp_path / "design.toml")
+    before = (tmp_path / "design.toml").read_text()
+    with room_for(100), pytest.raises(OSError, match=r"design\.toml"):
+        write_design(table2(), tmp_path / "design.toml", "again")
+    assert (tmp_path / "design.toml").read_text() == before and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_name_that_is_taken_is_left_alone(tmp_path):
+    (tmp_path / "a.csv").write_text("mine")
+    with pytest.raises(FileExistsError):
+        write(tmp_path / "a.csv", "new", overwrite=False)
+    assert write_beside(tmp_path / "a.csv", "new") == tmp_path / "a-1.csv"
+    assert write_beside(tmp_path / "a.csv", "newer") == tmp_path / "a-2.csv"
+    assert [file.read_text() for file in sorted(tmp_path.iterdir())] == ["new", "newer", "mine"]
+
+
+def test_without_links_a_taken_name_is_left_alone_too(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise PermissionError
+
+    monkeypatch.setattr(os, "link", refuse)
+    assert write_beside(tmp_path / "a.csv", "mine") == tmp_path / "a.csv"
+    assert write_beside(tmp_path / "a.csv", "new") == tmp_path / "a-1.csv"
+    assert {file.read_text() for file in tmp_path.iterdir()} == {"mine", "new"}
+
+
+def test_one_run_at_a_time(tmp_path):
+    lock = Lock(tmp_path / "out")
+    with pytest.raises(InputError, match=rf"out is in use by another run, process {os.getpid()};"):
+        Lock(tmp_path / "out")
+    lock.release()
+    lock.release()
+    assert list((tmp_path / "out").iterdir()) == []
+    Lock(tmp_path / "out").release()
+
+
+def test_the_lock_of_a_run_that_was_killed_is_free(tmp_path):
+    code = (
+        f"from jaxbuffer.files import Lock; Lock(__import__('pathlib').Path({str(tmp_path)!r})); print(1, flush=True)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", code + "; print(1, flush=True); input()"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": SOURCE},
+    ) as process:
+        assert process.stdout.readline() == b"1\n"
+        with pytest.raises(InputError, match=f"process {process.pid};"):
+            Lock(tmp_path)
+        (tmp_path / f".a.csv.{process.pid}.part").write_text("half")
+        process.send_signal(signal.SIGKILL)
+    assert (tmp_path / ".lock").exists()
+    (tmp_path / f".b.csv.{os.getpid()}.part").write_text("being written")
+    Lock(tmp_path).release()
+    assert [file.name for file in tmp_path.iterdir()] == [f".b.csv.{os.getpid()}.part"], "its draft goes as well"
