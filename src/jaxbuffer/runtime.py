@@ -72,7 +72,7 @@ def _keep_programs(cache: Path) -> None:
     if wrong := keep_in(cache):
         print(f"note: compiled programs are not kept: {wrong}", file=sys.stderr)
         return
-    jax.config.update("jax_compilation_cache_dir", str(cache))
+    jax.config.update("jax_compilation_cache_dir", str(cache.resolve()))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 
