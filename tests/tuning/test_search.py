@@ -71,15 +71,20 @@ def test_published_minimax_problems(solve, name, as_cases):
 
 
 def test_a_limit_a_bound_and_curvature_meet_in_one_corner(solve):
-    """Minimise (x-3)² + (y-2)² + 1 with x ≤ 2 by a limit on the stroke and y ≤ 1 by the bound: 3 at (2, 1)."""
+    """Minimise (x-3)² + (y-2)² + 1 with x ≤ 2 by a limit on the hinge force and y ≤ 1 by the bound: 3 at (2, 1)."""
     stated = problem(
-        [SHIFT - 5] * 2, [SHIFT + 5, SHIFT + 1], [SHIFT - 3, SHIFT - 3], limits=Limits(at_most={"stroke": 12.0})
+        [SHIFT - 5] * 2,
+        [SHIFT + 5, SHIFT + 1],
+        [SHIFT - 3, SHIFT - 3],
+        limits=Limits(at_most={"peak_hinge_force": 12.0}),
     )
     tuned, _ = solve(
-        stated, [shifted([lambda x: (x[0] - 3) ** 2 + (x[1] - 2) ** 2 + 1], SHIFT)], {"stroke": lambda x: x[0]}
+        stated,
+        [shifted([lambda x: (x[0] - 3) ** 2 + (x[1] - 2) ** 2 + 1], SHIFT)],
+        {"peak_hinge_force": lambda x: x[0]},
     )
     assert tuned.converged and tuned.feasible
-    assert values(tuned) == pytest.approx([2.0, 1.0], abs=3e-3) and tuned.after.quantities[0, 3] <= 12.0
+    assert values(tuned) == pytest.approx([2.0, 1.0], abs=3e-3) and tuned.after.quantities[0, 1] <= 12.0
 
 
 def test_an_infeasible_start_is_led_back(solve):
@@ -94,10 +99,10 @@ def test_an_infeasible_start_is_led_back(solve):
 
 
 def test_limits_that_can_not_be_met_are_named(solve):
-    stated = problem([SHIFT] * 2, [SHIFT + 1] * 2, [SHIFT + 0.5] * 2, limits=Limits(at_most={"stroke": 1.0}))
-    tuned, _ = solve(stated, [[lambda x: x[0]]], {"stroke": lambda x: x[0] + x[1]})
+    stated = problem([SHIFT] * 2, [SHIFT + 1] * 2, [SHIFT + 0.5] * 2, limits=Limits(at_most={"peak_hinge_force": 1.0}))
+    tuned, _ = solve(stated, [[lambda x: x[0]]], {"peak_hinge_force": lambda x: x[0] + x[1]})
     assert not tuned.feasible and not tuned.converged
-    assert "0.1 m/s, 0°: stroke 20 m is above 1 m" in tuned.message
+    assert "0.1 m/s, 0°: peak_hinge_force 20 N is above 1 N" in tuned.message
 
 
 @pytest.mark.parametrize(("over", "expected"), [("worst", 0.0), ("mean", -1.0 / 3.0), ("cvar", 0.0)])
