@@ -85,5 +85,5 @@ def test_a_capture_without_history_is_refused():
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(InputError, match=r"pip install 'jaxbuffer\[plots\]'"):
+    with pytest.raises(InputError, match=r"pip install matplotlib"):
         capture_figure(made_up_capture())

@@ -40,6 +40,7 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
   capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
   stroke_margin [m]    stroke left before the buffer's end
+  stroke_share [-]     share of the buffer's stroke that is used, above 1 where the run bottoms
   peak_stop_force [N], penetration [m], contact_pressure [Pa]
   axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J], dissipated [J]
   effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
