@@ -17,9 +17,8 @@ from .history import History, history, trimmed
 from .integrate import Log, Options, Solver, Status, Tolerance, moving, solve_at_fixed_times, solver_named
 from .ledger import Balance, Energy, balance
 from .mechanisms import CaptureMechanism, Design, Scenario, check_fit
-from .mechanisms.assembly import FLANKS, UPPER
+from .mechanisms.assembly import FLANKS
 from .mechanisms.design import NON_NEGATIVE, POSITIVE
-from .mechanisms.probe_in_cone import Posture
 from .mechanisms.validity import all_of, valid
 from .metrics import (
     Impacts,
@@ -198,13 +197,12 @@ def _event_time(mechanism: CaptureMechanism, start: Array, rtol: Array) -> Scala
 
 
 def _allowed(
-    parameters: tuple[Design, Scenario, Array], duration: Array, tolerances: tuple[Array, Array], start: Posture
+    parameters: tuple[Design, Scenario, Array], duration: Array, tolerances: tuple[Array, Array]
 ) -> Bool[Array, ""]:
-    """Whether all numbers are in range, and the tip clear of the upper flank at the start."""
+    """Whether all numbers are in range."""
     design, scenario, stabilisation = parameters
     options = {"duration": duration, "rtol": tolerances[0], "atol": tolerances[1], "stabilisation": stabilisation}
-    apart = start.approach.gap[UPPER] > 0.0
-    return valid(design, scenario) & apart & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
+    return valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
 
 
 @kept
@@ -219,7 +217,7 @@ def _simulate(
     rtol, mechanism = tolerances[0], CaptureMechanism(*parameters)
     start, active = mechanism.first_posture()
     event_time = jax.lax.stop_gradient(_event_time(mechanism, start.state, rtol))
-    allowed = _allowed(parameters, duration, tolerances, start) if unchecked.value else None
+    allowed = _allowed(parameters, duration, tolerances) if unchecked.value else None
     options = dataclasses.replace(options, tolerance=Tolerance(*tolerances), event_time=event_time, shortfall=rtol)
     result = solve_at_fixed_times(CaptureMechanism, parameters, duration, options, allowed)
     log = moving_end(mechanism, result.log, result.status < Status.TIMEOUT)

@@ -91,7 +91,9 @@ def check_number(
     **Arguments:** ``path``: dotted name shown to the user; ``unit``: as shown, '-' for none; ``low``, ``high``: the
     range, its ends included unless ``low_open`` or ``high_open``. Traced values pass: they have no value yet.
     """
-    if type(value) is float and (low < value < high or (value == low and not low_open)):  # spare most the arrays
+    if type(value) is float and (
+        low < value < high or (value == low > -math.inf and not low_open)
+    ):  # spare most the arrays
         return
     import jax
     import numpy as np

@@ -28,7 +28,7 @@ def moving(log: Log, parameters: Any, build: Build) -> Log:
 
     **Returns:** the log, whose ``time``, ``values``, ``rows`` and ``rates`` have the derivatives that differences of
     runs have. A start in contact, and an end because the time is up, stay at their times. ``guard_rate``, itself found
-    by differences, has none: NaN.
+    by differences, has none: NaN; nor has ``missed_time`` where events were missed.
     """
     return log
 
@@ -73,7 +73,7 @@ def _moves(
     log: Log, rows_move: Array, parameters: Any, parameters_move: Any, build: Build, made_from: Static
 ) -> dict[str, Array]:
     """Changes of the log's fields, by name, with a change of the parameters; compiled for what they are made from."""
-    used = jnp.arange(log.kind.shape[0]) < log.count
+    used = (jnp.arange(log.kind.shape[0]) < log.count) & (log.kind != Kind.NONE)
     # unused slots may hold anything: the first entry stands in for them
     rows, rows_move = (jnp.where(used[:, None], x[:, 0], x[0, 0]) for x in (log.rows, rows_move))
 
@@ -91,7 +91,9 @@ def _moves(
 
     entries = _Entry(log.kind, log.which, log.time, log.guard_rate, log.active)
     found = jax.vmap(moves_of)(entries, rows, rows_move)
-    return {name: jnp.where(used.reshape(-1, *[1] * (x.ndim - 1)), x, 0.0) for name, x in found.items()}
+    moves = {name: jnp.where(used.reshape(-1, *[1] * (x.ndim - 1)), x, 0.0) for name, x in found.items()}
+    latest = moves["time"][jnp.maximum(log.count - 1, 0)]
+    return {**moves, "latest": latest, "missed_time": latest * jnp.where(log.overflown, jnp.nan, 0.0)}
 
 
 def _guard(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> Float[Array, ""]:
