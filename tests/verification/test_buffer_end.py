@@ -148,8 +148,9 @@ def test_a_full_log_loses_nothing_but_the_list_of_impacts():
         for ours, other in zip(*(jax.tree.leaves(getattr(c, field.name)) for c in (short, whole)), strict=True):
             np.testing.assert_allclose(ours, other, rtol=1e-12, atol=1e-300, err_msg=field.name)
     assert (int(short.impacts.count), int(short.impact_count), int(short.peak_impact)) == (5, 24, -1)
-    for ours, other in zip(*(jax.tree.leaves(c.impacts) for c in (short, whole)), strict=True):
-        np.testing.assert_array_equal(np.asarray(ours).ravel()[:4], np.asarray(other).ravel()[:4])
+    for name in ("time", "flank", "approach_speed", "peak_force", "release_time"):
+        ours, other = (np.asarray(getattr(c.impacts, name))[:4] for c in (short, whole))
+        np.testing.assert_array_equal(ours, other, err_msg=name)
     assert "impact after the 5th of 24" in repr(short)
 
 
@@ -170,7 +171,7 @@ def test_derivatives_of_a_run_with_a_full_log():
     assert np.isnan(contact)
 
 
-MANY = {  # 170 impacts did not do: nearly elastic, a light target, a slow way in
+MANY = {  # more than 512 events: nearly elastic, a light target, a slow way in
     "buffer.k_A": 2203.4,
     "buffer.c_A": 19.237,
     "buffer.k_T": 104.24,
@@ -186,9 +187,9 @@ MANY = {  # 170 impacts did not do: nearly elastic, a light target, a slow way i
 }
 
 
-def test_a_run_of_more_impacts_than_are_listed_does_not_fail():
+def test_a_run_of_more_events_than_the_log_holds_does_not_fail():
     scenario = Scenario(approach_speed=0.18632, contact_distance=0.063416, misalignment=0.14814, passive_rate=0.011198)
     capture = simulate(replace(table2(), MANY), scenario)
     assert not capture.outcome.failed
-    assert int(capture.impact_count) > int(capture.impacts.count) > 100
+    assert bool(capture.log.overflown) and int(capture.impact_count) > 100
     assert abs(float(capture.balance.energy)) < 2e-6
