@@ -3,7 +3,6 @@
 import contextlib
 import errno
 import fcntl
-import importlib.metadata
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,14 +10,6 @@ from pathlib import Path
 from .errors import InputError
 
 LOCK, DRAFT = ".lock", ".part"
-
-
-def version() -> str:
-    """The installed version of jaxbuffer."""
-    try:
-        return importlib.metadata.version("jaxbuffer")
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
 
 
 @contextlib.contextmanager

@@ -12,6 +12,7 @@ from jaxbuffer import InputError, replace, table2
 from jaxbuffer.contact.laws import (
     LAWS,
     AdamsImpact,
+    ContactLaw,
     ExactRestitution,
     Flores,
     Gonthier,
@@ -208,3 +209,16 @@ def test_a_design_chooses_a_law_by_its_name(name):
 def test_what_does_not_fit_a_law_is_refused(values, message):
     with pytest.raises(InputError, match=message):
         replace(table2(), values)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("force", [1e-3, 250.0, 1e6])
+def test_the_depth_of_a_force_and_its_slope(name, force):
+    """In closed form and by bisection: there the spring alone exerts it; the slope is the inverse of the spring's."""
+    law = EXAMPLES[name]
+    for way in (law.depth, lambda f: ContactLaw.depth(law, f)):
+        found, slope = jax.value_and_grad(lambda f, way=way: jnp.asarray(way(f)))(force)
+        exerted, stiffness = jax.value_and_grad(law.elastic)(found)
+        assert_allclose(exerted, force, rtol=1e-12)
+        assert_allclose(slope * stiffness, 1.0, rtol=1e-9)
+        assert way(jnp.asarray(0.0)) == 0.0

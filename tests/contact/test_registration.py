@@ -115,7 +115,7 @@ class Unrelated(eqx.Module):
         (3, Hertz, "law name 3: use letters"),
         ("mine", Unrelated, "law 'mine': .*Unrelated.* is not a subclass of jaxbuffer.contact.ContactLaw"),
         ("mine", "hertz", "law 'mine': 'hertz' is not a subclass"),
-        ("mine", NoForce, "law 'mine': NoForce lacks elastic, energy, depth, force, time_scale"),
+        ("mine", NoForce, "law 'mine': NoForce lacks elastic, energy, force, time_scale"),
         ("mine", NoDefault, "law 'mine': field looseness of NoDefault has no default and is none of .*restitution"),
     ],
 )

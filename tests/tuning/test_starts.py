@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Objective, Outcome, Problem, Scenario, Then, Variable, table2
-from jaxbuffer.report import tuned_table
 from jaxbuffer.tuning import tune
 from jaxbuffer.tuning.evaluation import Evaluator, Measured
 from jaxbuffer.tuning.floor import floor
@@ -15,6 +14,7 @@ from jaxbuffer.tuning.message import borne_out
 from jaxbuffer.tuning.progress import Progress
 from jaxbuffer.tuning.search import Settings
 from jaxbuffer.tuning.starts import anywhere, around
+from jaxbuffer.tuning.summary import tuned_table
 from tuning.analytic import Functions, problem
 
 SHIFT = 10.0

@@ -16,8 +16,9 @@ from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import get, paths, unit
 from ..outcome import Outcome
 from ..quantities import quantity_unit
-from ..report import FLANKS, SHOWN, UNITS, per, scenario_label, tuned_warnings
+from ..report import FLANKS, UNITS, per, scenario_label
 from ..tuning.problem import QUANTITIES
+from ..tuning.summary import SHOWN, tuned_warnings
 from ..validity import warnings
 
 if TYPE_CHECKING:

@@ -61,6 +61,6 @@ class Tuned:
         return float(np.max(self.after.quantities[:, 0]) / np.max(self.floor.simulated) - 1.0)
 
     def __repr__(self) -> str:
-        from ..report import tuned_table
+        from .summary import tuned_table
 
         return tuned_table(self)

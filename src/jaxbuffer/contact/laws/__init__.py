@@ -56,7 +56,7 @@ def register_law(name: str, law: type[ContactLaw]) -> None:
     its law at once, also for designs that exist.
 
     **Arguments:** ``name``: letters, digits, ``-`` and ``_``; ``law``: a subclass of `ContactLaw` with ``elastic``,
-    ``energy``, ``depth``, ``force`` and ``time_scale``. Fields named as in `NUMBERS` get the design's numbers;
+    ``energy``, ``force`` and ``time_scale``. Fields named as in `NUMBERS` get the design's numbers;
     others need defaults.
 
     **Raises:** `InputError` for a name that is taken by a built-in law, and for what is no such class.

@@ -3,11 +3,12 @@
 from typing import ClassVar
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from ..._types import Scalar, Values
 
-METHODS = ("elastic", "energy", "depth", "force", "time_scale")  # that each law has of its own
+METHODS = ("elastic", "energy", "force", "time_scale")  # that each law has of its own
 
 
 class ContactLaw(eqx.Module):
@@ -33,9 +34,22 @@ class ContactLaw(eqx.Module):
     def depth(self, force: Scalar) -> Scalar:
         """The penetration [m] at which the spring alone exerts a force [N]; differentiable.
 
-        No law's penetration exceeds that of its peak force: where it is deepest the damper exerts nothing.
+        No law's penetration exceeds that of its peak force: where it is deepest the damper exerts nothing. Found by
+        bisection, up to 10 m, unless a law says it in closed form.
         """
-        raise NotImplementedError
+        wanted = jnp.asarray(force, float)
+
+        def halved(_: int, bracket: tuple[Values, Values]) -> tuple[Values, Values]:
+            low, high = bracket
+            middle = jnp.sqrt(low * high)
+            soft = self.elastic(middle) < wanted
+            return jnp.where(soft, middle, low), jnp.where(soft, high, middle)
+
+        ends = (jnp.full_like(wanted, 1e-15), jnp.full_like(wanted, 10.0))
+        found = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
+        exerted, slope = jax.jvp(self.elastic, (found,), (jnp.ones_like(found),))
+        stiff = jnp.where(slope > 0.0, jax.lax.stop_gradient(slope), 1.0)
+        return jnp.where(wanted > 0.0, found - (exerted - wanted) / stiff, 0.0)  # one step of Newton's: its derivative
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         """F_n [N] of a closed contact from δ [m], δ̇ [m/s] and δ̇⁻ [m/s]."""
