@@ -74,23 +74,15 @@ _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        value = _version()
+        from .version import version
+
+        value = version()
     elif name in _MODULE:
         value = getattr(importlib.import_module(f".{_MODULE[name]}", __name__), name)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value
     return value
-
-
-def _version() -> str:
-    """The installed version, as in pyproject.toml."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version(__name__)
-    except PackageNotFoundError:  # run from a checkout
-        return "not installed"
 
 
 def __dir__() -> list[str]:

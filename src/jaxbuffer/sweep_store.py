@@ -20,9 +20,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from . import __version__
 from .errors import InputError
 from .files import Lock, naming, write
+from .version import version
 
 STORE = "sweep.chunks"
 PERIOD = 1.0  # s between records
@@ -32,7 +32,7 @@ HEAD = struct.Struct("<8sII")
 
 def identity(**parts: Any) -> dict[str, str]:
     """What makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
-    hashes = {"version": __version__}
+    hashes = {"version": version()}
     for name, part in parts.items():
         leaves, structure = jax.tree.flatten(part)
         content = hashlib.sha256(str(structure).encode())

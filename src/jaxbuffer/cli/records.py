@@ -9,8 +9,6 @@ import equinox as eqx
 import jax
 import numpy as np
 
-import jaxbuffer
-
 from ..capture import Capture
 from ..history import BODIES, MULTIPLIERS
 from ..mechanisms import get, paths, unit
@@ -20,6 +18,7 @@ from ..report import FLANKS, UNITS, per, scenario_label
 from ..tuning.problem import QUANTITIES
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..validity import warnings
+from ..version import version
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -59,11 +58,6 @@ ENERGIES = (
     "stop_damper",
     "total",
 )
-
-
-def version() -> str:
-    """The installed version."""
-    return jaxbuffer.__version__
 
 
 def capture_record(capture: Capture) -> dict[str, Any]:

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
 from ..errors import InputError
 from ..files import Lock, naming, write, write_beside
+from ..version import version
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
@@ -93,11 +93,7 @@ class Store:
         """Replace the state by the one after a finished step; the one before stays as the previous one."""
         if self.folder is None:
             return
-        head = {
-            VERSION: __version__,
-            FINGERPRINT: self.fingerprint,
-            LINES: np.frombuffer(self.lines, np.uint8),
-        }
+        head = {VERSION: version(), FINGERPRINT: self.fingerprint, LINES: np.frombuffer(self.lines, np.uint8)}
         arrays: dict[str, Any] = {name: np.asarray(value) for name, value in {**head, **state}.items()}
         arrays[CHECKSUM] = np.asarray(_checksum(arrays))
         content = io.BytesIO()
@@ -119,8 +115,8 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
         except InputError as error:
             damage.append(f"{name} {error}")
             continue
-        if (found := str(state.pop(VERSION))) != __version__:
-            raise InputError(f"{folder} holds a run of jaxbuffer {found}, which cannot be resumed by {__version__}")
+        if (found := str(state.pop(VERSION))) != version():
+            raise InputError(f"{folder} holds a run of jaxbuffer {found}, which cannot be resumed by {version()}")
         if (found := str(state.pop(FINGERPRINT))) != fingerprint:
             told = f"({found}, not {fingerprint})"
             raise InputError(f"{folder} holds the run of another problem or other settings {told}")

@@ -1,0 +1,11 @@
+"""Which version this is."""
+
+from importlib import metadata
+
+
+def version() -> str:
+    """The installed version, as in pyproject.toml."""
+    try:
+        return metadata.version("jaxbuffer")
+    except metadata.PackageNotFoundError:  # run from a checkout
+        return "not installed"
