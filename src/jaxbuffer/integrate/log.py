@@ -108,11 +108,13 @@ class Log(eqx.Module):
         """The log with one more entry if ``when``; ``touching``: whether there was contact since the last event."""
         end, spare = self.kind.shape[0] - 2, self.kind.shape[0] - 1
         missed = when & (self.count >= self.room)
-        # Observables of contacts come first, so a touchdown's slot is that of its force.
-        its_own = self.room + jnp.clip(which, 0, self.values.shape[1] - 1)
-        higher = values[its_own - self.room] > self.values[its_own, its_own - self.room]
-        worth = (kind != Kind.RELEASE) & higher
-        beyond = jnp.where(kind == Kind.END, end, jnp.where(worth, its_own, spare))
+        beyond = jnp.where(kind == Kind.END, end, spare)
+        if self.values.shape[1]:
+            # Observables of contacts come first, so a touchdown's slot is that of its force.
+            its_own = jnp.clip(which, 0, self.values.shape[1] - 1)
+            higher = values[its_own] > self.values[self.room + its_own, its_own]
+            keeps = ((kind == Kind.PEAK) | (kind == Kind.TOUCHDOWN)) & higher
+            beyond = jnp.where(keeps, self.room + its_own, beyond)
         slot = jnp.where(missed, beyond, jnp.where(when, self.count, spare))
         entry = {
             "kind": jnp.where(slot == spare, int(Kind.NONE), kind),

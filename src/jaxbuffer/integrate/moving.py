@@ -80,7 +80,9 @@ def _moves(
     def moves_of(entry: _Entry, row: Array, row_move: Array) -> dict[str, Array]:
         def pushed(look: Callable[[HybridSystem, _Entry, Array], Any], move: Array) -> Any:
             of = lambda parameters, row: look(build(*parameters), entry, row)  # noqa: E731
-            return eqx.filter_jvp(of, (parameters, row), (parameters_move, move))[1]
+            seen, moves = eqx.filter_jvp(of, (parameters, row), (parameters_move, move))
+            still = lambda value, move: jnp.zeros_like(value) if move is None else move  # noqa: E731
+            return jax.tree.map(still, seen, moves)  # None where nothing moves: a mechanism that nothing is observed of
 
         later = jnp.where(entry.moves, -pushed(_guard, row_move) / entry.guard_rate, 0.0)
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)

@@ -104,7 +104,11 @@ class kept(Generic[R]):  # a decorator
 
     def __init__(self, function: Callable[..., R]) -> None:
         self.function = function
-        self.jitted = jax.jit(lambda _, *arguments: function(*arguments), static_argnums=0)
+
+        def compiled_for(*arguments: Any, made_from: Any = None) -> R:
+            return function(*arguments)
+
+        self.jitted = jax.jit(compiled_for, static_argnames="made_from")
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
 
@@ -113,7 +117,7 @@ class kept(Generic[R]):  # a decorator
         leaves, tree = jax.tree.flatten(arguments)
         kinds = tuple(map(_kind, leaves))
         if any(kind is jax.core.Tracer for kind in kinds):
-            return self.function(*arguments) if _tracing() else self.jitted(_changeable(tree), *arguments)
+            return self.function(*arguments) if _tracing() else self.jitted(*arguments, made_from=_changeable(tree))
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
         key = (_folder, tree, kinds, _changeable(tree))
