@@ -94,6 +94,7 @@ NUMBERS = [
     *(f.name for f in dataclasses.fields(jb.Capture) if "Float" in str(f.type) and f.name not in EXACT),
     "log.latest",
     "log.missed_time",
+    "log.missed_values",
     *(f"impacts.{name}" for name in ("time", "approach_speed", "peak_force", "release_time")),
     *(f"first_impact.{f.name}" for f in dataclasses.fields(jb.FirstImpact)),
     *(f"energy.{name}" for name in ("kinetic", "spring", "contact", "stop", "axial_damper", "torsional_damper",

@@ -152,11 +152,12 @@ def simulate(
     if solver is not None:
         options = dataclasses.replace(options, solver=solver_named(solver))
     given = ((design, scenario, stabilisation), duration, (rtol, atol), options)
-    if not all(type(leaf) is float for leaf in jax.tree.leaves(given)):
+    leaves, traced = jax.tree.leaves(given), False
+    if not all(type(leaf) is float for leaf in leaves):
+        traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
         given = jax.tree.map(_array, given)
         if any(map(np.ndim, jax.tree.leaves(given[0]))):
             _refuse_arrays(design, scenario)
-    traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(given))
     capture = _simulate(*given, UNCHECKED if traced else CHECKED)
     if history and not isinstance(capture.code, jax.core.Tracer):
         capture = eqx.tree_at(lambda c: c.history, capture, _trim(capture))

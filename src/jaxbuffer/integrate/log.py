@@ -41,7 +41,8 @@ class Log(eqx.Module):
     sensitivities is rounding).
 
     ``latest``: time of the last event [s]. Of events that found no room: ``missed``, each contact's touchdowns;
-    ``missed_time``, time in contact until them [s].
+    ``missed_values``, each observable's largest value at an event of its own; ``missed_time``, time in contact until
+    them [s].
     """
 
     kind: Int[Array, " slots"]
@@ -55,6 +56,7 @@ class Log(eqx.Module):
     count: Int[Array, ""]
     latest: Float[Array, ""]
     missed: Int[Array, " contacts"]
+    missed_values: Float[Array, " observables"]
     missed_time: Float[Array, ""]
 
     @property
@@ -89,6 +91,7 @@ class Log(eqx.Module):
             count=jnp.asarray(0),
             latest=jnp.zeros(()),
             missed=jnp.zeros(contacts, int),
+            missed_values=jnp.zeros(observables),
             missed_time=jnp.zeros(()),
         )
 
@@ -108,13 +111,10 @@ class Log(eqx.Module):
         """The log with one more entry if ``when``; ``touching``: whether there was contact since the last event."""
         end, spare = self.kind.shape[0] - 2, self.kind.shape[0] - 1
         missed = when & (self.count >= self.room)
-        beyond = jnp.where(kind == Kind.END, end, spare)
-        if self.values.shape[1]:
-            # Observables of contacts come first, so a touchdown's slot is that of its force.
-            its_own = jnp.clip(which, 0, self.values.shape[1] - 1)
-            higher = values[its_own] > self.values[self.room + its_own, its_own]
-            keeps = ((kind == Kind.PEAK) | (kind == Kind.TOUCHDOWN)) & higher
-            beyond = jnp.where(keeps, self.room + its_own, beyond)
+        # Observables of contacts come first, so a touchdown's slot is that of its force.
+        its_own = (jnp.arange(values.shape[0]) == which) & ((kind == Kind.PEAK) | (kind == Kind.TOUCHDOWN))
+        keeps = jnp.any(its_own & (values > self.missed_values))
+        beyond = jnp.where(kind == Kind.END, end, jnp.where(keeps, self.room + which, spare))
         slot = jnp.where(missed, beyond, jnp.where(when, self.count, spare))
         entry = {
             "kind": jnp.where(slot == spare, int(Kind.NONE), kind),
@@ -132,6 +132,7 @@ class Log(eqx.Module):
             count=jnp.where(missed, self.kind.shape[0] - 1, self.count + when),
             latest=jnp.where(when, time, self.latest),
             missed=self.missed + (missed & touchdown),
+            missed_values=jnp.where(missed & its_own, jnp.maximum(self.missed_values, values), self.missed_values),
             missed_time=self.missed_time + jnp.where(missed & touching, time - self.latest, 0.0),
         )
 

@@ -28,7 +28,7 @@ def moving(log: Log, parameters: Any, build: Build) -> Log:
 
     **Returns:** the log, whose ``time``, ``values``, ``rows`` and ``rates`` have the derivatives that differences of
     runs have. A start in contact, and an end because the time is up, stay at their times. ``guard_rate``, itself found
-    by differences, has none: NaN; nor has ``missed_time`` where events were missed.
+    by differences, has none: NaN; nor have ``missed_time`` and ``missed_values`` where events were missed.
     """
     return log
 
@@ -95,7 +95,9 @@ def _moves(
     found = jax.vmap(moves_of)(entries, rows, rows_move)
     moves = {name: jnp.where(used.reshape(-1, *[1] * (x.ndim - 1)), x, 0.0) for name, x in found.items()}
     latest = moves["time"][jnp.maximum(log.count - 1, 0)]
-    return {**moves, "latest": latest, "missed_time": latest * jnp.where(log.overflown, jnp.nan, 0.0)}
+    unknown = latest * jnp.where(log.overflown, jnp.nan, 0.0)
+    missed_values = jnp.broadcast_to(unknown, log.missed_values.shape)
+    return {**moves, "latest": latest, "missed_time": unknown, "missed_values": missed_values}
 
 
 def _guard(system: HybridSystem, entry: _Entry, row: Float[Array, " state"]) -> Float[Array, ""]:

@@ -84,9 +84,9 @@ class AxialSpringDamper(ForceElement):
             axis = i.turn(Vector(*self.guide))
             signed = separation.dot(axis)
             passing = signed < PASSING  # the ends' line has no direction where they meet: the guide's serves
-            apart = jnp.sqrt(jnp.where(passing, 1.0, separation.dot(separation)))
-            length = jnp.where(passing, signed, apart)
-            along = Vector(*(jnp.where(passing, g, d / apart) for g, d in zip(axis, separation, strict=True)))
+            line = Vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
+            size = jnp.sqrt(line.dot(line))
+            length, along = jnp.where(passing, signed, size), line * (1.0 / size)
         return AxialState(length, rate.dot(along), along, a, b, rate)
 
     def tension(self, kin: Kinematics) -> Scalar:
