@@ -60,8 +60,7 @@ def summary(capture: "Capture") -> str:
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
         f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm"
-        f" of {1e3 * float(capture.design.buffer.longest_stroke):.6g} mm",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
         f"  capture margin       {_margin(capture)}",
@@ -88,6 +87,12 @@ def _stop(capture: "Capture") -> str:
     if capture.design.buffer.stop_stiffness is None:
         return ""
     return f", end stop {float(capture.peak_stop_force):.6g} N"
+
+
+def _stroke_limits(capture: "Capture") -> str:
+    buffer = capture.design.buffer
+    whole = f" of {1e3 * float(buffer.longest_stroke):.6g} mm"
+    return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
 
 
 def _margin(capture: "Capture") -> str:
