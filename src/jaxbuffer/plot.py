@@ -85,8 +85,8 @@ def capture_figure(capture: Capture) -> "Figure":
     end = 1e3 * float(capture.design.buffer.end)
     what = "the buffer's end" if capture.design.buffer.stop_stiffness is None else "the end stop"
     if largest > 0.5 * end:
-        stroke.axhline(end, color=RED, linewidth=0.8, label=what)
-    _label(stroke, f"Buffer stroke, largest {largest:.4g} mm, {what} at {end:.4g} mm", "time [s]", "stroke [mm]")
+        stroke.axhline(end, color=RED, linewidth=0.8, label=f"{what}, {end:.4g} mm")
+    _label(stroke, f"Buffer stroke, largest {largest:.4g} mm", "time [s]", "stroke [mm]")
 
     angle.plot(time, np.degrees(seen.hinge_angle), color=BLUE)
     largest = math.degrees(float(capture.hinge_angle))

@@ -182,7 +182,8 @@ def ending():
 def test_signals_interrupt_once(ending, monkeypatch, number):
     left = []
     monkeypatch.setattr(os, "_exit", left.append)
-    signal.signal(number, signal.default_int_handler)  # whatever the caller of this process ignores
+    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # whatever the caller of this process ignores
+        signal.signal(each, signal.default_int_handler)
     ending.listen()
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(number)

@@ -32,13 +32,13 @@ def test_capture_figure():
         "The peak, 250 N at 0.02 s",
         "Gap and distance to capture",
         "Energy, adding up to the total",
-        "Buffer stroke, largest 7.5 mm of 136.5 mm",
+        "Buffer stroke, largest 7.5 mm",
         "Hinge angle, largest 0.229°",
     ]
     zoom = axes["The peak, 250 N at 0.02 s"]
     assert zoom.get_xlim()[0] == pytest.approx(-0.75e3 * PULSE, rel=0.15), "the impact and a quarter of it either side"
     assert zoom.get_ylim()[1] > 250.0
-    assert axes["Buffer stroke, largest 7.5 mm of 136.5 mm"].get_ylim()[1] > 7.5
+    assert axes["Buffer stroke, largest 7.5 mm"].get_ylim()[1] > 7.5
     assert axes["Hinge angle, largest 0.229°"].get_ylim()[0] < -0.2, "signed"
     assert png(figure).startswith(b"\x89PNG")
 
