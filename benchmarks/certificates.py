@@ -3,8 +3,8 @@
     python -m benchmarks.certificates --designs 200
 
 Every reference capture and N random designs: elasticities with their quick certificate, against differences of tight
-solves by another solver (explicit, rtol 1e-11) for each parameter, whose own doubt is kept. Each case is written to
-FOLDER/certificates.jsonl as soon as it is done, and cases found there are not computed again.
+solves by another solver (explicit, rtol 1e-11) for each parameter, whose own uncertainty is kept. Each case is written
+to FOLDER/certificates.jsonl as soon as it is done, and cases found there are not computed again.
 """
 
 from __future__ import annotations
@@ -16,24 +16,25 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
 
-jaxbuffer.runtime.configure()
+jaxbuffer.compiling.process.configure()
 
 import numpy as np  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
 import jaxbuffer as jb  # noqa: E402
-from jaxbuffer.certificate import KINK, TRUSTED  # noqa: E402
-from jaxbuffer.evidence import FLOOR, TightSolves, each  # noqa: E402
-from jaxbuffer.integrate import ExplicitRungeKutta  # noqa: E402
-from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES  # noqa: E402
+from jaxbuffer.hybrid import ExplicitRungeKutta  # noqa: E402
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE  # noqa: E402
+from jaxbuffer.sensitivities.certificate import KINK, TRUSTED  # noqa: E402
+from jaxbuffer.sensitivities.evidence import FLOOR, TightSolves, each  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from verification.cases import CASES  # noqa: E402
 from verification.designs import random_case  # noqa: E402
 
+PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
 WRONG = 1e-2  # relative error that no trusted elasticity may have
 SIGNIFICANT = 1e-4  # elasticities above must have the right sign
 EVERY = 5  # so many random designs hold one with a free tip
@@ -71,7 +72,7 @@ def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
 
         tight = TightSolves(inputs, capture, found.values, np.abs(found.values), QUANTITIES, 8.0, ExplicitRungeKutta())
         evidence = each(tight, found.elasticities, np.abs(found.results), np.zeros_like(found.elasticities))
-        record |= {"off": evidence.by_differences.tolist(), "doubt": evidence.doubt.tolist()}
+        record |= {"off": evidence.by_differences.tolist(), "uncertainty": evidence.uncertainty.tolist()}
     if name in CASES:
         reference = CASES[name].values["elasticity"]
         record["reference"] = [reference[path.rsplit(".", 1)[1]] for path in PARAMETERS]
@@ -86,13 +87,13 @@ class Summary:
         k = QUANTITIES.index(quantity)
         self.quantity = quantity
         self.names = [r["name"] for r in known]
-        self.elasticity, self.off, self.doubt, self.estimated = (
-            np.array([r[key][k] for r in known], float) for key in ("elasticity", "off", "doubt", "estimated")
+        self.elasticity, self.off, self.uncertainty, self.estimated = (
+            np.array([r[key][k] for r in known], float) for key in ("elasticity", "off", "uncertainty", "estimated")
         )
         self.verdict = np.array([r["verdicts"][k] for r in known])
         self.size = np.maximum(np.abs(self.elasticity), FLOOR)
         # What differences can't tell says nothing against a gradient, nor for it.
-        self.decided = self.doubt / self.size < WRONG / 2
+        self.decided = self.uncertainty / self.size < WRONG / 2
         self.error = np.where(self.decided, self.off / self.size, np.nan)
         self.worst = np.nanmax(np.where(self.decided, self.error, -np.inf), axis=1)
 

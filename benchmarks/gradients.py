@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,18 +22,19 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--counts", default="1,10,100,1000", metavar="N,…")
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results/gradients.json"))
     options = parser.parse_args(arguments)
-    jaxbuffer.runtime.configure()
+    jaxbuffer.compiling.process.configure()
     from rich.console import Console
     from rich.table import Table
 
     from jaxbuffer import Limits, Objective, Problem, Variable, table2
-    from jaxbuffer.problem_toml import VARIABLES
+    from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
     from jaxbuffer.tuning import Distribution, sample
     from jaxbuffer.tuning.evaluation import Evaluator
     from jaxbuffer.tuning.goal import Goal
-    from jaxbuffer.tuning.search import Search, Settings
+    from jaxbuffer.tuning.search import Search
+    from jaxbuffer.tuning.settings import Settings
 
-    variables = [Variable(path, *bounds) for path, bounds in VARIABLES.items()]
+    variables = [Variable(path, *bounds) for path, bounds in PROBE_CONE.defaults.variables.items()]
     spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}
     table, rows = Table(title="One gradient of a design problem, five variables"), []
     headings = ("scenarios", "gradient [s]", "a scenario [ms]", "step [s]", "captured", "memory [MiB]")
@@ -49,14 +50,13 @@ def main(arguments: list[str] | None = None) -> int:
             begin = time.perf_counter()
             (point,) = evaluate([problem.start()])
             seconds = time.perf_counter() - begin
-        search = Search(goal, (goal.value(point), goal.value(point)), Settings())
+        search = Search(goal, goal.value(point), Settings())
         branch = search.begin(point)
-        search.plan(branch)  # compiles the model for this count
         begin = time.perf_counter()
         search.plan(branch)
         step = time.perf_counter() - begin
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        numbers = (count, seconds, 1e3 * seconds / count, step, int(point.captured.sum()), memory)
+        numbers = (count, seconds, 1e3 * seconds / count, step, int(point.succeeded.sum()), memory)
         rows.append(dict(zip(headings, numbers, strict=True)))
         table.add_row(*(f"{x:.4g}" for x in numbers))
     Console(width=None if sys.stdout.isatty() else 120).print(table)

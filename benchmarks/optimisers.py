@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
 
 PENALTY = 10.0
 TIGHT = 1e-9
@@ -28,9 +28,9 @@ FEWER = 20.0  # times fewer captures than the derivative-free methods
 def problems() -> dict[str, Any]:
     """The four problems, all of five variables."""
     from jaxbuffer import Limits, Objective, Problem, Scenario, Variable, table2
-    from jaxbuffer.problem_toml import VARIABLES
+    from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 
-    variables = [Variable(path, *bounds) for path, bounds in VARIABLES.items()]
+    variables = [Variable(path, *bounds) for path, bounds in PROBE_CONE.defaults.variables.items()]
     three = [Scenario(approach_speed=v) for v in (0.1, 0.15, 0.2)]
     slow = [Scenario(approach_speed=v) for v in (0.05, 0.1, 0.2, 0.3)]
     askew = [Scenario(approach_speed=0.15, misalignment=a) for a in (-0.0873, -0.0436, 0.0, 0.0436, 0.0873)]
@@ -55,17 +55,17 @@ class Watched:
         from jaxbuffer.tuning.goal import Goal
 
         self.goal, self.evaluator = Goal(problem, problem.objective), Evaluator(problem, slopes=slopes)
-        self.best, self.places, self.history = np.inf, problem.start(), list[tuple[int, float]]()
+        self.best, self.scaled, self.history = np.inf, problem.start(), list[tuple[int, float]]()
         self._known: tuple[bytes, Any] = (b"", None)
         self.scale = self.goal.value(self.at(problem.start()))
 
-    def at(self, places: Any) -> Any:
+    def at(self, scaled: Any) -> Any:
         """The evaluation at one design, kept for the next call."""
         import numpy as np
 
-        places = np.clip(np.asarray(places, float), 0.0, 1.0)
-        if self._known[0] != places.tobytes():
-            self._known = places.tobytes(), self.batch([places])[0]
+        scaled = np.clip(np.asarray(scaled, float), 0.0, 1.0)
+        if self._known[0] != scaled.tobytes():
+            self._known = scaled.tobytes(), self.batch([scaled])[0]
         return self._known[1]
 
     def batch(self, points: Any) -> list[Any]:
@@ -74,7 +74,7 @@ class Watched:
         for point in found:
             value = self.goal.value(point)
             if self.goal.feasible(point) and value < self.best:
-                self.best, self.places = value, point.places
+                self.best, self.scaled = value, point.scaled
                 self.history.append((self.evaluator.captures, value))
         return found
 
@@ -87,7 +87,7 @@ class Watched:
         import numpy as np
 
         objective = self.goal.objective
-        weights = objective.vector()
+        weights = self.goal.weights(objective)
         cases = objective.case_weights(point.quantities @ weights)
         by_case = weights[0] * point.peaks_slope[:, 0] + np.einsum("q,cqn->cn", weights[1:], point.rest_slope)
         return cases @ by_case / self.scale
@@ -117,7 +117,7 @@ def with_tune(problem: Any) -> tuple[Watched, str]:
         if record["feasible"] and record["objective"] < best:
             best = record["objective"]
             history.append((spent, best))
-    watched.history, watched.best, watched.places = history, best, tuned.after.places
+    watched.history, watched.best, watched.scaled = history, best, tuned.after.scaled
     watched.evaluator = type("Spent", (), {"captures": spent})()  # type: ignore[assignment]
     return watched, tuned.message
 
@@ -217,7 +217,7 @@ def compared(problem: Any, methods: list[str]) -> list[dict[str, Any]]:
             rows.append({"method": name, "message": f"{type(error).__name__}: {error}", "feasible": False})
             continue
         seconds = time.perf_counter() - begin
-        (point,) = judge([watched.places], rtol=TIGHT)
+        (point,) = judge([watched.scaled], rtol=TIGHT)
         rows.append(
             {
                 "method": name,
@@ -227,7 +227,7 @@ def compared(problem: Any, methods: list[str]) -> list[dict[str, Any]]:
                 "seconds": seconds,
                 "message": str(message),
                 "history": watched.history,
-                "places": list(map(float, watched.places)),
+                "scaled": list(map(float, watched.scaled)),
             }
         )
         print(f"  {name}: {rows[-1]['objective [N]']:.6g} N, {watched.evaluator.captures} captures", file=sys.stderr)
@@ -246,7 +246,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--methods", default=",".join(METHODS), metavar="METHOD,…")
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results/optimisers.json"))
     options = parser.parse_args(arguments)
-    jaxbuffer.runtime.configure()
+    jaxbuffer.compiling.process.configure()
     from rich.console import Console
     from rich.table import Table
 

@@ -16,14 +16,16 @@ jb.configure()
 
 import jax  # noqa: E402
 
-from jaxbuffer.integrate import DiagonallyImplicit, ExplicitRungeKutta, Solver  # noqa: E402
-from jaxbuffer.sensitivity import PARAMETERS, linearised  # noqa: E402
-from jaxbuffer.sweep import CHUNK as CHUNK  # noqa: E402 # captures of one compiled program
+from jaxbuffer.hybrid import DiagonallyImplicit, ExplicitRungeKutta, Solver  # noqa: E402
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE  # noqa: E402
+from jaxbuffer.sensitivities.gradients import gradients  # noqa: E402
+from jaxbuffer.sweeps.sweep import CHUNK as CHUNK  # noqa: E402 # captures of one compiled program
 
 from .accuracy import RTOLS as RTOLS  # noqa: E402
 from .accuracy import Numbers, Result, Setting, errors, measured  # noqa: E402
 
 NAME = "jaxbuffer"
+PARAMETERS = PROBE_CONE.defaults.parameters
 SOLVERS: Mapping[str, Solver | None] = {
     "default": None,
     "implicit": DiagonallyImplicit(),
@@ -60,7 +62,7 @@ def elasticities(rtol: float) -> dict[str, float]:
     """Table 2's d ln peak_force / d ln p [-] by the reference's names, with the capture they belong to."""
     design = jb.table2()
     values = np.array([float(jb.get(design, path)) for path in PARAMETERS])
-    linear = jax.block_until_ready(linearised(design, jb.Scenario(), PARAMETERS, values, rtol=rtol))
+    linear = jax.block_until_ready(gradients(design, jb.Scenario(), PARAMETERS, values, 8.0, rtol=rtol))
     slopes = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
     return {path.split(".")[-1]: float(slope) for path, slope in zip(PARAMETERS, slopes, strict=True)}
 

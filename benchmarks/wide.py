@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 import jaxbuffer as jb
-from jaxbuffer.validity import validity
+from jaxbuffer.mechanisms.probe_cone.law_validity import validity
 
 CAPTURES = 2000
 CHUNK = 50

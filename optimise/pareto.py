@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxbuffer import Limits
-from jaxbuffer.cli.output import csv_text
+from jaxbuffer.output.formats import csv_text
 
 from .study import config, figure, tuned, write
 

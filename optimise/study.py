@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from jaxbuffer import Problem, Tuned, tune
-from jaxbuffer.cli.output import csv_text, json_text
 from jaxbuffer.cli.progress import in_words
-from jaxbuffer.cli.records import tuned_comment, tuned_record, tuning_history
-from jaxbuffer.config import Config, design_toml, load
 from jaxbuffer.files import write as write_whole
-from jaxbuffer.plot import png, tune_figure
+from jaxbuffer.output.formats import csv_text, json_text
+from jaxbuffer.output.records import tuned_comment, tuned_record, tuning_history
+from jaxbuffer.output.style import png
+from jaxbuffer.output.tune_figure import tune_figure
+from jaxbuffer.study.config import Config, design_toml, load
 
 HERE = Path(__file__).parent
 
@@ -28,7 +29,7 @@ def tuned(study: Config, folder: Path, resume: bool, problem: Problem | None = N
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
     found = tune(problem, **settings, folder=folder, resume=resume, report=_told)
-    write(folder, "design.toml", design_toml(found.design, problem.meetings, tuned_comment(found)))
+    write(folder, "design.toml", design_toml(found.design, problem.scenarios_met, tuned_comment(found)))
     write(folder, "tuned.json", json_text(tuned_record(found)))
     write(folder, "history.csv", csv_text(*tuning_history(found)))
     write(folder, "tune.png", png(tune_figure(found)))
@@ -48,7 +49,7 @@ def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 
     import matplotlib
     from matplotlib.figure import Figure
 
-    from jaxbuffer.plot_style import STYLE
+    from jaxbuffer.output.style import STYLE
 
     with matplotlib.rc_context(STYLE):
         drawn = Figure(figsize=(5.0 * columns, 3.6), layout="constrained")

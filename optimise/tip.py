@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from jaxbuffer import Design, first_impact, replace, sweep
-from jaxbuffer.cli.output import csv_text
+from jaxbuffer.output.formats import csv_text
 
 from .study import config, figure, write
 

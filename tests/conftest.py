@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
 
-jaxbuffer.runtime.configure()
+jaxbuffer.compiling.process.configure()
 
 import jax  # noqa: E402
 

@@ -6,9 +6,9 @@ import pytest
 import jaxbuffer as jb
 from front.made_up import made_up_capture
 from jaxbuffer import Outcome
-from jaxbuffer.certificate import HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
-from jaxbuffer.evidence import TightSolves, each, together
-from jaxbuffer.metrics import Impacts
+from jaxbuffer.mechanisms.run import Impacts
+from jaxbuffer.sensitivities.certificate import HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
+from jaxbuffer.sensitivities.evidence import TightSolves, each, together
 
 PATHS = ("buffer.k_A", "buffer.c_A", "probe.tip_mass")
 NAMES = ("peak_force", "stroke")
@@ -119,9 +119,9 @@ def test_the_peaks_report():
     object.__setattr__(capture, "peak_impact", np.asarray(1))
     slopes = np.array([[-240.0, 0.0, 24.0], [250.0, 0.0, 25.0], [0.0, 0.0, 0.0]])
     peaks = peak_report(capture, slopes, PATHS)
-    assert (peaks.impact, peaks.flank, peaks.runner_up_impact, peaks.runner_up_force) == (1, 1, 0, 240.0)
+    assert (peaks.impact, peaks.contact, peaks.runner_up_impact, peaks.runner_up_force) == (1, 1, 0, 240.0)
     assert peaks.margin == pytest.approx(0.04)
-    assert peaks.swap_path == "buffer.k_A" and peaks.swap_change == pytest.approx(0.5 * np.log(240.0 / 250.0))
+    assert peaks.swap_path == "buffer.k_A" and peaks.swap_change == pytest.approx(np.sqrt(0.96) - 1.0)
 
 
 def test_a_single_impact_has_no_runner_up():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jaxbuffer.differences import COARSEST, STEPS, balanced_direction, difference
+from jaxbuffer.sensitivities.differences import COARSEST, STEPS, balanced_direction, difference
 
 SETTLED = np.full(3, 1e-9)
 
@@ -21,44 +21,44 @@ EXACT = np.array([3.0, np.cos(1.0), 0.0])
     ids=["central", "at the low bound", "at the high bound"],
 )
 def test_smooth_functions(inside, sided):
-    """The doubt covers the error, whatever side the bounds leave."""
+    """The uncertainty covers the error, whatever side the bounds leave."""
 
     def evaluate(move):
         assert inside(move)
         return smooth(move)
 
     found = difference(evaluate, inside, SETTLED, noise=1e-15)
-    assert np.all(np.abs(found.value - EXACT) <= found.doubt + 1e-12)
-    assert np.all(found.doubt < (1e-7 if sided else 1e-9))
+    assert np.all(np.abs(found.value - EXACT) <= found.uncertainty + 1e-12)
+    assert np.all(found.uncertainty < (1e-7 if sided else 1e-9))
 
 
 def test_noise_stops_the_halving_where_it_takes_over():
-    """Values good to 1e-8 give differences good to 1e-8 over the step; the doubt says so, and no luck helps."""
+    """Values good to 1e-8 give differences good to 1e-8 over the step; the uncertainty says so, and no luck helps."""
     draw = np.random.default_rng(1)
     for _ in range(20):
         found = difference(
             lambda move: smooth(move) * (1.0 + 1e-8 * draw.uniform(-1.0, 1.0, 3)), lambda move: True, SETTLED, 2e-8
         )
-        assert np.all(np.abs(found.value - EXACT) < 3.0 * found.doubt)
-        assert np.all(found.doubt > 2e-8 * np.abs(smooth(0.0)) / COARSEST / 2)
+        assert np.all(np.abs(found.value - EXACT) < 3.0 * found.uncertainty)
+        assert np.all(found.uncertainty > 2e-8 * np.abs(smooth(0.0)) / COARSEST / 2)
         assert found.steps == STEPS
 
 
-def test_a_jump_and_a_bend_are_doubted():
+def test_a_jump_and_a_bend_are_uncertain():
     """A function that bends at one of the steps, one that jumps next to zero, and one that can't be compared."""
 
     def evaluate(move):
         return np.array([abs(move - 0.7e-3), 1.0 + (move > 1e-5), 1.0 if move <= 0.0 else np.nan])
 
     found = difference(evaluate, lambda move: True, SETTLED, noise=1e-15)
-    assert np.all(found.doubt[1:] > 1.0) and np.isinf(found.doubt[2])
+    assert np.all(found.uncertainty[1:] > 1.0) and np.isinf(found.uncertainty[2])
     # The bend lies between two steps: the finer ones see one side of it only, and agree.
     np.testing.assert_allclose(found.value[0], -1.0, rtol=1e-9)
 
 
 def test_nothing_is_evaluated_where_no_move_is_inside():
     found = difference(lambda move: pytest.fail("evaluated"), lambda move: False, SETTLED, noise=1e-15)
-    assert np.all(np.isnan(found.value)) and np.all(np.isinf(found.doubt)) and found.steps == 0
+    assert np.all(np.isnan(found.value)) and np.all(np.isinf(found.uncertainty)) and found.steps == 0
 
 
 def test_a_balanced_direction_weighs_every_parameter_the_same():

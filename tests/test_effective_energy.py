@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
-from jaxbuffer.first_impact import hertz_peak, loss_factor
+from jaxbuffer.mechanisms.probe_cone.closed_form import hertz_peak, loss_factor
 from jaxbuffer.multibody import Body, Kinematics, System
 from verification.cases import CASES, FREE, WELDED
 from verification.test_first_impact import SCENARIOS, closed_form

@@ -12,8 +12,8 @@ import pytest
 
 import jaxbuffer
 from jaxbuffer import InputError, table2
-from jaxbuffer.config import write_design
 from jaxbuffer.files import Lock, write, write_beside
+from jaxbuffer.study.config import write_design
 
 SOURCE = str(Path(jaxbuffer.__file__).resolve().parents[1])
 BIG = b"x" * 10**6

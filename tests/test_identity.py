@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.compiling.identity import fingerprint, known, lasting, lasts
 from jaxbuffer.contact.laws import LAWS
-from jaxbuffer.integrate import DiagonallyImplicit, Options
-from jaxbuffer.programs.identity import fingerprint, known, lasting, lasts
+from jaxbuffer.hybrid import DiagonallyImplicit, Options
 
 SOURCE = """
     import functools, math

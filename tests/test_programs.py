@@ -1,4 +1,4 @@
-"""Programs kept on disk: read back without tracing, and never in the place of another."""
+"""Programs stored on disk: read back without tracing, and never in the place of another."""
 
 import os
 import pickle
@@ -14,8 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer import programs
-from jaxbuffer.programs import Static, executable, files, keep_in, kept
+from jaxbuffer.compiling import programs
+from jaxbuffer.compiling.programs import Static, executable, program_files, store_in, stored
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
 
@@ -32,14 +32,14 @@ class Polynomial(eqx.Module):
 
 @pytest.fixture
 def folder(tmp_path):
-    keep_in(tmp_path / "programs")
+    store_in(tmp_path / "programs")
     yield tmp_path / "programs"
-    keep_in(None)
+    store_in(None)
 
 
 @pytest.fixture
 def traced():
-    """A kept function anew, as in another process, and a list that grows with each trace."""
+    """A stored function anew, as in another process, and a list that grows with each trace."""
     traces = []
 
     def squares(polynomial, times):
@@ -48,7 +48,7 @@ def traced():
         total = jax.lax.fori_loop(0, times, lambda k, sum: sum + ordered[-1], 0.0)
         return Polynomial(ordered**2, total, "odd"), {"times": times}
 
-    return (lambda: kept(squares)), traces
+    return (lambda: stored(squares)), traces
 
 
 def asked(values=(3.0, 1.0, 2.0), scale=2.0):
@@ -63,6 +63,41 @@ def test_another_process_runs_what_was_kept_without_tracing(folder, traced):
         assert float(found.scale) == 4.0 * max(values) * scale
         assert (found.kind, int(rest["times"])) == ("odd", 4)
     assert len(traces) == 1 and len(list(folder.iterdir())) == 1
+
+
+class Pair(eqx.Module):
+    first: float | None = None
+    second: float | None = None
+
+
+@pytest.mark.parametrize("parts", [
+    (Pair(first=2.0), Pair(second=2.0)),
+    ((2.0, None), (None, 2.0)),
+    ((2.0, (None,)), ((2.0, None),)),
+    ({"a": 2.0, "b": None}, {"a": None, "b": 2.0}),
+])  # fmt: skip
+def test_which_numbers_are_left_out_makes_another_program(folder, parts):
+    """As many numbers of the same kinds, in nodes of the same kinds in the same order."""
+
+    def weighed(part):
+        return jnp.asarray(sum((3.0 ** len(str(path))) * leaf for path, leaf in jax.tree.leaves_with_path(part)))
+
+    for part in parts:
+        assert float(stored(weighed)(part)) == float(weighed(part))
+    assert len(list(folder.iterdir())) == 2
+
+
+@pytest.mark.slow
+def test_a_stiffness_given_in_one_process_is_no_yield_stress_in_the_next(tmp_path):
+    """It was: a capture of 253.13 N failed with a stored program that read 300 MPa as 300e6 N/m^1.5."""
+    code = (
+        "import sys, jaxbuffer as jb; jb.configure(cache='programs'); path, value = sys.argv[1:];"
+        "print(float(jb.simulate(jb.replace(jb.table2(), {path: float(value)})).peak_force))"
+    )
+    for given in ("contact.stiffness=1e9", "contact.yield_stress=300e6"):
+        words = [sys.executable, "-c", code, *given.split("=")]
+        done = subprocess.run(words, check=True, cwd=tmp_path, capture_output=True, text=True)
+    assert float(done.stdout) == pytest.approx(253.1315, rel=1e-5)
 
 
 def test_other_shapes_static_fields_and_sources_are_other_programs(folder, traced, monkeypatch):
@@ -105,23 +140,23 @@ def test_a_broken_file_is_compiled_and_written_anew(folder, traced, content):
 
 def test_a_folder_that_cannot_be_written_is_no_error(tmp_path, traced):
     (tmp_path / "file").write_text("")
-    keep_in(tmp_path / "file")
+    store_in(tmp_path / "file")
     try:
         assert float(traced[0]()(*asked())[0].scale) == 24.0
     finally:
-        keep_in(None)
+        store_in(None)
 
 
 @pytest.mark.parametrize("kept_on_disk", [True, False])
 def test_what_passes_through_stays_outside_and_numbers_share_an_array(tmp_path, kept_on_disk):
     seen = []
 
-    @kept
+    @stored
     def scaled(polynomial, by, label):
         seen.append(label.value)
         return {"polynomial": polynomial, "scaled": polynomial.coefficients * by * polynomial.scale}
 
-    keep_in(tmp_path if kept_on_disk else None)
+    store_in(tmp_path if kept_on_disk else None)
     try:
         polynomial = Polynomial(np.array([1.0, 2.0]), 0.1)
         for by in (2.0, np.asarray(3.0), jnp.asarray(4.0)):
@@ -132,7 +167,7 @@ def test_what_passes_through_stays_outside_and_numbers_share_an_array(tmp_path, 
         np.testing.assert_array_equal(scaled(polynomial, 2, Static("a"))["scaled"], [0.2, 0.4])
         scaled(polynomial, 2.0, Static("b"))
     finally:
-        keep_in(None)
+        store_in(None)
     assert seen == ["a", "a", "b"], "an integer is no number to share an array; another label is another program"
 
 
@@ -159,9 +194,9 @@ def test_transformations_and_no_folder_are_jit(folder, traced):
     total = lambda scale: function(Polynomial(values, scale), 4)[0].scale  # noqa: E731
     assert float(jax.jit(total)(3.0)) == 24.0 and float(jax.jacfwd(total)(3.0)) == 8.0
     np.testing.assert_array_equal(jax.vmap(total)(jnp.arange(3.0)), [0.0, 8.0, 16.0])
-    keep_in(None)
+    store_in(None)
     fresh()(*asked())
-    assert not any(folder.iterdir()), "nothing was kept"
+    assert not any(folder.iterdir()), "nothing was stored"
 
 
 def test_files_long_unused_go_once_another_is_written(folder, traced):
@@ -186,11 +221,11 @@ def test_a_planted_pickle_is_not_run(folder, traced, tmp_path):
     fresh, traces = traced
     fresh()(*asked())
     (file,) = folder.iterdir()
-    for content in (pickle.dumps(Command()), files.MAGIC + pickle.dumps(Command())):
+    for content in (pickle.dumps(Command()), program_files.MAGIC + pickle.dumps(Command())):
         file.write_bytes(content)
         assert float(fresh()(*asked())[0].scale) == 24.0
     assert not (tmp_path / "ran").exists() and len(traces) == 3
-    assert file.read_bytes().startswith(files.MAGIC), "replaced by a program"
+    assert file.read_bytes().startswith(program_files.MAGIC), "replaced by a program"
 
 
 @pytest.mark.parametrize("place", [0, 12, 25, 60, 300, -1])
@@ -213,11 +248,11 @@ def test_a_damaged_file_is_replaced_before_it_is_looked_into(folder, traced, pla
 
 PROCESS = """
 import sys
-import jaxbuffer.runtime; jaxbuffer.runtime.configure(cache={folder!r})
+import jaxbuffer.compiling.process; jaxbuffer.compiling.process.configure(cache={folder!r})
 import numpy as np, jax.numpy as jnp, signal, os
-from jaxbuffer import programs
+from jaxbuffer.compiling import programs
 
-@programs.kept
+@programs.stored
 def squares(values):
     return [jnp.sort(values) ** 2, values]
 
@@ -231,7 +266,7 @@ RIGHT = "[1.0, 4.0, 9.0]"
 
 
 def process(folder, crash=""):
-    """Another process that asks for a kept program: its exit code, and what it printed."""
+    """Another process that asks for a stored program: its exit code, and what it printed."""
     program = PROCESS.format(folder=str(folder), crash=crash)
     done = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True, text=True, timeout=120)
     return done.returncode, done.stdout.strip(), done.stderr
@@ -255,11 +290,11 @@ def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp
     folder = tmp_path / "programs"
     process(folder)
     (file,) = folder.glob("squares*.program")
-    stored = files.read(file)
+    stored = program_files.read(file)
     code = bytearray(stored.code[0])
     start = int(share * len(code))
     code[start : start + 64] = bytes(64)
-    files.write(file, files.Stored(stored.description, [bytes(code)]))
+    program_files.write(file, program_files.Stored(stored.description, [bytes(code)]))
     process(folder)
     code, printed, _ = process(folder)
     assert (code, printed.startswith(RIGHT)) == (0, True)
@@ -269,7 +304,7 @@ def test_a_file_being_loaded_by_another_process_is_left_alone(folder, traced):
     fresh, traces = traced
     fresh()(*asked())
     (file,) = folder.iterdir()
-    with files.being_loaded(file):
+    with program_files.being_loaded(file):
         assert float(fresh()(*asked())[0].scale) == 24.0
     assert len(traces) == 1 and list(folder.iterdir()) == [file]
 
@@ -279,7 +314,7 @@ def test_a_full_disk_leaves_nothing_behind(folder, traced, monkeypatch):
         raise OSError(28, "No space left on device")
 
     fresh, _ = traced
-    monkeypatch.setattr(files.os, "replace", full)
+    monkeypatch.setattr(program_files.os, "replace", full)
     assert float(fresh()(*asked())[0].scale) == 24.0
     assert not any(folder.iterdir())
 
@@ -288,16 +323,16 @@ def test_a_result_with_a_class_of_someone_elses_is_not_kept(folder):
     class Local(eqx.Module):
         value: jax.Array
 
-    found = kept(lambda value: Local(value + 1.0))(2.0)
+    found = stored(lambda value: Local(value + 1.0))(2.0)
     assert float(found.value) == 3.0 and not any(folder.iterdir())
 
 
 def private(folder):
-    """Whether programs are kept there, and what is said where not."""
+    """Whether programs are stored there, and what is said where not."""
     try:
-        return keep_in(folder)
+        return store_in(folder)
     finally:
-        keep_in(None)
+        store_in(None)
 
 
 def test_a_folder_is_made_for_its_owner_alone(tmp_path):
@@ -315,7 +350,7 @@ def test_a_folder_where_others_may_write_is_not_used(tmp_path, mode, traced):
     folder = tmp_path / "programs"
     folder.mkdir()
     folder.chmod(mode)
-    said = keep_in(folder)
+    said = store_in(folder)
     assert said == f"others may write to {folder}; once you trust what is in it: chmod 700 '{folder}'"
     assert float(traced[0]()(*asked())[0].scale) == 24.0
     assert not any(folder.iterdir())
@@ -359,7 +394,7 @@ def test_neither_jax_nor_we_use_an_open_folder_and_a_line_says_so(tmp_path):
     code, printed, errors = process(folder)
     assert (code, printed) == (0, f"{RIGHT} True") and not any(folder.iterdir())
     assert errors == (
-        f"note: compiled programs are not kept: others may write to {folder}; "
+        f"note: compiled programs are not stored: others may write to {folder}; "
         f"once you trust what is in it: chmod 700 '{folder}'\n"
     )
 
@@ -377,9 +412,9 @@ def test_a_class_redefined_under_its_name_is_another_program(folder):
     def weighed(weight, times):
         return weight.of(times)
 
-    function = kept(weighed)
+    function = stored(weighed)
     for factor in (2.0, 5.0):
-        assert float(function(weight(factor), 3.0)) == float(kept(weighed)(weight(factor), 3.0)) == 6.0 * factor
+        assert float(function(weight(factor), 3.0)) == float(stored(weighed)(weight(factor), 3.0)) == 6.0 * factor
         assert float(jax.vmap(function, (None, 0))(weight(factor), jnp.ones(2))[1]) == 2.0 * factor
     assert len(list(folder.iterdir())) == 2
 

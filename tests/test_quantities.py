@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.certificate import Verdict
-from jaxbuffer.quantities import IMPACT_UNITS, QUANTITIES, check_quantities, quantity_unit
-from jaxbuffer.sensitivity import PARAMETERS, linearised
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES
+from jaxbuffer.mechanisms.quantity import IMPACT_UNITS, check_quantities, unit_of
+from jaxbuffer.sensitivities.certificate import Verdict
+from jaxbuffer.sensitivities.gradients import gradients
 from verification.cases import CASES
+
+PARAMETERS = PROBE_CONE.defaults.parameters
 
 ESCAPING = CASES["random-1-12"]
 RUNS = {
@@ -21,13 +25,13 @@ RUNS = {
 @pytest.mark.parametrize("run", RUNS)
 def test_derivatives_of_every_quantity_agree_with_differences_of_tight_solves(run):
     """Relative to the elasticity, or to 1e-3 where it is smaller. Measured: off by 2.5e-5 at most; the differences' own
-    doubt, which says nothing of the gradients, is 4.7e-4 at most (peak buffer force)."""
+    uncertainty, which says nothing of the gradients, is 4.7e-4 at most (peak buffer force)."""
     design, scenario, duration, impacts = RUNS[run]
     names = (*QUANTITIES, *(f"impact.{number}.{field}" for number in impacts for field in IMPACT_UNITS))
     found = jb.sensitivity(design, scenario, PARAMETERS, duration, quantities=names, rtol=1e-9, certify="thorough")
     assert found.capture.outcome.name == run
-    off, doubt = found.certificate.by_differences, found.certificate.doubt
-    assert np.max(doubt) < 6e-4
+    off, uncertainty = found.certificate.by_differences, found.certificate.uncertainty
+    assert np.max(uncertainty) < 6e-4
     assert np.max(off) < 1e-4
     assert found.certificate.verdict == Verdict.trusted
     moving = {name for name, row in zip(names, found.gradients, strict=True) if np.any(np.abs(row) > 1e-9)}
@@ -54,12 +58,12 @@ def test_the_capture_margin_is_smooth_where_capture_happens_just_in_time():
     values = [jb.get(design, path) for path in PARAMETERS]
     end = float(jb.simulate(design, scenario, rtol=1e-9).end_time)
     late, early = (
-        linearised(design, scenario, PARAMETERS, values, end * (1.0 + share), rtol=1e-9) for share in (1e-7, -1e-7)
+        gradients(design, scenario, PARAMETERS, values, end * (1.0 + share), rtol=1e-9) for share in (1e-7, -1e-7)
     )
-    assert [linear.capture.outcome.name for linear in (late, early)] == ["captured", "timeout"]
-    margins = [float(linear.capture.capture_margin) for linear in (late, early)]
+    assert [linear.run.outcome.name for linear in (late, early)] == ["captured", "timeout"]
+    margins = [float(linear.run.capture_margin) for linear in (late, early)]
     assert 0.0 < margins[0] < 1e-8 and -1e-8 < margins[1] < 0.0
-    np.testing.assert_allclose(late.gradient("capture_margin"), early.gradient("capture_margin"), rtol=1e-5)
+    np.testing.assert_allclose(late.of("capture_margin"), early.of("capture_margin"), rtol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -79,8 +83,8 @@ def test_unknown_quantities_are_refused_with_a_suggestion(name, message):
 
 def test_no_quantity_no_parameter_and_one_named_twice():
     for call, message in (
-        (lambda: check_quantities(()), "quantities is empty"),
-        (lambda: check_quantities(("stroke", "stroke")), "names stroke twice"),
+        (lambda: check_quantities(QUANTITIES, ()), "quantities is empty"),
+        (lambda: check_quantities(QUANTITIES, ("stroke", "stroke")), "names stroke twice"),
         (lambda: jb.sensitivity(jb.table2(), wrt=()), "wrt is empty"),
         (lambda: jb.sensitivity(jb.table2(), certify="full"), "certify = 'full' is unknown; choose one of quick"),
         (lambda: jb.sensitivity(jb.table2(), wrt=("buffer.damping",)), "is not a number that can be differentiated"),
@@ -90,4 +94,4 @@ def test_no_quantity_no_parameter_and_one_named_twice():
 
 
 def test_units():
-    assert [quantity_unit(name) for name in ("stroke", "impact.3.release_time", "dissipated")] == ["m", "s", "J"]
+    assert [unit_of(QUANTITIES, name) for name in ("stroke", "impact.3.release_time", "dissipated")] == ["m", "s", "J"]

@@ -9,8 +9,8 @@ import jax
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer import runtime
-from jaxbuffer.comparison import compare_laws
+from jaxbuffer.compiling import process as runtime
+from jaxbuffer.mechanisms.probe_cone.comparison import compare_laws
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def flags(monkeypatch):
 
     def configured(before, version="0.10.2"):
         monkeypatch.setenv("XLA_FLAGS", before)
-        monkeypatch.setattr(runtime, "_backend_is_up", lambda: False)
+        monkeypatch.setattr(runtime, "backend_is_up", lambda: False)
         monkeypatch.setattr(runtime, "version", {"jaxlib": version}.__getitem__)
         runtime.configure()
         return runtime.os.environ["XLA_FLAGS"].split()

@@ -1,12 +1,10 @@
 """Sweeps: what they find, what they refuse, and that one capture leaves the others alone."""
 
-import sys
-
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.sweep import SweepInterrupted
+from jaxbuffer.sweeps.sweep import SweepInterrupted
 from verification.cases import CASES, PATHS, WELDED
 
 
@@ -62,7 +60,7 @@ def test_no_workers():
 
 
 def test_an_interrupt_hands_over_what_was_done(monkeypatch):
-    monkeypatch.setattr(sys.modules["jaxbuffer.sweep"], "CHUNK", 1)
+    monkeypatch.setattr("jaxbuffer.sweeps.sweep.CHUNK", 1)
 
     def interrupt(done, count):
         raise KeyboardInterrupt

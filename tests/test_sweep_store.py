@@ -1,17 +1,19 @@
 """A sweep's file: what was finished is there again after whatever ended it, and damage is found."""
 
-import sys
-
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 from jaxbuffer import InputError
-from jaxbuffer.sweep import INTEGERS, QUANTITIES, SweepInterrupted
-from jaxbuffer.sweep_store import HEAD, MARK, STORE
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.sweeps import store as stored
+from jaxbuffer.sweeps import sweep as module
+from jaxbuffer.sweeps.store import HEAD, MARK, STORE
+from jaxbuffer.sweeps.sweep import SweepInterrupted, column_names, whole_numbers
 from test_files import room_for
 
-module, stored = sys.modules["jaxbuffer.sweep"], sys.modules["jaxbuffer.sweep_store"]
+COLUMNS, WHOLE = column_names(PROBE_CONE), whole_numbers(PROBE_CONE)
+
 COUNT = 100
 SPEEDS = np.linspace(0.1, 0.2, COUNT)
 CHUNK = 16
@@ -25,11 +27,11 @@ def solved(monkeypatch):
     def chunk(batch, *options):
         found = np.asarray(batch[1].approach_speed)
         speeds.extend(found.tolist())
-        columns = (np.sin(found * (1 + k)) for k in range(len(QUANTITIES)))
-        return [(1e6 * c).astype(int) if n in INTEGERS else c for n, c in zip(QUANTITIES, columns, strict=True)]
+        columns = (np.sin(found * (1 + k)) for k in range(len(COLUMNS)))
+        return [(1e6 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
     monkeypatch.setattr(module, "_chunk", chunk)
-    monkeypatch.setattr(module, "_in_threads", lambda solve, items, workers: (solve(item) for item in items))
+    monkeypatch.setattr(module.Pool, "as_completed", lambda pool, solve, items: (solve(item) for item in items))
     monkeypatch.setattr(stored, "PERIOD", 0.0)
     return speeds
 
@@ -44,7 +46,7 @@ def swept(folder, stop_at=COUNT, **options):
 
 
 def same(one, other):
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, other, strict=True))
+    return all(np.array_equal(one.columns[name], other.columns[name], equal_nan=True) for name in COLUMNS)
 
 
 def test_a_sweep_goes_on_where_it_stopped(solved, tmp_path):
@@ -64,15 +66,15 @@ def test_a_kill_costs_what_was_not_yet_written(solved, tmp_path, monkeypatch):
     """As after a kill -9 in the middle of a write: the file ends anywhere."""
     whole = swept(tmp_path)
     content = (tmp_path / STORE).read_bytes()
-    record = HEAD.size + 8 * CHUNK * (1 + len(QUANTITIES))
+    record = HEAD.size + 8 * CHUNK * (1 + len(COLUMNS))
     begin = content.find(MARK)
-    assert len(content) == begin + 6 * record + HEAD.size + 8 * (COUNT % CHUNK) * (1 + len(QUANTITIES))
+    assert len(content) == begin + 6 * record + HEAD.size + 8 * (COUNT % CHUNK) * (1 + len(COLUMNS))
     for length in (begin, begin + 1, begin + HEAD.size, begin + record - 1, begin + 2 * record + 5):
         (tmp_path / STORE).write_bytes(content[:length])
         solved.clear()
         kept = (length - begin) // record * CHUNK
         if (length - begin) % record:
-            with pytest.warns(UserWarning, match=f"are damaged; going on with {kept} of {COUNT} captures"):
+            with pytest.warns(UserWarning, match=f"are damaged; going on with {kept} of {COUNT} runs"):
                 found = swept(tmp_path, resume=True)
         else:
             found = swept(tmp_path, resume=True)
@@ -84,7 +86,7 @@ def test_a_flipped_bit_costs_its_record_only(solved, tmp_path, place):
     """Anywhere in the second record: its mark, its length, its checksum, its places, its numbers."""
     whole = swept(tmp_path)
     content = bytearray((tmp_path / STORE).read_bytes())
-    record = HEAD.size + 8 * CHUNK * (1 + len(QUANTITIES))
+    record = HEAD.size + 8 * CHUNK * (1 + len(COLUMNS))
     content[content.find(MARK) + record + place % record] ^= 4
     (tmp_path / STORE).write_bytes(content)
     solved.clear()

@@ -10,8 +10,8 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer import InputError, Outcome
-from jaxbuffer.mechanisms import check_fit, paths
-from jaxbuffer.mechanisms.validity import valid
+from jaxbuffer.fields import paths
+from jaxbuffer.mechanisms.probe_cone.design import check_fit, valid
 
 ORDINARY = (-2.0, -0.8, -0.1, 0.0, 1e-3, 0.015, 0.06, 0.07, 0.1365, 0.49, 0.6, 1.0, 1.5, 2.0)
 CANDIDATES = (-math.inf, *ORDINARY, math.inf, math.nan)

@@ -25,7 +25,7 @@ LATER = f"{INVARIANTS}::test_a_later_start_shifts_every_time"
 REFERENCE = "tests/verification/test_reference.py::test_table_2_as_the_model_states_it"
 BALANCE = "tests/verification/test_balance.py::test_default_settings_conserve[table 2]"
 FIRST = "tests/verification/test_first_impact.py::test_peak_tends_to_the_closed_form_as_the_buffer_goes_soft"
-ORDERS = "tests/integrate/test_orders.py::test_order_on_a_smooth_phase[Tsit5]"
+ORDERS = "tests/hybrid/test_orders.py::test_order_on_a_smooth_phase[Tsit5]"
 STOP = "tests/mechanisms/test_end_stop.py"
 STOPPED = "tests/verification/test_buffer_end.py::test_an_end_stop_pushes_back"
 BOTTOMED = "tests/verification/test_buffer_end.py::test_a_run_ends_where_the_buffer_does"
@@ -74,7 +74,7 @@ def _lose_multiplier() -> None:
 
 
 def _freeze_arm() -> None:
-    from jaxbuffer.mechanisms.capture import CaptureMechanism
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
     loads = CaptureMechanism._contact_loads
 
@@ -107,9 +107,9 @@ def _friction_sign() -> None:
 
 
 def _memory_not_set() -> None:
-    from jaxbuffer.mechanisms.capture import CaptureMechanism
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
-    CaptureMechanism.touchdown = lambda self, state, quickening, contact: state
+    CaptureMechanism.touchdown = lambda self, state, approach_acceleration, contact: state
 
 
 def _hysteresis() -> None:
@@ -120,7 +120,7 @@ def _hysteresis() -> None:
 
 
 def _no_reaction_moment() -> None:
-    from jaxbuffer.mechanisms.capture import CaptureMechanism
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
     loads = CaptureMechanism._contact_loads
 
@@ -132,7 +132,7 @@ def _no_reaction_moment() -> None:
 
 
 def _no_friction_moment() -> None:
-    from jaxbuffer.mechanisms.capture import CaptureMechanism
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
     loads = CaptureMechanism._contact_loads
 
@@ -144,7 +144,7 @@ def _no_friction_moment() -> None:
 
 
 def _wrong_inertia() -> None:
-    from jaxbuffer.mechanisms import probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
 
     masses = probe_in_cone.probe_masses
 
@@ -181,7 +181,7 @@ def _damper_sign() -> None:
 def _mirror() -> None:
     import numpy as np
 
-    from jaxbuffer.mechanisms import probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
 
     assemble = probe_in_cone.assemble_contact
 
@@ -198,7 +198,7 @@ def _crooked() -> None:
 
     import numpy as np
 
-    from jaxbuffer.mechanisms import probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
 
     assemble = probe_in_cone.assemble_contact
 
@@ -211,7 +211,7 @@ def _crooked() -> None:
 
 
 def _stiffness() -> None:
-    from jaxbuffer.mechanisms import Design
+    from jaxbuffer.mechanisms.probe_cone.design import Design
 
     stiffness = Design.contact_stiffness
     # √R taken for R: the value is put right for Table 2's tip, so that only the dimension is wrong.
@@ -221,7 +221,8 @@ def _stiffness() -> None:
 
 
 def _inertial_damper() -> None:
-    from jaxbuffer.multibody import AxialSpringDamper, Load, Vector
+    from jaxbuffer.multibody import AxialSpringDamper, Load
+    from jaxbuffer.plane import Vector
 
     loads = AxialSpringDamper.loads
 
@@ -233,7 +234,7 @@ def _inertial_damper() -> None:
 
 
 def _tableau() -> None:
-    from jaxbuffer.integrate import methods
+    from jaxbuffer.hybrid.rungekutta import tableaus as methods
 
     square = methods._square
 
@@ -252,7 +253,7 @@ def _stop_pulls() -> None:
 
 
 def _stop_loss() -> None:
-    from jaxbuffer.mechanisms.probe_in_cone import ProbeInCone
+    from jaxbuffer.mechanisms.probe_cone.posture import ProbeInCone
 
     ProbeInCone.stop_loss = lambda self, at, active: 0.0
 
@@ -260,13 +261,13 @@ def _stop_loss() -> None:
 def _stop_jump() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.mechanisms.capture import CaptureMechanism
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
     CaptureMechanism.saltation = lambda self, closed, contact: jnp.zeros_like(closed)
 
 
 def _no_end() -> None:
-    from jaxbuffer.mechanisms.design import Buffer
+    from jaxbuffer.mechanisms.probe_cone.parts import Buffer
 
     Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 

@@ -1,4 +1,4 @@
-"""Where the tip meets the two flanks of the cone, and with what force: the model's sections 4 and 5, compiled.
+"""Where the tip meets the two flanks of the cone, and with what force (M29 to M59 of docs/model.md), compiled.
 
 Flank 0 is the lower one (sigma = +1), flank 1 the upper one (sigma = -1). All of it is worked out in the frame of the
 passive vehicle T, where the cone is at rest: x along the axis, away from the mouth.

@@ -11,7 +11,7 @@ from .watch import ACTIVE, CAPTURE, ESCAPE, MEMORY, PARAMETERS, context_of, forc
 
 @dataclass(frozen=True)
 class PeerCapture:
-    """What a peer reports of one capture (the model's section 7)."""
+    """What a peer reports of one capture (M67 to M71 of docs/model.md)."""
 
     outcome: str  # captured, escaped, timeout or failed
     end_time: float  # [s]

@@ -1,4 +1,4 @@
-"""All that pushes on the bodies but the joints: buffer (the model's section 3) and contact (section 5), compiled."""
+"""All that pushes on the bodies but the joints: buffer and contact (M22 to M59 of docs/model.md), compiled."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The capture mechanism between two contact events, as a competent user of a compiler would write it by hand.
 
-The state is y (25,): positions q (12) [m, rad] of the model's section 1, velocities (12) [m/s, rad/s], and the tip's
+The state is y (25,): positions q (12) [m, rad] as in M4 of docs/model.md, velocities (12) [m/s, rad/s], and the tip's
 own angular velocity [rad/s], at rest for ever when the tip is welded. Which flanks may press (``active``, (2,), 0 or 1)
 and the approach speeds they remember (``memory``, (2,) [m/s]) stay fixed between events, so that the right-hand side is
 smooth there.
@@ -23,7 +23,7 @@ from .start import STATES
 def joints(y: Vector, p: Vector, cos_S, sin_S, cos_B, sin_B):
     """The joints as numbers: arms w, a and L_C/2 [m] turned with their bodies, and the right-hand side gamma (4).
 
-    gamma is the model's section 2 with Baumgarte's terms, -2 alpha Phi' - beta^2 Phi, added.
+    gamma is that of M15 in docs/model.md with Baumgarte's terms, -2 alpha Phi' - beta^2 Phi, added.
     """
     asx = p[at.HINGE] * cos_S
     asy = p[at.HINGE] * sin_S
@@ -102,7 +102,7 @@ def solve_four(s11, s21, s31, s41, s22, s32, s42, s33, s43, s44, b1, b2, b3, b4)
 def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, reactions: Vector) -> None:
     """Write dy/dt (25,) into ``out`` and the multipliers (4,) [N, N, N m, N] of the joints into ``reactions``.
 
-    The mass matrix is diagonal, so the augmented system of the model's section 2 shrinks to its 4x4 Schur complement
+    The mass matrix is diagonal, so the augmented system (M16 of docs/model.md) shrinks to its 4x4 Schur complement
     Phi_q M^-1 Phi_q^T lambda = Phi_q M^-1 F - gamma.
     """
     loads, links, cos_B, sin_B = terms(y, p, active, memory)

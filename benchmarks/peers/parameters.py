@@ -33,7 +33,7 @@ def hertz_stiffness(radius: float, young_modulus: float = YOUNG_MODULUS, poisson
 
 @dataclass(frozen=True)
 class Parameters:
-    """Design, scenario and duration of one capture; defaults are the model's sections 1 and 6."""
+    """Design, scenario and duration of one capture; defaults are those of docs/model.md."""
 
     m_S: float = 21.9706  # [kg] active vehicle
     I_S: float = 0.445  # [kg m^2]
@@ -84,7 +84,7 @@ class Parameters:
 
 
 def vector(parameters: Parameters) -> Vector:
-    """The parameter vector (30,) every compiled function reads; the probe with its tip is composed here (section 1)."""
+    """The parameter vector (30,) every compiled function reads; the probe with its tip is composed here (M6)."""
     p = parameters
     mass = p.rod_mass + p.tip_mass
     ahead = p.tip_mass * (p.probe_length / 2.0) / mass  # [m] c, centre of mass ahead of the rod's middle

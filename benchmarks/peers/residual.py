@@ -1,4 +1,4 @@
-"""The capture as the differential-algebraic system of the model's section 2, for a solver that takes one.
+"""The capture as the differential-algebraic system M16 of docs/model.md, for a solver that takes one.
 
 Unknowns z (29,): the state (25,) and the joints' multipliers (4,) [N, N, N m, N]. Index 1: the joints are stated for
 the accelerations, with the same stabilisation as everywhere else.

@@ -1,4 +1,4 @@
-"""Where a capture starts: the tip just touches the lower flank (the model's section 6)."""
+"""Where a capture starts: the tip just touches the lower flank (M62 of docs/model.md)."""
 
 from __future__ import annotations
 

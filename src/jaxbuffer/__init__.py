@@ -2,74 +2,91 @@
 
 Public names are imported when they are first asked for (PEP 562): `import jaxbuffer` takes no time, and a command pays
 for what it uses.
+
+**Example:** what the examples of all public names begin with.
+
+>>> import jaxbuffer as jb
+>>> jb.configure()
 """
 
 import importlib
-import sys
-import types
 from typing import TYPE_CHECKING, Any
 
+from .mechanisms import FOLDERS
+
 if TYPE_CHECKING:
-    from .capture import Capture, simulate
-    from .certificate import Certificate, Verdict
-    from .contact import register_law
-    from .errors import InputError
-    from .first_impact import FirstImpact, first_impact
-    from .mechanisms import Design, Scenario, get, paths, replace, rigid_probe, table2
-    from .outcome import Outcome
-    from .runtime import configure
-    from .sensitivity import Sensitivity, sensitivity
-    from .sweep import Sweep, sweep
-    from .tuning import Case, Limits, Objective, Problem, Then, Tuned, Variable, tune
+    from .compiling.process import configure as configure
+    from .contact import register_law as register_law
+    from .errors import InputError as InputError
+    from .fields import get as get
+    from .fields import paths as paths
+    from .fields import replace as replace
+    from .hybrid.rungekutta.diffrax_solver import Diffrax as Diffrax
+    from .mechanisms.probe_cone import (
+        Capture as Capture,
+    )
+    from .mechanisms.probe_cone import (
+        Design as Design,
+    )
+    from .mechanisms.probe_cone import (
+        FirstImpact as FirstImpact,
+    )
+    from .mechanisms.probe_cone import (
+        Outcome as Outcome,
+    )
+    from .mechanisms.probe_cone import (
+        Scenario as Scenario,
+    )
+    from .mechanisms.probe_cone import (
+        first_impact as first_impact,
+    )
+    from .mechanisms.probe_cone import (
+        rigid_probe as rigid_probe,
+    )
+    from .mechanisms.probe_cone import (
+        table2 as table2,
+    )
+    from .mechanisms.run import Run as Run
+    from .run.simulate import simulate as simulate
+    from .run.with_diffrax import as_diffrax as as_diffrax
+    from .sensitivities.certificate import Certificate as Certificate
+    from .sensitivities.certificate import Verdict as Verdict
+    from .sensitivities.sensitivity import Sensitivity as Sensitivity
+    from .sensitivities.sensitivity import sensitivity as sensitivity
+    from .sweeps.sweep import Sweep as Sweep
+    from .sweeps.sweep import sweep as sweep
+    from .tuning.objective import Limits as Limits
+    from .tuning.objective import Objective as Objective
+    from .tuning.objective import Then as Then
+    from .tuning.problem import Case as Case
+    from .tuning.problem import Problem as Problem
+    from .tuning.problem import Variable as Variable
+    from .tuning.tune import tune as tune
+    from .tuning.tuned import Tuned as Tuned
 
     __version__: str
 
-__all__ = [
-    "Capture",
-    "Case",
-    "Certificate",
-    "Design",
-    "FirstImpact",
-    "InputError",
-    "Limits",
-    "Objective",
-    "Outcome",
-    "Problem",
-    "Scenario",
-    "Sensitivity",
-    "Sweep",
-    "Then",
-    "Tuned",
-    "Variable",
-    "Verdict",
-    "configure",
-    "first_impact",
-    "get",
-    "paths",
-    "register_law",
-    "replace",
-    "rigid_probe",
-    "sensitivity",
-    "simulate",
-    "sweep",
-    "table2",
-    "tune",
-]
-
-_HOME = {
-    "capture": ("Capture", "simulate"),
-    "certificate": ("Certificate", "Verdict"),
+_HOME: dict[str, tuple[str, ...]] = {
+    "compiling.process": ("configure",),
     "contact": ("register_law",),
     "errors": ("InputError",),
-    "first_impact": ("FirstImpact", "first_impact"),
-    "mechanisms": ("Design", "Scenario", "get", "paths", "replace", "rigid_probe", "table2"),
-    "outcome": ("Outcome",),
-    "runtime": ("configure",),
-    "sensitivity": ("Sensitivity", "sensitivity"),
-    "sweep": ("Sweep", "sweep"),
-    "tuning": ("Case", "Limits", "Objective", "Problem", "Then", "Tuned", "Variable", "tune"),
+    "fields": ("get", "paths", "replace"),
+    "hybrid.rungekutta.diffrax_solver": ("Diffrax",),
+    "mechanisms.run": ("Run",),
+    "run.with_diffrax": ("as_diffrax",),
+    "run.simulate": ("simulate",),
+    "sensitivities.certificate": ("Certificate", "Verdict"),
+    "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
+    "sweeps.sweep": ("Sweep", "sweep"),
+    "tuning.objective": ("Limits", "Objective", "Then"),
+    "tuning.problem": ("Case", "Problem", "Variable"),
+    "tuning.tune": ("tune",),
+    "tuning.tuned": ("Tuned",),
+    **{f"mechanisms.{folder}": names for folder, names in FOLDERS.items()},
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
+
+__all__ = sorted(_MODULE)  # noqa: PLE0605 # the mechanisms' own names are listed in their registry
 
 
 def __getattr__(name: str) -> Any:
@@ -87,15 +104,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return [*__all__, "__doc__", "__file__", "__name__", "__path__", "__version__"]
-
-
-class _Package(types.ModuleType):
-    """A package whose functions are not hidden by the modules of the same names: `sensitivity`, `sweep` and others."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        # Python binds a submodule to its package once it is imported, by whomever
-        if not (name in _MODULE and isinstance(value, types.ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -15,7 +15,20 @@ LONGEST = 60  # characters of a value that a message shows
 
 
 class InputError(ValueError):
-    """A value, name or file given by the user that can't be used. The message is one line meant for that user."""
+    """A value, name or file given by the user that can't be used. The message is one line meant for that user.
+
+    **Arguments:**
+
+    - ``message``: names the field, the value, the unit and what is allowed; line breaks become spaces.
+
+    **Example:**
+
+    >>> try:
+    ...     jb.Scenario(approach_speed=-0.1)
+    ... except jb.InputError as error:
+    ...     print(error)
+    scenario.approach_speed = -0.1 m/s is out of range; allowed: (0, inf) m/s
+    """
 
     def __init__(self, message: object) -> None:
         super().__init__(" ".join(str(message).split()))
@@ -101,7 +114,7 @@ def check_number(
     if isinstance(value, jax.core.Tracer):
         return
     unit = "" if unit in ("", "-") else f" {unit}"
-    allowed = f"{_range(low, high, low_open, high_open)}{unit}"
+    allowed = f"{range_text(low, high, low_open, high_open)}{unit}"
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
     bad = ~inside(array, low=low, high=high, low_open=low_open, high_open=high_open)
@@ -109,7 +122,8 @@ def check_number(
         raise InputError(f"{path} = {array[bad].flat[0]:g}{unit} is out of range; allowed: {allowed}")
 
 
-def _range(low: float, high: float, low_open: bool, high_open: bool) -> str:
+def range_text(low: float, high: float, low_open: bool, high_open: bool) -> str:
+    """A range in words: "(0, inf)"; a round bracket is at an end that is not part of it."""
     left = "(-inf" if low == -math.inf else ("(" if low_open else "[") + f"{low:g}"
     right = "inf)" if high == math.inf else f"{high:g}" + (")" if high_open else "]")
     return f"{left}, {right}"

@@ -30,7 +30,7 @@ from jaxbuffer.contact.laws import (
     two_spheres_stiffness,
 )
 from jaxbuffer.contact.laws.restitution import damping_delivering, psi, restitution_delivered
-from jaxbuffer.mechanisms.assembly import assemble_contact
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble_contact
 
 MASS, STIFFNESS, SPEED = 1.0, 1.4e8, 4.4294  # kg, N/m^1.5, m/s
 

@@ -13,6 +13,11 @@ LINES = [
     line("sweep --duration 0", "--duration = 0 s is out of range; allowed: (0, inf) s"),
     line("tune --duration ages", "--duration: 'ages' is not a number; expected (0, inf) s"),
     line("simulate --solver newton", "options.solver = 'newton' is unknown; choose one of automatic, implicit"),
+    line(
+        "simulate --solver diffrax:Kvarno5",
+        "options.solver = 'diffrax:Kvarno5' is unknown",
+        "diffrax:Tsit5; did you mean diffrax:Kvaerno5?",
+    ),
     line("tune --solver implicit", "No such option", "--solver"),
     line("tune --iterations few", "--iterations = 'few' must be a whole number of at least 1"),
     line("tune --iterations 0", "--iterations = 0 must be a whole number of at least 1"),
@@ -67,7 +72,7 @@ LINES = [
     line("sensitivity --of stroke --of stroke", "quantities names stroke twice"),
     # names to differentiate
     line("sensitivity --of strok", "quantity strok is unknown; did you mean stroke?"),
-    line("sensitivity --of fizz", "quantity fizz is unknown; known: peak_force, peak_hinge_force, stroke"),
+    line("sensitivity --of fizz", "quantity fizz is unknown; known: peak_force, peak_time, peak_hinge_force"),
     line("sensitivity --of impact.0.time", "'0' is not an impact's number; they count from 1"),
     line("sensitivity --of impact.1.fizz", "impact.1.fizz is unknown; an impact has peak_force, approach_speed"),
     line("sensitivity --certify ful", "certify = 'ful' is unknown; choose one of quick, thorough, none"),
@@ -87,5 +92,5 @@ LINES = [
     line("sweep --over buffer.k_A=1,,2", "sweep.buffer.k_A: '' is not a number"),
     line("sweep --over buffer.k_A=0:2:3", "buffer.k_A = 0 N/m is out of range; allowed: (0, inf) N/m"),
     line("sweep --over fizz=1,2", "sweep: fizz is unknown; known: active, passive, buffer"),
-    line("sweep --over buffer.k_A=1:2:1e9 --over buffer.c_A=1:2:1e9", "1e+18 captures", "of memory"),
+    line("sweep --over buffer.k_A=1:2:1e9 --over buffer.c_A=1:2:1e9", "1e+18 runs", "of memory"),
 ]

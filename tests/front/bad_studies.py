@@ -70,6 +70,7 @@ STUDIES = [
     toml("[options]\nrtol = 0.1", "options.rtol = 0.1 is out of range; allowed: [1e-13, 0.01]"),
     toml("[options]\nrtol = 'small'", "options.rtol: 'small' is not a number; expected [1e-13, 0.01]"),
     toml("[options]\nsolver = 'implicid'", "options.solver = 'implicid'", "automatic, implicit, explicit"),
+    toml("[options]\nsolver = 'diffrax'", "options.solver = 'diffrax'", "explicit, diffrax:Bosh3, diffrax:Dopri5"),
     toml("[options]\nsolver = 5", "options.solver = 5 is unknown; choose one of automatic, implicit, explicit"),
     toml("[tune]\niterations = 0", "tune.iterations = 0 must be a whole number of at least 1"),
     toml("[tune]\nstarts = 2.5", "tune.starts = 2.5 must be a whole number of at least 1"),

@@ -1,16 +1,12 @@
 """The command line without the wait: results are made up, and what was asked for is remembered."""
 
-import sys
-
 import numpy as np
 import pytest
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 
-import jaxbuffer.runtime
-import jaxbuffer.tuning
 from jaxbuffer import Outcome
-from jaxbuffer.certificate import Verdict
-from jaxbuffer.sweep import SweepInterrupted
+from jaxbuffer.sensitivities.certificate import Verdict
+from jaxbuffer.sweeps.sweep import SweepInterrupted
 
 
 class Computed:
@@ -59,10 +55,11 @@ class Computed:
 def computed(monkeypatch, tmp_path):
     """The command line with made-up results, in an empty folder."""
     stand_in = Computed()
-    monkeypatch.setattr(jaxbuffer.tuning, "tune", stand_in.tune)
-    for name in ("capture", "sensitivity", "sweep"):  # the modules: the package shows functions under the same names
-        function = "simulate" if name == "capture" else name
-        monkeypatch.setattr(sys.modules[f"jaxbuffer.{name}"], function, getattr(stand_in, function))
-    monkeypatch.setattr(jaxbuffer.runtime, "configure", lambda **options: stand_in.calls.append(("configure", options)))
+    for module in ("run.simulate", "sensitivities.sensitivity", "sweeps.sweep", "tuning.tune"):
+        function = module.rsplit(".", 1)[-1]
+        monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(stand_in, function))
+    monkeypatch.setattr(
+        "jaxbuffer.compiling.process.configure", lambda **options: stand_in.calls.append(("configure", options))
+    )
     monkeypatch.chdir(tmp_path)
     return stand_in

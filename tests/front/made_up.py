@@ -5,22 +5,24 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxbuffer import Outcome, Scenario, get, table2
-from jaxbuffer.capture import Capture
-from jaxbuffer.certificate import Certificate, Peaks, Verdict
-from jaxbuffer.first_impact import FirstImpact
-from jaxbuffer.history import History
-from jaxbuffer.integrate import Log
-from jaxbuffer.ledger import Balance, Energy
-from jaxbuffer.metrics import Impacts
-from jaxbuffer.sensitivity import PARAMETERS, QUANTITIES, Sensitivity
-from jaxbuffer.sweep import Sweep
-from jaxbuffer.tuning import Problem, Tuned
-from jaxbuffer.tuning import problem as problem_module
+from jaxbuffer.hybrid import Log
+from jaxbuffer.mechanisms.energy import Balance, Energy
+from jaxbuffer.mechanisms.history import History
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.mechanisms.probe_cone.capture import Capture
+from jaxbuffer.mechanisms.probe_cone.closed_form import FirstImpact
+from jaxbuffer.mechanisms.run import Impacts
+from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
+from jaxbuffer.sensitivities.sensitivity import Sensitivity
+from jaxbuffer.sweeps.sweep import Sweep, column_names
+from jaxbuffer.tuning import Problem
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
 from jaxbuffer.tuning.floor import Floor
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.search import Settings
+from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.tuned import Tuned
 
+PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
 STEPS = 400
 END = 0.04  # s
 PULSE = 3e-3  # s
@@ -35,14 +37,19 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     force[inside, 1] = peak * np.cos(np.pi * (time[inside] - at) / PULSE)
     ramp = time / END
     nothing = 0 * ramp
-    shares = (1.0 - ramp, 0.2 * ramp, nothing, nothing, 0.3 * ramp, 0.2 * ramp, 0.1 * ramp, 0.2 * ramp, nothing)
-    energy = Energy(*(jnp.asarray(share) for share in shares))
+    stored = {"kinetic": 1.0 - ramp, "spring": 0.2 * ramp, "contact": nothing, "stop": nothing}
+    lost = {"axial_damper": 0.3 * ramp, "torsional_damper": 0.2 * ramp, "hysteresis": 0.1 * ramp,
+            "friction": 0.2 * ramp, "stop_damper": nothing}  # fmt: skip
+    energy = jax.tree.map(jnp.asarray, Energy(stored, lost))
     two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
     history = History(
         **{name: jnp.asarray(value) for name, value in {
-            "time": time, "position": bodies, "velocity": bodies, "tip_spin": ramp, "multipliers": np.zeros((STEPS, 4)),
+            "time": time, "position": bodies, "velocity": bodies, "multipliers": np.zeros((STEPS, 4)),
             "gap": 0.01 - two, "approach_speed": two, "slip": two, "contact_force": force,
-            "friction_force": 0.3 * force, "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stop_force": 0 * ramp,
+            "friction_force": 0.3 * force,
+        }.items()},
+        others={name: jnp.asarray(value) for name, value in {
+            "tip_spin": ramp, "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stop_force": 0 * ramp,
             "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp, "throat_distance": 0.03 * (1 - ramp),
         }.items()},
         energy=energy,
@@ -50,7 +57,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     slots = jnp.zeros(3)
     hits = Impacts(
         time=slots.at[0].set(at - PULSE / 2),
-        flank=jnp.array([1, -1, -1]),
+        contact=jnp.array([1, -1, -1]),
         approach_speed=slots.at[0].set(0.07),
         peak_force=slots.at[0].set(peak),
         release_time=slots.at[0].set(jnp.nan),
@@ -58,17 +65,20 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     )
     return Capture(
         **{name: jnp.asarray(value) for name, value in {
-            "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_flank": 1, "peak_impact": 0,
+            "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_contact": 1, "peak_impact": 0,
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
             "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
-            "attempts": STEPS + 20, "accepted": STEPS,
+            "capture_share": 1.0, "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},
         design=design,
         scenario=scenario,
+        maxima={name: jnp.asarray(value) for name, value in {
+            "hinge_force": 1.5 * peak, "buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
+        }.items()},
         impacts=hits,
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
-        energy=Energy(*(getattr(energy, name)[-1] for name in energy.__dataclass_fields__)),
+        energy=jax.tree.map(lambda share: share[-1], energy),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
         _located=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
         stabilisation=jnp.asarray(20.0),
@@ -103,15 +113,17 @@ def made_up_sensitivity(
     )
 
 
-def made_up_evaluation(problem: Problem, places, share: float = 1.0) -> Evaluation:
+def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluation:
     """Peaks of 250 N, 300 N, … times ``share``, strokes of 10 mm, all captured."""
     cases, n = len(problem.cases), len(problem.variables)
     peaks = np.zeros((cases, PEAKS))
     peaks[:, 0] = share * (250.0 + 50.0 * np.arange(cases))
     rest = np.column_stack([1.5 * peaks[:, 0], peaks[:, 0] / 50.0, np.full(cases, 0.01), np.full(cases, 0.004)])
     return Evaluation(
-        places=np.asarray(places),
+        scaled=np.asarray(scaled),
         code=np.full(cases, int(Outcome.captured)),
+        solved=np.ones(cases, bool),
+        succeeded=np.ones(cases, bool),
         impacts=np.full(cases, 9),
         peaks=peaks,
         slots=np.tile(np.arange(PEAKS), (cases, 1)),
@@ -119,7 +131,7 @@ def made_up_evaluation(problem: Problem, places, share: float = 1.0) -> Evaluati
         margin=np.ones(cases),
         first=0.5 * peaks[:, 0],
         peaks_slope=np.zeros((cases, PEAKS, n)),
-        rest_slope=np.zeros((cases, len(problem_module.QUANTITIES) - 1, n)),
+        rest_slope=np.zeros((cases, len(problem.quantities) - 1, n)),
         margin_slope=np.zeros((cases, n)),
     )
 
@@ -127,19 +139,20 @@ def made_up_evaluation(problem: Problem, places, share: float = 1.0) -> Evaluati
 def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
     """Every peak falls by a fifth and every variable goes half of the way to its low bound."""
     start = problem.start()
-    halfway = np.array([v.place(0.5 * (v.low + float(get(problem.design, v.path)))) for v in problem.variables])
+    halfway = np.array([v.scaled(0.5 * (v.low + float(get(problem.design, v.path)))) for v in problem.variables])
     goal, records = Goal(problem, problem.objective), []
     for number in range(count):
         share = number / (count - 1)
         point = made_up_evaluation(problem, start + share * (halfway - start), 1 - 0.2 * share)
-        values = dict(zip(problem.paths, map(float, problem.values(point.places)), strict=True))
+        values = dict(zip(problem.paths, map(float, problem.values(point.scaled)), strict=True))
         records.append(
             {
                 **{"evaluation": number, "stage": 0, "search": 0, "step": number, "accepted": number != 2},
                 **{"objective": goal.value(point), "feasible": number != 2, "excess": 0.0, "captures": number},
                 **{"radius": 0.1, "residual": 0.02, "status": "running" if number else "start", "values": values},
+                "succeeded": [number != 2] * len(problem.cases),
                 "outcome": ["captured" if number != 2 else "timeout"] * len(problem.cases),
-                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem_module.QUANTITIES)},
+                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.quantities)},
             }
         )
     before, after = (made_up_evaluation(problem, z, share) for z, share in ((start, 1.0), (halfway, 0.8)))
@@ -185,12 +198,9 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "penetration": 1e-5,
         "end_time": 1.0,
         "contact_time": 1.0,
+        "throat_distance": 0.03,
+        "capture_margin": 0.3,
     }
-    return Sweep(
-        code=code,
-        peak_force=peak,
-        peak_flank=whole,
-        impact_count=3 * whole,
-        attempts=400 * whole,
-        **{name: value * share for name, value in numbers.items()},
-    )
+    columns = {"code": code, "peak_force": peak, "peak_flank": whole, "impact_count": 3 * whole}
+    columns |= {"attempts": 400 * whole} | {name: value * share for name, value in numbers.items()}
+    return Sweep(PROBE_CONE, {name: columns[name] for name in column_names(PROBE_CONE)})

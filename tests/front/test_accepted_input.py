@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from made_up import made_up_capture
 
-import jaxbuffer.sensitivity  # noqa: F401 (the module: the package shows a function under its name)
-from jaxbuffer import Outcome, Scenario, replace, table2
+from jaxbuffer import Outcome, Scenario, replace, sensitivity, table2
 from jaxbuffer.cli.entry import run
-from jaxbuffer.cli.records import sensitivity_rows
-from jaxbuffer.config import load
 from jaxbuffer.errors import nearest, suggest
-from jaxbuffer.integrate import DiagonallyImplicit, solver_named
-from jaxbuffer.mechanisms import scenario_label
-from jaxbuffer.quantities import QUANTITIES
+from jaxbuffer.hybrid import DiagonallyImplicit, solver_named
+from jaxbuffer.mechanisms.probe_cone.label import scenario_label
+from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES
+from jaxbuffer.output.records import sensitivity_rows
+from jaxbuffer.sensitivities.gradients import Gradients
+from jaxbuffer.study.config import load
 
 FORTY = "\n".join(f"[[scenarios]]\napproach_speed = {0.1 + k / 400}\nmisalignment = 0.01" for k in range(40))
 
@@ -35,7 +35,7 @@ def test_lists_and_tuples_are_arrays_and_all_kinds_of_numbers_floats():
 
 def test_a_solver_may_be_named():
     assert isinstance(solver_named("implicit"), DiagonallyImplicit)
-    own = DiagonallyImplicit(caution=3.0)
+    own = DiagonallyImplicit(safety_factor=3.0)
     assert solver_named(own) is own
 
 
@@ -93,13 +93,12 @@ def test_the_summary_says_which_scenario_it_is_of(computed, capsys):
 @pytest.fixture
 def escaped(monkeypatch):
     """A sensitivity of an escaped run, margin -0.3 m, by k_A = 500 N/m: 2 a unit for every quantity."""
-    module = __import__("sys").modules["jaxbuffer.sensitivity"]
     capture = eqx.tree_at(lambda c: c.capture_margin, made_up_capture(outcome=Outcome.escaped), jnp.asarray(-0.3))
     results = jnp.stack([jnp.asarray(quantity.of(capture), float) for quantity in QUANTITIES.values()])
-    linear = module.Linearised(capture, results, jnp.full((len(QUANTITIES), 1), 2.0), {})
-    monkeypatch.setattr(module, "linearised", lambda *_, **__: linear)
+    found = Gradients(capture, results, jnp.full((len(QUANTITIES), 1), 2.0), {"peak_force": jnp.zeros((3, 1))})
+    monkeypatch.setattr("jaxbuffer.sensitivities.sensitivity.gradients", lambda *_, **__: found)
     names = ("peak_force", "capture_margin", "throat_distance")
-    return module.sensitivity(table2(), wrt=("buffer.k_A",), quantities=names, certify="none")
+    return sensitivity(table2(), wrt=("buffer.k_A",), quantities=names, certify="none")
 
 
 def test_quantities_that_can_change_sign_have_derivatives_and_no_elasticities(escaped):

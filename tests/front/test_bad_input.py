@@ -8,7 +8,7 @@ from bad_studies import STUDIES
 
 from jaxbuffer import InputError, Scenario, table2
 from jaxbuffer.cli.entry import run
-from jaxbuffer.mechanisms import paths, unit
+from jaxbuffer.fields import paths, unit
 
 BAD = [*of_fields(), *STUDIES, *LINES, *PYTHON]
 

@@ -16,14 +16,16 @@ from rich.console import Console
 
 import jaxbuffer
 from jaxbuffer import Design, InputError, Outcome, Scenario, table2
-from jaxbuffer.certificate import Verdict
 from jaxbuffer.cli.entry import run
 from jaxbuffer.cli.overrides import FIELDS, WITH_QUANTITIES, split
-from jaxbuffer.config import load
-from jaxbuffer.mechanisms import paths, unit
-from jaxbuffer.quantities import IMPACT_UNITS
-from jaxbuffer.quantities import QUANTITIES as CATALOGUE
-from jaxbuffer.sensitivity import QUANTITIES
+from jaxbuffer.fields import paths, unit
+from jaxbuffer.mechanisms import all_mechanisms
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES as CATALOGUE
+from jaxbuffer.mechanisms.quantity import IMPACT_UNITS
+from jaxbuffer.mechanisms.registry import registered
+from jaxbuffer.sensitivities.certificate import Verdict
+from jaxbuffer.study.config import load
 
 SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
@@ -116,7 +118,7 @@ def test_sensitivity_prints_tables_and_writes_files(computed, capsys, tmp_path):
         assert part in shown
     arguments = computed.calls[-1][1]
     assert arguments["wrt"] == ("buffer.k_A", "scenario.approach_speed")
-    assert (arguments["quantities"], arguments["certify"]) == (QUANTITIES, "quick")
+    assert (arguments["quantities"], arguments["certify"]) == (PROBE_CONE.defaults.differentiated, "quick")
     record = json.loads((tmp_path / "out" / "sensitivity.json").read_text())
     assert record["peak_force [N]"] == 250.0
     rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "sensitivity.csv").read_text())))
@@ -170,7 +172,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
     ):
         assert part in shown.out
     assert "start: 350 N, residual 2.0e-02" in shown.err
-    assert "search 1, step 2: 315 N, 0 of 3 captured, limits broken" in shown.err
+    assert "search 1, step 2: 315 N, 0 of 3 end as they must, limits broken" in shown.err
     arguments = computed.calls[-1][1]
     assert {name: arguments[name] for name in ("iterations", "starts", "searches", "seed", "resume")} == {
         **{"iterations": 9, "starts": 3, "searches": 2, "seed": 5, "resume": False}
@@ -412,3 +414,19 @@ def _started(folder, *arguments, **environment) -> subprocess.Popen:
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+def test_fields_of_every_mechanism(computed, capsys):
+    assert run(["fields"]) == 0
+    kinds = re.findall(r'^kind = "(\w+)"', capsys.readouterr().out, flags=re.MULTILINE)
+    assert set(kinds) == {mechanism.name for mechanism in all_mechanisms()}
+    for mechanism in map(registered, kinds):
+        assert run(["fields", mechanism.name]) == 0
+        shown = capsys.readouterr().out
+        fields = [*paths(mechanism.design()), *(f"scenario.{path}" for path in paths(mechanism.scenario()))]
+        assert all(f" {name} " in shown for name in (*fields, *mechanism.quantities))
+
+
+def test_fields_of_no_mechanism(computed, capsys):
+    assert run(["fields", "prob_cone"]) == 2
+    assert "kind = 'prob_cone' is unknown" in (said := capsys.readouterr().err) and "did you mean probe_cone?" in said

@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Scenario, Then, Variable, get, replace, table2
-from jaxbuffer.config import Config, Options, apply_overrides, design_toml, load, write_design
-from jaxbuffer.mechanisms import paths
+from jaxbuffer.fields import paths
+from jaxbuffer.study.config import Config, Options, apply_overrides, design_toml, load, write_design
 
 TABLE2 = "optimise/table2.toml"
 
@@ -92,7 +92,7 @@ def test_every_section_is_read(tmp_path):
     assert problem.objective == Objective({"peak_force": 1, "stroke": 1e4}, "cvar", 0.5)
     assert problem.limits == Limits(True, {"stroke": 0.02}, 30)
     assert problem.then == Then(Objective({"end_time": 1}))
-    assert problem.duration == 3.0 and problem.meetings == config.scenarios
+    assert problem.duration == 3.0 and problem.scenarios_met == config.scenarios
 
 
 BAD = [

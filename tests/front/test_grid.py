@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-import jaxbuffer.grid
+import jaxbuffer.sweeps.grid
 from jaxbuffer import InputError, Scenario, table2
-from jaxbuffer.config import loads
-from jaxbuffer.grid import DEFAULT, grid, typed
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.study.config import loads
+from jaxbuffer.sweeps.grid import grid, typed
 
 SPEED, STIFFNESS = "scenario.approach_speed", "buffer.k_A"
 
@@ -56,7 +57,7 @@ def test_toml_and_the_command_line_say_the_same():
 
 
 def test_the_default_grid_is_valid():
-    assert over(DEFAULT).shape == (11, 11)
+    assert over(PROBE_CONE.defaults.grid).shape == (11, 11)
 
 
 @pytest.mark.parametrize(
@@ -96,16 +97,14 @@ def test_bad_words(text):
 
 def test_a_grid_larger_than_memory_is_refused_before_it_is_made():
     huge = {"from": 0.1, "to": 0.2, "count": 10**9}
-    with pytest.raises(
-        InputError, match=r"1000000000 × 1000000000 = 1e\+18 captures, which need .* TiB of memory; .* are"
-    ):
+    with pytest.raises(InputError, match=r"1000000000 × 1000000000 = 1e\+18 runs, which need .* TiB of memory; .* are"):
         over({SPEED: huge, "scenario.misalignment": {**huge, "to": 0.3}})
 
 
 def test_how_much_a_capture_counts(monkeypatch):
-    monkeypatch.setattr(jaxbuffer.grid, "_free_memory", lambda: 100 * jaxbuffer.grid.BYTES)
+    monkeypatch.setattr(jaxbuffer.sweeps.grid, "_free_memory", lambda: 100 * jaxbuffer.sweeps.grid.BYTES)
     assert len(over({SPEED: {"from": 0.1, "to": 0.2, "count": 100}})) == 100
-    with pytest.raises(InputError, match="101 = 101 captures, which need 197 KiB of memory; 195 KiB are free"):
+    with pytest.raises(InputError, match="101 = 101 runs, which need 197 KiB of memory; 195 KiB are free"):
         over({SPEED: {"from": 0.1, "to": 0.2, "count": 101}})
 
 

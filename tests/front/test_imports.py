@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import jaxbuffer
-from jaxbuffer.cli.records import version
+from jaxbuffer.output.records import version
 
 SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]
 
@@ -47,12 +47,10 @@ def test_every_public_name_is_there_and_listed():
         jaxbuffer.simulat  # noqa: B018
 
 
-def test_functions_are_not_hidden_by_modules_of_their_name():
-    loaded_by(
-        "import jaxbuffer, jaxbuffer.first_impact, jaxbuffer.sweep, jaxbuffer.sensitivity; "
-        "assert all(callable(f) for f in (jaxbuffer.first_impact, jaxbuffer.sweep, jaxbuffer.sensitivity)); "
-        "from jaxbuffer.sweep import Sweep; assert Sweep is jaxbuffer.Sweep"
-    )
+def test_no_room_or_module_at_the_top_shares_its_name_with_a_public_function():
+    package = Path(jaxbuffer.__file__).parent
+    beside = {path.stem for path in package.iterdir() if path.suffix == ".py" or path.is_dir()}
+    assert not beside & set(jaxbuffer.__all__)
 
 
 def test_the_version_is_that_of_pyproject_and_said_without_jax():

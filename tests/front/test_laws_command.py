@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.comparison import ASKED, compare_laws, first_contact
 from jaxbuffer.contact.laws import LAWS
+from jaxbuffer.mechanisms.probe_cone.comparison import ASKED, compare_laws, first_contact
 from verification.test_first_impact import closed_form
 
 

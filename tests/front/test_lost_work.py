@@ -15,7 +15,7 @@ import jaxbuffer
 from jaxbuffer.cli import streams
 from jaxbuffer.cli.entry import run
 from jaxbuffer.cli.signals import Ending
-from jaxbuffer.cli.sweep_files import read
+from jaxbuffer.output.sweep_files import read
 from test_files import room_for
 
 FILES = {
@@ -83,14 +83,14 @@ def test_a_full_disk_is_named_and_the_other_files_are_whole(computed, capsys, tm
 
 
 def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(computed, monkeypatch, capsys, tmp_path):
-    compute = sys.modules["jaxbuffer.capture"].simulate
+    compute = computed.simulate
 
     def another_comes(*arguments, **options):
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "capture.json").write_text("theirs")
         return compute(*arguments, **options)
 
-    monkeypatch.setattr(sys.modules["jaxbuffer.capture"], "simulate", another_comes)
+    monkeypatch.setattr("jaxbuffer.run.simulate.simulate", another_comes)
     assert run(["simulate", "--output", "out"]) == 0
     shown = capsys.readouterr()
     assert "capture.json appeared meanwhile and is left as it is; the result is in out/capture-1.json" in shown.err

@@ -9,7 +9,7 @@ import pytest
 from test_lost_work import started
 
 KILLS = 10  # of each command
-QUICK_RECORDS = "import jaxbuffer.sweep_store as s; s.PERIOD = 0.1; from jaxbuffer.cli import main; main()"
+QUICK_RECORDS = "import jaxbuffer.sweeps.store as s; s.PERIOD = 0.1; from jaxbuffer.cli import main; main()"
 COMMANDS = {
     "sweep": (
         ["--over", "scenario.approach_speed=0.1:0.2:500", "--duration", "1"],

@@ -10,8 +10,10 @@ import pytest
 from made_up import PULSE, made_up_capture, made_up_tuning
 
 from jaxbuffer import InputError, Scenario
-from jaxbuffer.config import Config
-from jaxbuffer.plot import capture_figure, png, tune_figure
+from jaxbuffer.output.figures import run_figure
+from jaxbuffer.output.style import png
+from jaxbuffer.output.tune_figure import tune_figure
+from jaxbuffer.study.config import Config
 
 UNIT = re.compile(r"\[(s|ms|N|mm|mJ|deg|%|-)\]$")
 
@@ -24,8 +26,8 @@ def labelled(figure):
     return {axes.get_title(loc="left"): axes for axes in figure.axes}
 
 
-def test_capture_figure():
-    figure = capture_figure(made_up_capture())
+def test_run_figure():
+    figure = run_figure(made_up_capture())
     axes = labelled(figure)
     assert list(axes) == [
         "Contact force",
@@ -45,7 +47,7 @@ def test_capture_figure():
 
 @pytest.mark.parametrize("at", [0.0, 0.04])
 def test_a_peak_at_an_end_of_the_run_is_drawn(at):
-    zoom = capture_figure(made_up_capture(at=at)).axes[1]
+    zoom = run_figure(made_up_capture(at=at)).axes[1]
     assert max(np.max(line.get_ydata()) for line in zoom.lines) == pytest.approx(250.0, rel=1e-2)
 
 
@@ -73,17 +75,17 @@ def test_tune_figure():
 
 def test_settings_of_matplotlib_stay_as_they_were():
     before = dict(matplotlib.rcParams)
-    capture_figure(made_up_capture())
+    run_figure(made_up_capture())
     assert dict(matplotlib.rcParams) == before
 
 
 def test_a_capture_without_history_is_refused():
     capture = eqx.tree_at(lambda c: c.history, made_up_capture(), None)
     with pytest.raises(InputError, match="history=True"):
-        capture_figure(capture)
+        run_figure(capture)
 
 
 def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match=r"pip install matplotlib"):
-        capture_figure(made_up_capture())
+        run_figure(made_up_capture())

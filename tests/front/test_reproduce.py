@@ -5,9 +5,9 @@ import math
 import pytest
 
 from jaxbuffer.cli.entry import run as command
-from jaxbuffer.reproduce import STUDIES, run
-from jaxbuffer.reproduce.claims import CLAIMS, NO, PARTLY, YES, Claim
-from jaxbuffer.reproduce.figures import figure
+from jaxbuffer.paper import STUDIES, run
+from jaxbuffer.paper.claims import CLAIMS, NO, PARTLY, YES, Claim
+from jaxbuffer.paper.figures import figure
 
 BY_NAME = {study.name: study for study in STUDIES}
 

@@ -10,11 +10,11 @@ from made_up import made_up_sweep
 import jaxbuffer as jb
 from jaxbuffer import InputError, Outcome
 from jaxbuffer.cli.entry import run
-from jaxbuffer.cli.sweep_files import read
-from jaxbuffer.grid import grid
-from jaxbuffer.plot_style import png
-from jaxbuffer.sweep_plot import sweep_figure
-from jaxbuffer.swept import Swept
+from jaxbuffer.output.style import png
+from jaxbuffer.output.sweep_figures import sweep_figure
+from jaxbuffer.output.sweep_files import read
+from jaxbuffer.sweeps.grid import grid
+from jaxbuffer.sweeps.swept import Swept
 
 FILES = ("sweep.csv", "sweep.npz", "sweep.png")
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
@@ -40,7 +40,7 @@ def test_without_a_grid_speeds_and_misalignments_are_swept(computed, capsys, tmp
     assert type(asked["solver"]).__name__ == "ExplicitRungeKutta"
     shown = capsys.readouterr()
     assert "Sweep of 121 captures: 11 approach_speed × 11 misalignment" in shown.out
-    assert "sweeping 121 captures" in shown.err and "121 of 121 done" in shown.err
+    assert "sweeping 121 runs" in shown.err and "121 of 121 done" in shown.err
     assert list(tmp_path.iterdir()) == []
 
 

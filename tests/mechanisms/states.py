@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxbuffer import Scenario, replace, table2
-from jaxbuffer.mechanisms import CaptureMechanism
+from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 from jaxbuffer.multibody import assemble
 
 PLACES = ("lower flank", "upper flank", "lower throat rim", "upper mouth rim")

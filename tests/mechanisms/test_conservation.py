@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer.ledger import energy
 from mechanisms.states import PLACES, TIPS, mechanism, pressed
 
 each_place = pytest.mark.parametrize("place", PLACES)
@@ -28,8 +27,8 @@ def momentum_rates(assembled, state, active):
 def energy_rate(assembled, state, active):
     """d/dt of everything stored and everything lost [W], and the size of the flows it is made of."""
     rate = assembled.derivative(0.0, state, active)
-    _, ledger = jax.jvp(lambda y: energy(assembled, assembled.posture(y), active), (state,), (rate,))
-    flows = jax.tree.leaves(ledger)
+    _, energy = jax.jvp(lambda y: assembled.energy_at(assembled.posture(y), active), (state,), (rate,))
+    flows = jax.tree.leaves(energy)
     return float(sum(flows)), max(abs(float(flow)) for flow in flows)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Scenario, rigid_probe, simulate, table2
-from jaxbuffer.mechanisms import Design, check_fit, get, paths, replace, unit
-from jaxbuffer.mechanisms.design import Buffer, Contact
-from jaxbuffer.mechanisms.validity import valid
+from jaxbuffer.fields import get, paths, replace, unit
+from jaxbuffer.mechanisms.probe_cone.design import Design, check_fit, valid
+from jaxbuffer.mechanisms.probe_cone.parts import Buffer, Contact
 
 OUT_OF_RANGE = [
     ("probe.tip_mass", -0.1, "probe.tip_mass = -0.1 kg is out of range; allowed: (0, inf) kg"),
@@ -210,7 +210,7 @@ def test_rigid_probe_differs_in_the_buffer_only():
 
 
 def gap_to_the_other_flank(design, scenario):
-    """Distance of the tip from the upper flank at the start [m], rims included, from the model's sections 4 and 6: the
+    """Distance of the tip from the upper flank at the start [m], rims included, by M31 and M62 of docs/model.md: the
     flank sampled point by point, everything turned by the misalignment."""
     cone, radius, b = design.cone, design.probe.tip_radius, scenario.contact_distance
     sine, cosine = math.sin(cone.half_angle), math.cos(cone.half_angle)

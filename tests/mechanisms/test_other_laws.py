@@ -1,17 +1,17 @@
-"""A capture under a law that starts with a jump: the ledger balances, and the law is the one asked for."""
+"""A capture under a law that starts with a jump: the energies balance, and the law is the one asked for."""
 
 import numpy as np
 import pytest
 
 from jaxbuffer import replace, simulate, table2
-from jaxbuffer.comparison import first_contact
 from jaxbuffer.contact.laws import free_impact
-from jaxbuffer.mechanisms import Scenario
-from jaxbuffer.mechanisms.assembly import assemble_contact
+from jaxbuffer.mechanisms.probe_cone.assembly import assemble_contact
+from jaxbuffer.mechanisms.probe_cone.comparison import first_contact
+from jaxbuffer.mechanisms.probe_cone.design import Scenario
 
 
 @pytest.mark.slow
-def test_ledger_and_first_impact():
+def test_energy_and_first_impact():
     """The first impact is two free bodies' but for the buffer's softness: its peak within 1.5 % of the law's own."""
     design = replace(table2(), {"contact.law": "kelvin-voigt", "contact.friction": 0.0})
     capture = simulate(design, duration=0.2)

@@ -1,4 +1,4 @@
-"""Where a capture starts: the model's section 6, worked out again in plain trigonometry."""
+"""Where a capture starts: M62 of docs/model.md, worked out again in plain trigonometry."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -6,8 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from jaxbuffer import Scenario, replace, table2
-from jaxbuffer.mechanisms import CaptureMechanism
-from jaxbuffer.mechanisms.capture import SLOWEST_TOUCHDOWN
+from jaxbuffer.mechanisms.probe_cone.system import SLOWEST_TOUCHDOWN, CaptureMechanism
 
 LOWER, UPPER = 0, 1
 SCENARIOS = {

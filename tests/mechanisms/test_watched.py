@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer.mechanisms import HybridSystem
-from jaxbuffer.mechanisms.assembly import N
+from jaxbuffer.hybrid.system import HybridSystem
+from jaxbuffer.mechanisms.probe_cone.assembly import N
 from mechanisms.states import PLACES, TIPS, mechanism, pressed
 
 each_place = pytest.mark.parametrize("place", PLACES)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from helpers import four_bar, pendulum, phi, slider_crank
-from jaxbuffer.multibody import Body, Kinematics, Prismatic, Revolute, System, assemble, ldl_solve
+from jaxbuffer.multibody import Body, Kinematics, Prismatic, Revolute, System, assemble
+from jaxbuffer.plane import ldl_solve
 
 BUILDERS = {"pendulum": lambda: pendulum(1.1, 2.0), "four-bar": four_bar, "slider-crank": slider_crank}
 each_mechanism = pytest.mark.parametrize("build", BUILDERS.values(), ids=BUILDERS)

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.multibody.trigonometry import cos_sin
+from jaxbuffer.plane.trigonometry import cos_sin
 
 
 @pytest.mark.parametrize("size", [1e-8, 1.0, 10.0, 1e3, 1e5])

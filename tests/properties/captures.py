@@ -13,12 +13,17 @@ from hypothesis import strategies as st
 from jaxtyping import Array, Float
 
 import jaxbuffer as jb
-from jaxbuffer.capture import HISTORY_STEPS
-from jaxbuffer.history import History, history
-from jaxbuffer.integrate import Options, Tolerance, solve
-from jaxbuffer.ledger import Balance, balance
-from jaxbuffer.mechanisms import CaptureMechanism
-from jaxbuffer.metrics import Impacts, Maxima, impacts, maxima, survey
+from jaxbuffer.hybrid import Options, Tolerance, solve
+from jaxbuffer.mechanisms.energy import Balance
+from jaxbuffer.mechanisms.history import History
+from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+from jaxbuffer.mechanisms.run import Impacts, Maxima
+from jaxbuffer.run.conservation import balance
+from jaxbuffer.run.history import history
+from jaxbuffer.run.impacts import impacts
+from jaxbuffer.run.maxima import maxima
+from jaxbuffer.run.simulate import HISTORY_STEPS
+from jaxbuffer.run.survey import survey
 
 RTOL = 1e-10
 VECTORS = np.arange(8).reshape(4, 2) + np.arange(4)[:, None]  # where (x, y) of the four bodies are in q
@@ -59,12 +64,13 @@ def _watch(parameters, duration, rtol) -> Seen:
     result = solve(Started, parameters, duration, options)
     mechanism = Started(*parameters)
     log, seen = result.log, survey(mechanism, result.log)
+    state, closed = mechanism.start()
     return Seen(
         result.status,
         log.time[jnp.maximum(log.count - 1, 0)],
         maxima(mechanism, log),
         impacts(mechanism, log, seen),
-        balance(mechanism, mechanism.start(), log, seen.drift)[1],
+        balance(mechanism, (mechanism.posture(state), closed), log, seen.drift)[1],
         history(mechanism, result.steps),
         result.accepted,
     )
@@ -130,8 +136,8 @@ def difference(seen: Seen, expected: Seen, delay=0.0, swapped=False, units=(1.0,
     """
     time, force, length = units
     n = int(expected.impacts.count)
-    flank = np.asarray(expected.impacts.flank[:n])
-    told = np.asarray(seen.impacts.flank[:n])
+    flank = np.asarray(expected.impacts.contact[:n])
+    told = np.asarray(seen.impacts.contact[:n])
     if (
         int(seen.status) != int(expected.status)
         or int(seen.impacts.count) != n
@@ -142,10 +148,10 @@ def difference(seen: Seen, expected: Seen, delay=0.0, swapped=False, units=(1.0,
         (seen.end, time * expected.end + delay),
         (seen.impacts.time[:n], time * expected.impacts.time[:n] + delay),
         (seen.maxima.peak_force, force * expected.maxima.peak_force),
-        (seen.maxima.hinge_force, force * expected.maxima.hinge_force),
-        (seen.maxima.buffer_force, force * expected.maxima.buffer_force),
-        (seen.maxima.stroke, length * expected.maxima.stroke),
-        (seen.maxima.hinge_angle, expected.maxima.hinge_angle),
+        (seen.maxima.others["hinge_force"], force * expected.maxima.others["hinge_force"]),
+        (seen.maxima.others["buffer_force"], force * expected.maxima.others["buffer_force"]),
+        (seen.maxima.others["stroke"], length * expected.maxima.others["stroke"]),
+        (seen.maxima.others["hinge_angle"], expected.maxima.others["hinge_angle"]),
         (seen.impacts.peak_force[:n], force * expected.impacts.peak_force[:n]),
     ]
     return max(float(np.max(np.abs(a - np.asarray(b))) / np.max(np.abs(b))) for a, b in pairs)

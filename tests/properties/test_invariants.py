@@ -68,9 +68,22 @@ AT_REST = (
     jb.Scenario(approach_speed=0.06, contact_distance=0.036638144011066937),
 )
 
+NOISY = (  # nearly lossless and slow: a later start once stood still in free flight, where forces are mere rounding
+    jb.replace(
+        jb.table2(),
+        {
+            **{"buffer.k_A": 543.6563656918088, "buffer.c_A": 2.0, "buffer.k_T": 229.76245420179066, "buffer.c_T": 1.0},
+            **{"probe.tip_mass": 0.03856924208151567, "contact.restitution": 0.99999},
+            "contact.friction": 0.1441524111311495,
+        },
+    ),
+    jb.Scenario(0.16829595965963529, 0.0360745373957578, 0.006443217191555162),
+)
+
 
 @some
 @given(cases(), st.floats(0.02, 0.06))
+@example(NOISY, 0.02845160926613985)
 @example(AT_REST, 0.04)  # where maxima of mere rounding once cost the touchdown
 def test_a_later_start_shifts_every_time(evidence, case, delay):
     """The vehicles start apart and meet as the scenario says, ``delay`` later: a touchdown that must be located."""
@@ -108,16 +121,16 @@ def never(evidence, case):
     """At every accepted step of one capture."""
     design, scenario = case
     seen = watch(*case)
-    steps, ledger = seen.steps, seen.steps.energy
-    first = float(ledger.total[0])
+    steps, energy = seen.steps, seen.steps.energy
+    first = float(energy.total[0])
     law, source = "Laws at every step", "the law itself, at every accepted step of random captures"
-    mechanical = ledger.kinetic + ledger.spring + ledger.contact
+    mechanical = energy.kinetic + energy.spring + energy.contact
     growth = np.max(np.diff(mechanical), initial=0.0) / first
     evidence(law, "mechanical energy never grows, relative to the first", growth, 1e-12, source)
-    losses = np.stack([ledger.axial_damper, ledger.torsional_damper, ledger.hysteresis, ledger.friction])
+    losses = np.stack([energy.axial_damper, energy.torsional_damper, energy.hysteresis, energy.friction])
     gain = max(0.0, -float(np.min(np.diff(losses, axis=1)))) / first
     evidence(law, "no damper, contact or friction gives energy back, relative to the first", gain, 1e-12, source)
-    drift = np.max(np.abs(ledger.total / first - 1.0))
+    drift = np.max(np.abs(energy.total / first - 1.0))
     evidence(law, "what is stored and what is lost add up to the first energy", drift, 1e-8, source)
     evidence(law, "linear momentum stays, relative to m_S v0", seen.balance.linear_momentum, 1e-11, source)
     evidence(law, "angular momentum stays, relative to m_S v0 · 1 m", seen.balance.angular_momentum, 1e-10, source)

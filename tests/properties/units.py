@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.paths import unit
+from jaxbuffer.fields import unit
 
 # Exponents of length, mass and time.
 BASE = {

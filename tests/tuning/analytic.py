@@ -3,8 +3,10 @@
 import numpy as np
 
 from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, Then, Variable, replace, table2
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
-from jaxbuffer.tuning.problem import QUANTITIES
+
+QUANTITIES = PROBE_CONE.tuned
 
 PATHS = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 
@@ -30,8 +32,8 @@ class Functions:
         self.batches += 1
         return [self.one(np.asarray(point, float)) for point in points]
 
-    def one(self, places):
-        x, n = self.problem.values(places), len(places)
+    def one(self, scaled):
+        x, n = self.problem.values(scaled), len(scaled)
         stretch = np.array([v.slope(value) for v, value in zip(self.problem.variables, x, strict=True)])
         self.captures += len(self.peaks)
         count = len(self.peaks)
@@ -52,9 +54,20 @@ class Functions:
                 margin[k], slope = gradient(self.margin, x)
                 margin_slope[k] = slope * stretch
         code = np.where(margin >= 0.0, int(Outcome.captured), int(Outcome.timeout))
-        impacts = np.full(count, 5)
         return Evaluation(
-            places, code, impacts, peaks, slots, rest, margin, peaks[:, 0], peaks_slope, rest_slope, margin_slope
+            scaled=scaled,
+            code=code,
+            solved=np.ones(count, bool),
+            succeeded=margin >= 0.0,
+            impacts=np.full(count, 5),
+            peaks=peaks,
+            slots=slots,
+            rest=rest,
+            margin=margin,
+            first=peaks[:, 0],
+            peaks_slope=peaks_slope,
+            rest_slope=rest_slope,
+            margin_slope=margin_slope,
         )
 
 

@@ -1,6 +1,8 @@
 """The design problem as data: what it accepts, what it refuses, and what its parts mean."""
 
 import dataclasses
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -19,8 +21,8 @@ def stated(**fields):
 def test_places_and_values_are_inverse_and_exact_at_the_bounds(scale):
     variable = Variable("buffer.k_A", 0.1, 0.3, scale)
     assert variable.value(0.0) == 0.1 and variable.value(1.0) == 0.3
-    for place in (0.1, 0.5, 0.9):
-        assert variable.place(variable.value(place)) == pytest.approx(place, abs=1e-14)
+    for scaled in (0.1, 0.5, 0.9):
+        assert variable.scaled(variable.value(scaled)) == pytest.approx(scaled, abs=1e-14)
     middle = np.sqrt(0.1 * 0.3) if scale == "log" else 0.2
     assert variable.value(0.5) == pytest.approx(middle, rel=1e-14)
     slope = (variable.value(0.5 + 1e-6) - variable.value(0.5 - 1e-6)) / 2e-6
@@ -130,3 +132,8 @@ def test_the_fingerprint_tells_problems_apart():
         stated(rtol=1e-8),
     ]
     assert len({problem.fingerprint(), *(other.fingerprint() for other in others)}) == 9
+
+
+def test_quantities_are_known_before_any_design_is_made():
+    code = "import jaxbuffer as jb; jb.Objective({'peak_force': 1.0}); jb.Limits(at_most={'stroke': 0.025})"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,16 +1,17 @@
 """The search finds minima that are published or can be written down, and says honestly when it has not."""
 
-import sys
-
 import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Outcome, Then
-from jaxbuffer.tuning import tune
+from jaxbuffer.tuning import judged, search
+from jaxbuffer.tuning import tune as module
+from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0
-module = sys.modules["jaxbuffer.tuning.tune"]  # the package shows the function under the same name
 
 
 @pytest.fixture
@@ -20,14 +21,14 @@ def solve(monkeypatch):
     def run(stated, peaks, rest=None, margin=None, **settings):
         functions = Functions(stated, peaks, rest, margin)
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr(module, "floor", lambda *_: None)
+        monkeypatch.setattr(judged, "floor", lambda *_: None)
         return tune(stated, **{"starts": 1, "searches": 1, **settings}), functions
 
     return run
 
 
 def values(tuned):
-    return tuned.problem.values(tuned.after.places) - SHIFT
+    return tuned.problem.values(tuned.after.scaled) - SHIFT
 
 
 # Charalambous and Bandler 1976, as in Lukšan and Vlček's collection of test problems (2000), minimax 2.1 and 2.2
@@ -149,9 +150,11 @@ def test_a_start_with_nothing_to_climb_is_refused(solve, monkeypatch):
     stated = problem([SHIFT], [SHIFT + 1], [SHIFT])
     with pytest.raises(InputError, match=r"no capture of the start succeeds \(timeout.* no variable changes that"):
         solve(stated, [[lambda x: x[0]]], margin=lambda x: -1.0 + 0.0 * x[0])
-    lost = int(Outcome.failed_steps)
+    unsolved = {"code": np.array([int(Outcome.failed_steps)])} | dict.fromkeys(
+        ("solved", "succeeded"), np.zeros(1, bool)
+    )
     one = Functions.one
-    monkeypatch.setattr(Functions, "one", lambda self, z: one(self, z)._replace(code=np.array([lost])))
+    monkeypatch.setattr(Functions, "one", lambda self, z: one(self, z)._replace(**unsolved))
     with pytest.raises(InputError, match=r"every capture of the start fails \(failed: more steps"):
         solve(stated, [[lambda x: x[0]]])
 
@@ -174,11 +177,23 @@ def test_too_many_impacts_reject_a_design_without_leading_back(solve, monkeypatc
     stated = problem([SHIFT], [SHIFT + 3], [SHIFT], limits=Limits(impacts=5))
     one = Functions.one
 
-    def counted(self, places):
-        found = one(self, places)
-        return found._replace(impacts=np.array([9 if self.problem.values(places)[0] > SHIFT + 1 else 5]))
+    def counted(self, scaled):
+        found = one(self, scaled)
+        return found._replace(impacts=np.array([9 if self.problem.values(scaled)[0] > SHIFT + 1 else 5]))
 
     monkeypatch.setattr(Functions, "one", counted)
     tuned, _ = solve(stated, [[lambda x: 20.0 - (x[0] - SHIFT)]])
     assert tuned.feasible and not tuned.converged
     assert 0.9 < values(tuned)[0] <= 1.0
+
+
+def test_a_curvature_that_holds_a_search_up_is_forgotten_once():
+    stated = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT + 4, SHIFT - 3])
+    functions = Functions(stated, [shifted([lambda x: 2 + x[0] ** 2 + x[1] ** 2], SHIFT)])
+    rules = search.Search(Goal(stated, stated.objective), 27.0, Settings())
+    start = rules.begin(functions.one(stated.start()))
+    held_up = start._replace(curvature=1e6 * np.eye(2), merits=np.zeros_like(start.merits))
+    ((_, _, restarted),) = search.advanced(rules, [held_up], functions)
+    assert restarted.status == search.RUNNING and not np.any(restarted.curvature)
+    ((_, _, stalled),) = search.advanced(rules, [held_up._replace(restarted=0.0)], functions)
+    assert stalled.status == search.STALLED, "no gain since the last time"

@@ -1,24 +1,25 @@
 """Cliffs between the start and the best design: further rounds find it, end, and are resumed like all else."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
 from jaxbuffer import Objective, Outcome, Problem, Scenario, Then, Variable, table2
-from jaxbuffer.tuning import tune
+from jaxbuffer.tuning import floor as floors
+from jaxbuffer.tuning import judged
+from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.evaluation import Evaluator, Measured
 from jaxbuffer.tuning.floor import floor
 from jaxbuffer.tuning.message import borne_out
 from jaxbuffer.tuning.progress import Progress
-from jaxbuffer.tuning.search import Settings
+from jaxbuffer.tuning.settings import Settings
 from jaxbuffer.tuning.starts import anywhere, around
 from jaxbuffer.tuning.summary import tuned_table
+from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem
 
 SHIFT = 10.0
-module, floors = (sys.modules[f"jaxbuffer.tuning.{name}"] for name in ("tune", "floor"))
 HIGHEST = 3.0
 
 
@@ -39,7 +40,7 @@ def stated(**fields):
 @pytest.fixture
 def solve(monkeypatch):
     """`tune` at its defaults, on functions instead of captures; ``dies_after`` so many batches."""
-    monkeypatch.setattr(module, "floor", lambda *_: None)
+    monkeypatch.setattr(judged, "floor", lambda *_: None)
 
     def run(margin, dies_after=None, fields=None, **settings):
         functions = Functions(stated(**(fields or {})), [[falling]], {"peak_hinge_force": lambda x: x[0]}, margin)
@@ -75,7 +76,7 @@ def test_where_searches_end_apart_the_message_says_so(solve):
     ],
 )
 def test_the_message_claims_no_more_than_the_searches_show(apart, said):
-    progress = Progress(0, 1, 1.0, 1.0, np.nan, 4, apart, None, ())
+    progress = Progress(0, 1, 1.0, np.nan, 4, apart, None, ())
     assert borne_out(progress, "raise …").startswith(said)
 
 
@@ -136,24 +137,22 @@ def askew(**fields):
 def test_a_design_that_does_not_fit_is_a_lost_case():
     """One does not fit its scenario; of the other the mouth is narrower than the tip, which no design may be."""
     narrow = Problem(table2(), [Scenario()], [ANGLE, Variable("probe.tip_radius", 0.005, 0.05)])
-    for stated_, places in ((askew(), [0.0]), (narrow, [0.0, 1.0])):
+    for stated_, scaled in ((askew(), [0.0]), (narrow, [0.0, 1.0])):
         with Evaluator(stated_) as evaluate:
             for slopes in (True, False):
-                (point,) = evaluate([places], slopes=slopes)
+                (point,) = evaluate([scaled], slopes=slopes)
                 assert not point.solved[0] and point.margin[0] < 0.0
                 assert all(np.all(np.isfinite(array)) for array in point)
         assert evaluate.captures == 2
 
 
-def hertz(design, scenario, paths, duration, rtol):
+def hertz(problem, design, scenario, duration, rtol):
     """Stands in for `measure`: a first impact of 100 N at an angle of 1, falling with it by 50 N/rad."""
     angle = float(design.cone.half_angle)
-    found = Measured.lost(1)
+    found = Measured.lost(problem)
     peaks, slope = np.zeros(24), np.zeros((24, 1))
     peaks[0], slope[0] = 100.0 + 50.0 * (1.0 - angle), -50.0
-    return Measured(
-        np.array(int(Outcome.timeout)), found.impacts, peaks, found.slots, *[peaks[:5]] * 3, slope, *[slope] * 2
-    )
+    return found._replace(code=int(Outcome.timeout), peaks=peaks, first=peaks[0], peaks_slope=slope)
 
 
 def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
@@ -170,7 +169,7 @@ def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
 def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
     from front.made_up import made_up_tuning
 
-    monkeypatch.setattr(floors, "measure", lambda *_: Measured.lost(1))
+    monkeypatch.setattr(floors, "measure", lambda problem, *_: Measured.lost(problem))
     stated_ = askew()
     found = floor(stated_, stated_.start())
     assert found.unknown == 1 and np.isnan(found.lowest)

@@ -2,16 +2,16 @@
 
 import json
 import shutil
-import sys
 
 import pytest
 
 from jaxbuffer import InputError, Objective, Then
-from jaxbuffer.tuning import tune
+from jaxbuffer.tuning import judged
+from jaxbuffer.tuning import tune as module
+from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_search import CB2, SHIFT
 
-module = sys.modules["jaxbuffer.tuning.tune"]
 THEN = Then(Objective({"peak_hinge_force": 1.0}), slack=0.1)
 SETTINGS = {"starts": 3, "searches": 2, "seed": 1}
 
@@ -22,7 +22,7 @@ def stated():
 
 @pytest.fixture
 def run(monkeypatch):
-    monkeypatch.setattr(module, "floor", lambda *_: None)
+    monkeypatch.setattr(judged, "floor", lambda *_: None)
 
     def call(folder, dies_after=None, **options):
         functions = Functions(stated(), [shifted(CB2, SHIFT)], {"peak_hinge_force": lambda x: 1 + (x[1] - 12) ** 2})

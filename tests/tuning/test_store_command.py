@@ -1,14 +1,15 @@
 """`jaxbuffer tune`, interrupted: the best design so far is saved, and the same command goes on."""
 
-import sys
 import tomllib
 
 import pytest
 
-import jaxbuffer.cli.results
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
+import jaxbuffer.output.results
 from jaxbuffer.cli.entry import run
-from jaxbuffer.config import load
+from jaxbuffer.study.config import load
+from jaxbuffer.tuning import judged
+from jaxbuffer.tuning import tune as module
 from tuning.analytic import Functions, shifted
 from tuning.test_search import CB2, SHIFT
 
@@ -26,7 +27,6 @@ iterations = 3
 buffer.k_A = [{SHIFT - 5}, {SHIFT + 5}, "linear"]
 buffer.c_A = [{SHIFT - 5}, {SHIFT + 5}, "linear"]
 """
-module = sys.modules["jaxbuffer.tuning.tune"]
 
 
 @pytest.fixture
@@ -34,10 +34,10 @@ def tune(monkeypatch, tmp_path):
     """The command on functions instead of captures, ended after some batches by an interrupt."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text(STUDY)
-    monkeypatch.setattr(jaxbuffer.runtime, "configure", lambda **_: None)
-    monkeypatch.setattr(jaxbuffer.cli.results, "tuned_files", lambda tuned: {"design.toml": lambda: ""})
+    monkeypatch.setattr(jaxbuffer.compiling.process, "configure", lambda **_: None)
+    monkeypatch.setattr(jaxbuffer.output.results, "tuned_files", lambda tuned: {"design.toml": lambda: ""})
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
-    monkeypatch.setattr(module, "floor", lambda *_: None)
+    monkeypatch.setattr(judged, "floor", lambda *_: None)
 
     def call(*words, dies_after=None):
         def evaluator(problem, workers):

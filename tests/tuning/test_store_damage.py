@@ -1,7 +1,6 @@
 """A tuning's folder, damaged in every way: the run goes on to the same end, or is refused and nothing is touched."""
 
 import itertools
-import sys
 import warnings
 
 import numpy as np
@@ -9,13 +8,13 @@ import pytest
 
 from jaxbuffer import InputError
 from jaxbuffer.files import Lock
-from jaxbuffer.tuning import tune
-from jaxbuffer.tuning.tune import best_so_far
+from jaxbuffer.tuning import judged
+from jaxbuffer.tuning import tune as module
+from jaxbuffer.tuning.tune import best_so_far, tune
 from test_files import room_for
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_search import CB2, SHIFT
 
-module = sys.modules["jaxbuffer.tuning.tune"]
 SETTINGS = {"starts": 2, "searches": 1, "iterations": 2}
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 STATED = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT + 1.0, SHIFT - 0.1])
@@ -52,7 +51,7 @@ def finished(folder, dies_after=None, **options):
     functions.dies_after = dies_after
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "Evaluator", lambda *_: functions)
-        patch.setattr(module, "floor", lambda *_: None)
+        patch.setattr(judged, "floor", lambda *_: None)
         return tune(STATED, **{**SETTINGS, **options}, folder=folder)
 
 
@@ -122,7 +121,7 @@ def test_an_interrupt_before_the_first_step_leaves_a_run_to_resume(whole, tmp_pa
 
 
 def test_a_state_of_another_release_is_refused(folder, monkeypatch):
-    monkeypatch.setattr(sys.modules["jaxbuffer.tuning.store"], "version", lambda: "9.9")
+    monkeypatch.setattr("jaxbuffer.tuning.store.version", lambda: "9.9")
     before = contents(folder)
     with pytest.raises(InputError, match=r"holds a run of jaxbuffer .*, which cannot be resumed by 9\.9"):
         finished(folder, resume=True)

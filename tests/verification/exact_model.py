@@ -78,7 +78,7 @@ class ExactModel:
         return q, v, self.touches(q, v, np.ones(2))[0].rate
 
     def touches(self, q, v, memory):
-        """Both flanks by the model's sections 4 and 5, F_n > 0 wherever δ > 0."""
+        """Both flanks by M29 to M36, M41 and M59 of docs/model.md, F_n > 0 wherever δ > 0."""
         d, radius = self.design, self.design.probe.tip_radius
         spin = v[12] if self.free else v[8]
         tip = q[P][:2] + self.front * e(q[8])

@@ -1,4 +1,4 @@
-"""What a whole capture must conserve: the energy ledger, momenta, and the joints."""
+"""What a whole capture must conserve: the energy balance, momenta, and the joints."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def test_no_tolerance_is_an_exception_either():
 
 
 @each_capture
-def test_ledger_starts_from_the_kinetic_energy_of_the_approach(name):
+def test_energy_starts_from_the_kinetic_energy_of_the_approach(name):
     """½ (m_S + m_B + m_P) v0² + ½ I_T θ̇_T0², by hand."""
     design, scenario = CAPTURES[name]
     capture = simulate(design, scenario)
@@ -76,8 +76,8 @@ def test_ledger_starts_from_the_kinetic_energy_of_the_approach(name):
 
 @each_capture
 def test_every_loss_is_a_loss(name):
-    ledger = simulate(*CAPTURES[name]).energy
-    losses = [ledger.axial_damper, ledger.torsional_damper, ledger.hysteresis, ledger.friction]
+    energy = simulate(*CAPTURES[name]).energy
+    losses = [energy.axial_damper, energy.torsional_damper, energy.hysteresis, energy.friction]
     assert min(map(float, losses)) > 0.0
-    assert float(ledger.kinetic) > 0.0
-    assert float(ledger.spring) >= 0.0
+    assert float(energy.kinetic) > 0.0
+    assert float(energy.spring) >= 0.0

@@ -1,4 +1,4 @@
-"""The buffer's end and the flank's back over whole captures (the model's section 10)."""
+"""The buffer's end and the flank's back over whole captures (M28 and M66 of docs/model.md)."""
 
 import jax
 import numpy as np
@@ -150,7 +150,7 @@ def test_a_full_log_loses_nothing_but_the_list_of_impacts():
         # another program rounds otherwise, and steps elsewhere
         assert float(getattr(short, name)) == pytest.approx(float(getattr(whole, name)), rel=1e-6), name
     assert (int(short.impacts.count), int(short.impact_count), int(short.peak_impact)) == (5, 24, -1)
-    for name in ("time", "flank", "approach_speed", "peak_force", "release_time"):
+    for name in ("time", "contact", "approach_speed", "peak_force", "release_time"):
         ours, other = (np.asarray(getattr(c.impacts, name))[:4] for c in (short, whole))
         np.testing.assert_allclose(ours, other, rtol=1e-6, err_msg=name)
     assert "impact after the 5th of 24" in repr(short)
@@ -165,7 +165,7 @@ def test_derivatives_of_a_run_with_a_full_log():
         return [c.peak_force, c.stroke, c.end_time, c.contact_time]
 
     peak, stroke, end, contact = map(float, jax.jit(jax.jacfwd(outputs))(500.0))
-    assert 500.0 / 253.1315 * peak == pytest.approx(0.34139, rel=1e-3)  # the model's section 8
+    assert 500.0 / 253.1315 * peak == pytest.approx(0.34139, rel=1e-3)  # the reference's elasticity
     tight = [simulate(replace(table2(), {"buffer.k_A": 500.0 + d}), rtol=1e-11) for d in (0.02, -0.02)]
     for slope, name in ((stroke, "stroke"), (end, "end_time")):
         expected = float(getattr(tight[0], name) - getattr(tight[1], name)) / 0.04

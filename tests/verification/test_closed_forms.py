@@ -9,7 +9,7 @@ from scipy.special import ellipk
 
 from helpers import GRAVITY, pendulum
 from jaxbuffer.contact.laws import ExactRestitution, Hertz, KelvinVoigt, LankaraniNikravesh
-from jaxbuffer.integrate import Kind, solve
+from jaxbuffer.hybrid import Kind, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact
 from jaxbuffer.multibody import (
     GROUND,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from jaxbuffer import replace, simulate
-from jaxbuffer.capture import DEFAULT_TOLERANCE
-from jaxbuffer.mechanisms import get
+from jaxbuffer.fields import get
+from jaxbuffer.run.simulate import DEFAULT_TOLERANCE
 from verification.cases import CASES, PARAMETERS, PATHS
 
 pytestmark = pytest.mark.slow

@@ -1,6 +1,6 @@
 """Whole captures against the paper's equations integrated in SciPy (exact_model.py): every located maximum.
 
-The reference took its largest stroke, hinge angle and hinge force over steps; here they are searched between them.
+The reference captures are held against it too, so that three programs agree.
 """
 
 from functools import cache
@@ -14,7 +14,7 @@ from verification.exact_model import ExactModel
 
 pytestmark = pytest.mark.slow
 
-# Captures whose reference maxima fall between steps, and both tips of Table 2; the tolerance SciPy can afford.
+# Both tips of Table 2, and captures whose hinge swings fast; the tolerance SciPy can afford.
 TOLERANCES = {"table2": 1e-10, "table2-rolling": 1e-9, "random-1-6": 1e-10, "random-1-10": 1e-10, "random-1-13": 1e-10}
 each_case = pytest.mark.parametrize("name", TOLERANCES)
 
@@ -54,9 +54,13 @@ def test_other_maxima(name, quantity, index):
 
 
 @each_case
-def test_reference_is_a_lower_bound_where_it_was_taken_over_steps(name):
-    (*_, hinge, _, stroke, angle), _ = exact(name)
-    values = CASES[name].values
-    assert values["hinge_force"] < hinge
-    assert values["hinge_angle"] < angle * (1 + 1e-9)
-    assert values["stroke"] < stroke * (1 + 1e-9)
+def test_reference(name):
+    """Measured: 6e-9 of the peak, 1e-8 of the others, but 7e-7 of a free tip's hinge force, where SciPy's own rtol 1e-9
+    is what differs: the program agrees with the reference within 1e-9 there."""
+    (lower, upper, hinge, _, stroke, angle), touchdowns = exact(name)
+    values, free = CASES[name].values, CASES[name].design.probe.free_tip
+    assert values["impacts"] == touchdowns
+    np.testing.assert_allclose(values["peak_force"], max(lower, upper), rtol=3e-8)
+    np.testing.assert_allclose(values["hinge_force"], hinge, rtol=1e-6 if free else 3e-8)
+    np.testing.assert_allclose(values["stroke"], stroke, rtol=3e-8)
+    np.testing.assert_allclose(values["hinge_angle"], angle, rtol=3e-8)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.integrate import ExplicitRungeKutta
-from jaxbuffer.sensitivity import linearised
+from jaxbuffer.hybrid import ExplicitRungeKutta
+from jaxbuffer.sensitivities.gradients import gradients
 from verification.cases import CASES
 from verification.designs import PARAMETERS, random_case
 
@@ -38,27 +38,27 @@ def elasticities_by_differences(design, scenario):
 @pytest.mark.slow
 @pytest.mark.parametrize(("free_tip", "count"), [(False, 50), (True, 10)])
 def test_elasticities_over_random_designs(free_tip, count, capsys):
-    errors, wrong_signs, doubt = [], 0, 0.0
+    errors, wrong_signs, largest = [], 0, 0.0
     for seed in range(count):
         design, scenario = random_case(seed, free_tip)
         values = [jb.get(design, path) for path in PARAMETERS]
-        linear = linearised(design, scenario, PARAMETERS, values)
+        linear = gradients(design, scenario, PARAMETERS, values, 8.0)
         found = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
         expected, uncertainty = elasticities_by_differences(design, scenario)
         errors.append(np.abs(found - expected) / np.maximum(np.abs(expected), 1e-3))
         wrong_signs += int(np.sum((np.sign(found) != np.sign(expected)) & (np.abs(expected) > 1e-4)))
-        doubt = max(doubt, float(uncertainty.max()))
+        largest = max(largest, float(uncertainty.max()))
     quantiles = np.quantile(np.concatenate(errors), [0.5, 0.9, 0.99, 1.0])
     with capsys.disabled():
         print(
             f"\nelasticities of {count} random designs ({'free' if free_tip else 'welded'} tip), relative error: "
             f"median {quantiles[0]:.1e}, 90 % {quantiles[1]:.1e}, 99 % {quantiles[2]:.1e}, worst {quantiles[3]:.1e}; "
-            f"wrong signs {wrong_signs}; differences' own doubt {doubt:.1e}"
+            f"wrong signs {wrong_signs}; differences' own uncertainty {largest:.1e}"
         )
     assert wrong_signs == 0
     assert quantiles[2] < 1e-3
     assert quantiles[3] < 2e-3  # measured 1.1e-3
-    assert doubt < 2e-4  # of each step alone; extrapolation leaves its square
+    assert largest < 2e-4  # of each step alone; extrapolation leaves its square
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
@@ -71,6 +71,6 @@ def test_sensitivities_stop_no_run_and_hold_none_up(rtol):
     cases.append((*slide, jb.simulate(*slide, rtol=1e-8).outcome.name))
     for design, scenario, outcome in cases:
         values = [jb.get(design, path) for path in PARAMETERS]
-        capture = linearised(design, scenario, PARAMETERS, values, rtol=rtol).capture
+        capture = gradients(design, scenario, PARAMETERS, values, 8.0, rtol=rtol).run
         assert capture.outcome.name == outcome
         assert int(capture.attempts) < 3 * int(jb.simulate(design, scenario, rtol=rtol).attempts)

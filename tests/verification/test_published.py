@@ -6,7 +6,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from jaxbuffer.integrate import solve
+from jaxbuffer.hybrid import solve
 from jaxbuffer.multibody import Kinematics
 from verification.published import (
     CLEARANCE,

@@ -11,7 +11,7 @@ from functools import cache
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.integrate import Automatic, DiagonallyImplicit
+from jaxbuffer.hybrid import Automatic, DiagonallyImplicit
 
 TOPIC, EXACT = "Regularisation and stabilisation", "reference capture of the exact model"
 PEAK, END = 253.13152694328107, 0.7193424826485937

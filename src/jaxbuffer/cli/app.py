@@ -8,11 +8,13 @@ import typer
 import jaxbuffer
 
 from .exits import OK, fail
+from .fields import fields
 from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
 from .report import report
 from .reproduce import reproduce
 from .request import Request, given, verb
+from .streams import note
 from .sweep import sweep
 
 ScenarioNumber = Annotated[
@@ -70,12 +72,14 @@ def root(
         typer.echo(ctx.get_help())
 
 
-@verb(app, "One capture: peak forces, stroke, hinge angle, energies.")
+@verb(app, "One run: peak forces, stroke, hinge angle, energies.")
 def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
-    """Simulate one capture and print its peak forces, stroke, hinge angle and energies.
+    """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
+
+    Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 
     \b
-    Files in DIR:
+    Files in DIR, of a capture:
       capture.json  every number, its unit in the name, and every impact
       history.csv   forces, gaps, motion and energies at each step
       capture.png   contact force, gap, stroke, hinge angle, energies over time
@@ -85,12 +89,13 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
-    files = request.files("capture.json", "history.csv", "capture.png", "capture.txt")
-    from ..capture import simulate as compute
+    name = study.mechanism.run_name
+    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt")
+    from ..run.simulate import simulate as compute
     from .progress import working
 
     options = study.options
-    capture = working(
+    run = working(
         "simulating",
         lambda: compute(
             study.design,
@@ -101,15 +106,17 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
             history=request.output is not None,
         ),
     )
-    if capture.outcome.failed:
-        return fail(capture.outcome.reason)
-    from .results import capture_files
+    if run.outcome.failed:
+        return fail(run.outcome.reason)
+    if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
+        note(f"the history holds the first {kept} steps only")
+    from ..output.results import run_files
 
-    files.save_and_show(lambda: capture_files(capture), capture)
+    files.save_and_show(lambda: run_files(run), run)
     return OK
 
 
-@verb(app, "One capture's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
+@verb(app, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
 def sensitivity(
     request: Request,
     wrt: Annotated[
@@ -125,7 +132,7 @@ def sensitivity(
     ] = "quick",
     scenario_number: ScenarioNumber = None,
 ) -> int:
-    """Differentiate one capture: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
+    """Differentiate one run: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
     quantity below.
 
     They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
@@ -144,14 +151,18 @@ def sensitivity(
     study = request.one_scenario(scenario_number)
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..errors import check_choice
-    from ..quantities import check_quantities
-    from ..sensitivity import CERTIFICATES, PARAMETERS, QUANTITIES, parameters
-    from ..sensitivity import sensitivity as compute
+    from ..fields import check_numbers
+    from ..mechanisms.quantity import check_quantities
+    from ..run.simulate import ONE_RUN
+    from ..sensitivities.sensitivity import CERTIFICATES
+    from ..sensitivities.sensitivity import sensitivity as compute
     from .progress import working
 
     check_choice("certify", certify, CERTIFICATES)
-    options, names = study.options, check_quantities(of or QUANTITIES)
-    paths, _ = parameters(study.design, study.scenario, wrt or PARAMETERS)
+    options, mechanism = study.options, study.mechanism
+    names = check_quantities(mechanism.quantities, of or mechanism.defaults.differentiated)
+    one = ONE_RUN.format(mechanism.run_name)
+    paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.defaults.parameters, one)
     result = working(
         "differentiating",
         lambda: compute(
@@ -165,9 +176,9 @@ def sensitivity(
             certify=certify,
         ),
     )
-    if result.capture.outcome.failed:
-        return fail(result.capture.outcome.reason)
-    from .results import sensitivity_files
+    if result.run.outcome.failed:
+        return fail(result.run.outcome.reason)
+    from ..output.results import sensitivity_files
 
     files.save_and_show(lambda: sensitivity_files(result), result)
     return OK
@@ -200,8 +211,8 @@ def tune(
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
     """
-    from ..config import apply_options
-    from ..grid import check_swept_once
+    from ..study.config import apply_options
+    from ..sweeps.grid import check_swept_once
 
     study = request.study()
     chosen = given(iterations=iterations, starts=starts, seed=seed)
@@ -210,7 +221,7 @@ def tune(
     problem = study.problem()
     names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
-    from ..tuning import tune as compute
+    from ..tuning.tune import tune as compute
     from .progress import tuning
 
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
@@ -220,13 +231,14 @@ def tune(
         from .unfinished import keep_best
 
         return keep_best(problem, settings, files)
-    from .results import tuned_files
+    from ..output.results import tuned_files
 
     files.save_and_show(lambda: tuned_files(tuned), tuned)
     return OK if tuned.feasible else fail(tuned.message)
 
 
-verb(app, "Many captures: every combination of values of some fields.")(sweep)
+verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
+app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
 app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)
 app.command(cls=Plain, short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)

@@ -10,8 +10,8 @@ from .exits import OK
 from .request import Request
 
 if TYPE_CHECKING:
-    from ..comparison import Comparison
-    from .output import Contents
+    from ..mechanisms.probe_cone.comparison import Comparison
+    from ..output.formats import Contents
 
 Mass = Annotated[str | None, typer.Option(metavar="KG", help="Effective mass [kg]; default: of the first contact.")]
 Speed = Annotated[str | None, typer.Option(metavar="M/S", help="Speed [m/s]; default: of the first contact.")]
@@ -36,7 +36,7 @@ def laws(
     """
     study = request.study()
     files = request.files("laws.csv", "laws.png")
-    from ..comparison import compare_laws
+    from ..mechanisms.probe_cone.comparison import compare_laws
 
     comparison = compare_laws(
         study.design, study.scenario, mass=_number("--mass", mass, "kg"), speed=_number("--speed", speed, "m/s")
@@ -46,9 +46,9 @@ def laws(
 
 
 def _contents(comparison: "Comparison") -> "Contents":
-    from ..laws_plot import laws_figure
-    from ..plot_style import png
-    from .output import csv_text
+    from ..output.formats import csv_text
+    from ..output.laws_figure import laws_figure
+    from ..output.style import png
 
     return {
         "laws.csv": lambda: csv_text(*_rows(comparison)),
@@ -69,7 +69,7 @@ def _number(option: str, text: str | None, unit: str) -> float | None:
 
 
 def _rows(comparison: "Comparison") -> tuple[list[str], list[Sequence[Any]]]:
-    from ..comparison import ASKED
+    from ..mechanisms.probe_cone.comparison import ASKED
 
     header = [
         *("law", "source", "validity", "stiffness unit"),

@@ -1,20 +1,13 @@
 """Result files: refused before computing if they exist; saved at the end, and only then is anything printed."""
 
-import csv
-import io
-import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError
 from ..files import write, write_beside
+from ..output.formats import Contents
 from .streams import note, show
-
-SUMMARIES = ("capture.txt", "sensitivity.txt", "tune.txt")  # what a command printed, for `jaxbuffer report`
-ARRAYS = "sweep.npz"
-Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 
 
 class Output:
@@ -72,17 +65,3 @@ class Output:
         if found != path:
             note(f"{path} appeared meanwhile and is left as it is; the result is in {found}")
         return found
-
-
-def json_text(record: Mapping[str, Any]) -> str:
-    """Indented JSON; NaN and infinity, which JSON lacks, must be None already."""
-    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A header with units and one line a row, floats to the last digit."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue()

@@ -9,7 +9,8 @@ from ..errors import InputError
 
 FIELDS = """\
 \b
-Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
+Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml;
+those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   active    mass [kg], inertia [kg m²], hinge_offset [m]
   passive   mass [kg], inertia [kg m²]
   buffer    k_A [N/m], c_A [N s/m], k_T [N m/rad], c_T [N m s/rad],
@@ -34,12 +35,14 @@ Fields (each as --section.field VALUE here, or under [section] in CONFIG.toml):
 WITH_QUANTITIES = (
     """\
 \b
-Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact):
+Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact;
+those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
   capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
   stroke_margin [m]    stroke left before the buffer's end
+  capture_share [-]    of the tip beyond that plane at the duration, over its distance from it at the start
   stroke_share [-]     share of the buffer's stroke that is used, above 1 where the run bottoms
   peak_stop_force [N], penetration [m], contact_pressure [Pa]
   axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J], dissipated [J]

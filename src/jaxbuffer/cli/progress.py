@@ -69,7 +69,7 @@ def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
 
 
 def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
-    """Run ``work``, which reports captures done of ``count``: a bar with captures a second on a terminal, a plain line
+    """Run ``work``, which reports runs done of ``count``: a bar with runs a second on a terminal, a plain line
     every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""
     console = Console(stderr=True)
     begin = None  # the first report comes after the compilation, which is no part of the rate
@@ -80,10 +80,10 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
         if begin is None:
             begin, first = time.monotonic(), done
         seconds = time.monotonic() - begin
-        return f"{(done - first) / seconds:.0f} captures/s" if seconds > 0.0 and done > first else ""
+        return f"{(done - first) / seconds:.0f} runs/s" if seconds > 0.0 and done > first else ""
 
     if not console.is_terminal:
-        print(f"sweeping {count} captures", file=sys.stderr, flush=True)
+        print(f"sweeping {count} runs", file=sys.stderr, flush=True)
         due = time.monotonic() + PERIOD
 
         def line(done: int, count: int) -> None:
@@ -112,13 +112,15 @@ def in_words(it: "Record") -> str:
     stage = "then, " if it["stage"] else ""
     text = f"{stage}{where}: {it['objective']:.5g} N"
     if not it["feasible"]:
-        text += f", {it['outcome'].count('captured')} of {len(it['outcome'])} captured, limits broken"
+        met = it["succeeded"]
+        text += "" if all(met) else f", {sum(met)} of {len(met)} end as they must"
+        text += ", limits broken"
     return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")
 
 
 def _compiling_said() -> AbstractContextManager[None]:
     """Say once, on a line of its own, that a program is being compiled, if one is."""
-    from ..programs import watched
+    from ..compiling.programs import watched
 
     said = False
 
@@ -133,7 +135,7 @@ def _compiling_said() -> AbstractContextManager[None]:
 
 def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager[None]:
     """Show it in the place of a task's description for as long as it takes."""
-    from ..programs import watched
+    from ..compiling.programs import watched
 
     before = ""
 

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError
+from ..output.formats import ARRAYS
 from .exits import OK
-from .output import ARRAYS, SUMMARIES
 from .streams import show
 
 
@@ -19,11 +19,11 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder 
     """
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
-    found = [folder / name for name in SUMMARIES if (folder / name).is_file()]
+    found = sorted(file for file in folder.glob("*.txt") if file.is_file())
     for file in found:
         show(_text(file))
     if (folder / ARRAYS).is_file():
-        from .sweep_files import read
+        from ..output.sweep_files import read
 
         show(read(folder / ARRAYS))
     elif not found:

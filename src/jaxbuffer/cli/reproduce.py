@@ -26,15 +26,16 @@ def reproduce(
     \b
     Example: jaxbuffer reproduce --output results/paper
     """
-    from ..plot_style import require_matplotlib
-    from ..runtime import configure
-    from .output import Contents, Output, csv_text, json_text
+    from ..compiling.process import configure
+    from ..output.formats import Contents, csv_text, json_text
+    from ..output.style import require_matplotlib
+    from .output import Output
 
     require_matplotlib()
     configure(cache=cache_folder())
-    from ..reproduce import STUDIES, judged, run
-    from ..reproduce.run import COLUMNS, captures
-    from ..reproduce.tables import claims_table, markdown
+    from ..paper import STUDIES, judged, run
+    from ..paper.run import COLUMNS, captures
+    from ..paper.tables import claims_table, markdown
     from .progress import counting
 
     figures = [f"{study.name}.png" for study in STUDIES]
@@ -43,7 +44,7 @@ def reproduce(
     failed = [row for found in studied for row in found.rows if str(row["outcome"]).startswith("failed")]
     if failed:
         return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
-    from ..reproduce.figures import figure
+    from ..paper.figures import figure
 
     verdicts = judged(studied)
     rows = [row for found in studied for row in found.rows]

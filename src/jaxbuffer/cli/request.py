@@ -13,13 +13,18 @@ from ..errors import InputError
 from .overrides import FIELDS, Command
 
 if TYPE_CHECKING:
-    from ..config import Config
+    from ..study.config import Config
     from .output import Output
 
 SHARED = {
     "config": Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")],
     "solver": Annotated[
-        str | None, typer.Option(metavar="NAME", help="automatic (default), implicit or explicit.", show_default=False)
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="automatic (default), implicit, explicit, or diffrax:METHOD, diffrax:Kvaerno5 say.",
+            show_default=False,
+        ),
     ],
     "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
     "duration": Annotated[str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
@@ -42,10 +47,10 @@ class Request:
 
     def study(self) -> "Config":
         """The study with everything the command line overrides; JAX is set up on the way."""
-        from ..runtime import configure
+        from ..compiling.process import configure
 
         configure(cache=cache_folder())
-        from ..config import apply_options, apply_overrides, load
+        from ..study.config import apply_options, apply_overrides, load
 
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
@@ -54,7 +59,7 @@ class Request:
     def one_scenario(self, number: str | None) -> "Config":
         """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
         or that of [scenario], which a line on stderr says where there are several."""
-        from ..config import chosen_scenario
+        from ..study.config import chosen_scenario
 
         study, note = chosen_scenario(self.study(), number)
         if note:
@@ -71,7 +76,7 @@ class Request:
         if resume and self.output is None:
             raise InputError("--resume needs --output DIR, the folder of the run to go on with")
         if self.output is not None and any(name.endswith(".png") for name in names):
-            from ..plot_style import require_matplotlib
+            from ..output.style import require_matplotlib
 
             require_matplotlib()
         return Output(self.output, names, self.force, resumable, resume)

@@ -10,8 +10,8 @@ from .request import Request
 from .streams import note
 
 if TYPE_CHECKING:
-    from ..config import Config
-    from ..grid import Grid
+    from ..study.config import Config
+    from ..sweeps.grid import Grid
 
 Over = Annotated[
     list[str] | None,
@@ -49,10 +49,10 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
-    from ..grid import check_swept_once
-    from ..sweep_store import STORE
-    from .output import ARRAYS
-    from .sweep_files import FIGURE, TABLE
+    from ..output.formats import ARRAYS
+    from ..output.sweep_files import FIGURE, TABLE
+    from ..sweeps.grid import check_swept_once
+    from ..sweeps.store import STORE
 
     study = request.study()
     grid = _grid(study, over or [])
@@ -61,11 +61,11 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     files = request.files(TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
     import numpy as np
 
-    from ..sweep import SweepInterrupted
-    from ..sweep import sweep as compute
-    from ..swept import Swept
+    from ..output.results import swept_files
+    from ..sweeps.sweep import SweepInterrupted
+    from ..sweeps.sweep import sweep as compute
+    from ..sweeps.swept import Swept
     from .progress import sweeping
-    from .results import swept_files
 
     options = study.options
     interrupted = False
@@ -87,7 +87,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     except SweepInterrupted as stop:
         found, done, interrupted = stop.found, stop.done, True
         if request.output is not None:
-            told = f"{done.sum()} of {done.size} captures are kept"
+            told = f"{done.sum()} of {done.size} {study.mechanism.run_name}s are kept"
             note(f"{told}; the same command with --resume goes on in {request.output}")
         if not done.any():
             return INTERRUPTED
@@ -97,7 +97,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
 
 
 def _grid(study: "Config", over: list[str]) -> "Grid":
-    from ..grid import DEFAULT, grid, typed
+    from ..sweeps.grid import grid, typed
 
     asked = dict(study.sweep)
     typed_in = [typed(text) for text in over]
@@ -105,4 +105,4 @@ def _grid(study: "Config", over: list[str]) -> "Grid":
         if sum(path == other for other, _ in typed_in) > 1:
             raise InputError(f"--over {path} is given more than once; put its values into one")
         asked[path] = values
-    return grid(asked or DEFAULT, study.design, study.scenario)
+    return grid(asked or study.mechanism.defaults.grid, study.design, study.scenario)

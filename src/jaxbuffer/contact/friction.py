@@ -7,14 +7,21 @@ from .._types import Scalar, Values
 
 
 class RegularisedCoulomb(eqx.Module):
-    """F_t = -μ F_n tanh(v_t / v_s).
+    """Coulomb's friction, regularised by a slip speed (M59).
 
-    **Arguments:** ``coefficient`` μ ≥ 0 [-]; ``slip_speed`` v_s > 0 [m/s], whose limit 0 is Coulomb's law.
+    - ``coefficient``: μ ≥ 0 [-].
+    - ``slip_speed``: v_s > 0 [m/s]; its limit 0 is Coulomb's law.
     """
 
     coefficient: Scalar
     slip_speed: Scalar
 
     def force(self, normal_force: Values, slip: Values) -> Values:
-        """F_t [N], against the slip v_t [m/s]."""
+        """The friction force along the tangent [N], the shape of its arguments (M59).
+
+        **Arguments:**
+
+        - ``normal_force``: F_n [N].
+        - ``slip``: v_t along the tangent [m/s].
+        """
         return -self.coefficient * normal_force * jnp.tanh(slip / self.slip_speed)

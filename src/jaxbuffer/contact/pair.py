@@ -14,7 +14,12 @@ from .shapes import Segment
 
 
 class Ball(NamedTuple):
-    """The ball's centre and motion in the axes of the inertial frame [m, m/s, rad/s]."""
+    """A ball's centre and its motion, in inertial axes.
+
+    - ``x``, ``y``: the centre [m].
+    - ``velocity_x``, ``velocity_y``: of the centre [m/s].
+    - ``spin``: [rad/s].
+    """
 
     x: Scalar
     y: Scalar
@@ -24,7 +29,13 @@ class Ball(NamedTuple):
 
 
 class Carrier(NamedTuple):
-    """Pose and motion of the body that carries the segments [m, rad, m/s, rad/s]."""
+    """Pose and motion of the body that carries the segments, in inertial axes.
+
+    - ``x``, ``y``: its centre of mass [m].
+    - ``cos``, ``sin``: of its angle [-].
+    - ``velocity_x``, ``velocity_y``: of its centre of mass [m/s].
+    - ``spin``: [rad/s].
+    """
 
     x: Scalar
     y: Scalar
@@ -36,11 +47,16 @@ class Carrier(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """The pair's geometry and relative motion, before any force.
+    """Geometry and relative motion of the pair before any force (M31, M32), an entry a segment; axes are inertial.
 
-    ``gap`` [m], ``approach_speed`` δ̇ [m/s] and ``slip`` v_t [m/s] of the material points at the foot; ``slant`` of the
-    foot along the segment [m]; unit normal (segment → ball) and tangent, and the foot's arm from the body's origin, in
-    inertial axes; ``distance`` foot - centre [m].
+    - ``gap``: from the ball's surface to the segment, negative in contact [m].
+    - ``approach_speed``: δ̇ of the material points at the foot [m/s].
+    - ``slip``: v_t of the same points along the tangent [m/s].
+    - ``slant``: of the foot along the segment, from its start [m].
+    - ``normal_x``, ``normal_y``: unit normal, from the foot to the ball's centre [-].
+    - ``tangent_x``, ``tangent_y``: unit tangent [-].
+    - ``foot_x``, ``foot_y``: arm of the foot from the carrier's centre of mass [m].
+    - ``distance``: from the foot to the ball's centre [m].
     """
 
     gap: Values
@@ -57,10 +73,14 @@ class Approach(NamedTuple):
 
 
 class BallOnSegments(eqx.Module):
-    """A ball of ``radius`` [m] against ``segments`` with a normal law and friction.
+    """A ball against segments, with a normal law and friction.
 
-    ``side``: +1 where the tangent is the normal turned by -90°, -1 where by +90°, so that it points along the flank
-    towards the throat on either side of a cone.
+    - ``radius``: of the ball [m].
+    - ``segments``: in the axes of the body that carries them.
+    - ``side``: an entry a segment: where its front is, +1 to the right of its direction, -1 to the left. The tangent is
+      opposite to the direction; on a cone both tangents then point along their flanks towards the throat.
+    - ``law``: of the normal force.
+    - ``friction``: of the tangential force.
     """
 
     radius: Scalar
@@ -70,11 +90,14 @@ class BallOnSegments(eqx.Module):
     friction: RegularisedCoulomb
 
     def approach(self, ball: Ball, body: Carrier) -> Approach:
-        """Gap, speeds and directions of the pair."""
+        """Gap, speeds and directions of the pair (M31, M32).
+
+        **Arguments:** ``ball``; ``body``: the one that carries the segments.
+        """
         off_x, off_y = ball.x - body.x, ball.y - body.y
         local_x = body.cos * off_x + body.sin * off_y
         local_y = body.cos * off_y - body.sin * off_x
-        foot = self.segments.foot(local_x, local_y)
+        foot = self.segments.foot(local_x, local_y, self.side)
         normal_x = body.cos * foot.normal_x - body.sin * foot.normal_y
         normal_y = body.sin * foot.normal_x + body.cos * foot.normal_y
         foot_x = body.cos * foot.x - body.sin * foot.y
@@ -98,17 +121,26 @@ class BallOnSegments(eqx.Module):
         )
 
     def normal_force(self, approach: Approach, touchdown_speed: Values) -> Values:
-        """F_n [N] of each segment, as if all were in contact."""
+        """F_n of each segment [N], as if all were in contact.
+
+        **Arguments:** ``approach``; ``touchdown_speed``: δ̇⁻ of each segment [m/s] (M36).
+        """
         return self.law.force(-approach.gap, approach.approach_speed, touchdown_speed)
 
     def friction_force(self, approach: Approach, normal_force: Values) -> Values:
-        """F_t [N] along each tangent."""
+        """F_t of each segment along its tangent [N] (M59).
+
+        **Arguments:** ``approach``; ``normal_force``: F_n of each segment [N].
+        """
         return self.friction.force(normal_force, approach.slip)
 
     def stored_energy(self, approach: Approach) -> Values:
-        """Elastic energy of each contact [J], as if all were in contact."""
+        """Energy stored in each contact [J], as if all were in contact (M37)."""
         return self.law.energy(-approach.gap)
 
     def hysteresis_power(self, approach: Approach, normal_force: Values) -> Values:
-        """Power lost inside each contact, (F_n - K δ^{3/2}) δ̇ [W]: what the force takes less than the spring in it."""
+        """Power lost in each contact [W]: what the force takes less what the spring in it takes (M37).
+
+        **Arguments:** ``approach``; ``normal_force``: F_n of each segment [N].
+        """
         return (normal_force - self.law.elastic(-approach.gap)) * approach.approach_speed

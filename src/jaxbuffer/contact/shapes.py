@@ -9,10 +9,12 @@ from .._types import Scalar, Values
 
 
 class Foot(NamedTuple):
-    """Nearest point of a shape to a ball's centre, in the shape's axes.
+    """The point of a shape that is nearest to a ball's centre, in the shape's axes (M31).
 
-    ``x``, ``y``: the foot [m]; ``normal_x``, ``normal_y``: unit vector foot → centre; ``distance`` [m] between them;
-    ``slant``: where along the segment the foot lies, from its start [m].
+    - ``x``, ``y``: the foot [m].
+    - ``normal_x``, ``normal_y``: unit vector from the foot to the centre [-].
+    - ``distance``: between them [m].
+    - ``slant``: of the foot along the segment, from its start [m].
     """
 
     x: Values
@@ -24,10 +26,13 @@ class Foot(NamedTuple):
 
 
 class Segment(eqx.Module):
-    """A straight flank from ``start`` along the unit vector ``direction``, ``length`` long [m].
+    """A straight flank; each field is a scalar or an array with an entry a segment (M30).
 
-    The foot is clamped to the segment, so both ends are met as points and the normal stays continuous there. The fields
-    may be arrays of several segments, treated together.
+    The foot stays on the segment, so both ends are met as points and the normal turns continuously there.
+
+    - ``start_x``, ``start_y``: where it starts [m].
+    - ``direction_x``, ``direction_y``: unit vector along it [-].
+    - ``length``: [m].
     """
 
     start_x: Values | Scalar
@@ -36,11 +41,21 @@ class Segment(eqx.Module):
     direction_y: Values | Scalar
     length: Scalar
 
-    def foot(self, x: Values | Scalar, y: Values | Scalar) -> Foot:
-        """The foot of the point (x, y) in the segment's axes [m]."""
-        along = (x - self.start_x) * self.direction_x + (y - self.start_y) * self.direction_y
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
+        """The foot of the point (x, y) on each segment (M31).
+
+        Behind a segment, between its ends, the distance is negative and the normal still points to the front: so a
+        point that a long step has carried through the segment is not taken for one before it.
+
+        **Arguments:** ``x``, ``y``: the point in the segment's axes [m]; ``side``: where a segment's front is, +1 to
+        the right of its direction, -1 to the left.
+        """
+        from_x, from_y = x - self.start_x, y - self.start_y
+        along = from_x * self.direction_x + from_y * self.direction_y
+        behind = side * (self.direction_x * from_y - self.direction_y * from_x)
+        sign = jnp.where((behind > 0.0) & (along > 0.0) & (along < self.length), -1.0, 1.0)
         slant = jnp.clip(along, 0.0, self.length)
         foot_x, foot_y = self.start_x + slant * self.direction_x, self.start_y + slant * self.direction_y
         off_x, off_y = x - foot_x, y - foot_y
-        distance = jnp.sqrt(off_x * off_x + off_y * off_y)
+        distance = sign * jnp.sqrt(off_x * off_x + off_y * off_y)
         return Foot(foot_x, foot_y, off_x / distance, off_y / distance, distance, slant)

@@ -1,15 +1,35 @@
-"""Mechanisms built from bodies, joints, force elements and contacts."""
+"""Mechanisms, a folder each, and what they are made from.
 
-from .capture import CaptureMechanism as CaptureMechanism
-from .design import Design as Design
-from .design import Scenario as Scenario
-from .design import check_fit as check_fit
-from .design import rigid_probe as rigid_probe
-from .design import table2 as table2
-from .hybrid import HybridSystem as HybridSystem
-from .hybrid import Linearisation as Linearisation
-from .label import scenario_label as scenario_label
-from .paths import get as get
-from .paths import paths as paths
-from .paths import replace as replace
-from .paths import unit as unit
+A folder registers its `Mechanism` when it is imported; this is the list of those that come with the package, with the
+public names of each.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
+
+FOLDERS: dict[str, tuple[str, ...]] = {
+    "probe_cone": (
+        *("Capture", "Design", "FirstImpact", "Outcome", "Scenario"),
+        *("first_impact", "rigid_probe", "table2"),
+    ),
+}
+
+
+def all_mechanisms() -> "tuple[Mechanism, ...]":
+    """All that come with the package, and those that were registered besides."""
+    for folder in FOLDERS:
+        importlib.import_module(f".{folder}", __name__)
+    from .registry import all_registered
+
+    return all_registered()
+
+
+def mechanism_named(name: Any) -> "Mechanism":
+    """The mechanism of a name, such as "probe_cone". **Raises:** `InputError` that lists those there are."""
+    all_mechanisms()
+    from .registry import registered
+
+    return registered(name)

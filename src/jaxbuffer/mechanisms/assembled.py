@@ -1,21 +1,25 @@
-"""Any planar mechanism with ball contacts as a hybrid system: bodies, joints and force elements, and balls on flanks.
-
-The state is ``[q, v, contact memory, integrals]``. For explicit solvers.
-"""
+"""Any planar mechanism with ball contacts: bodies, joints and force elements, and balls on flanks."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
 from ..contact import Approach, Ball, BallOnSegments, Carrier
-from ..multibody import Kinematics, Load, System, Vector, load_at
-from .hybrid import HybridSystem, Linearisation
+from ..hybrid import Linearisation
+from ..multibody import Kinematics, Load, Motion, System, load_at
+from ..plane import Vector
+from .energy import Energy
+from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, linearised
+from .snapshot import Snapshot
+from .system import SLOWEST_TOUCHDOWN, ContactSystem
 
-SLOWEST_TOUCHDOWN = 1e-5  # m/s
-GAP = ("gap", "approach_speed")
+DEEPEST = 0.99  # of a ball's radius
+LOSSES = ("dampers", "hysteresis", "friction")  # where energy is lost
 
 Quantity = Callable[[System, Kinematics], Scalar]
 
@@ -32,34 +36,46 @@ class BallContact(eqx.Module):
     point: tuple[Scalar, Scalar] = (0.0, 0.0)
 
     def approach(self, kin: Kinematics) -> tuple[Approach, Vector]:
-        """Geometry and relative motion, and the ball's arm from its body's centre of mass."""
+        """Geometry and relative motion, an entry long, and the ball's arm from its body's centre of mass."""
         body, carrier = kin.frame(self.body), kin.frame(self.carrier)
         arm = body.turn(Vector(*self.point))
         centre, velocity = body.origin + arm, body.velocity_at(arm)
         ball = Ball(centre.x, centre.y, velocity.x, velocity.y, body.spin)
         origin, motion = carrier.origin, carrier.velocity
-        return self.pair.approach(
-            ball, Carrier(origin.x, origin.y, carrier.cos, carrier.sin, motion.x, motion.y, carrier.spin)
-        ), arm
+        place = Carrier(origin.x, origin.y, carrier.cos, carrier.sin, motion.x, motion.y, carrier.spin)
+        return Approach(*(jnp.reshape(part, (1,)) for part in self.pair.approach(ball, place))), arm
 
-    def loads(self, kin: Kinematics, memory: Scalar, active: Scalar) -> tuple[tuple[Load, ...], Scalar]:
-        """Loads on both bodies at the foot, and F_n [N]."""
-        a, arm = self.approach(kin)
-        normal = active * self.pair.normal_force(a, jnp.asarray(memory))
-        friction = self.pair.friction_force(a, normal)
-        push = Vector(normal * a.normal_x + friction * a.tangent_x, normal * a.normal_y + friction * a.tangent_y)
-        to_foot = Vector(arm.x - a.distance * a.normal_x, arm.y - a.distance * a.normal_y)
-        on_ball = load_at(self.body, push, to_foot)
-        return (on_ball, load_at(self.carrier, -push, Vector(a.foot_x, a.foot_y))), normal
+    def loads(self, at: Approach, arm: Vector, normal: Array, friction: Array) -> tuple[Load, Load]:
+        """Loads on both bodies at the foot, of the forces F_n and F_t [N]."""
+        x, y = normal * at.normal_x + friction * at.tangent_x, normal * at.normal_y + friction * at.tangent_y
+        push = Vector(x[0], y[0])
+        to_foot = Vector(arm.x - (at.distance * at.normal_x)[0], arm.y - (at.distance * at.normal_y)[0])
+        foot = Vector(at.foot_x[0], at.foot_y[0])
+        return load_at(self.body, push, to_foot), load_at(self.carrier, -push, foot)
 
 
-class Assembled(HybridSystem):
+class Posture(NamedTuple):
+    """A state looked at once: the bodies' frames, and of each contact geometry, relative motion and the ball's arm."""
+
+    state: Float[Array, " state"]
+    kin: Kinematics
+    approach: tuple[Approach, ...]
+    arm: tuple[Vector, ...]
+
+
+class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
+
+    The state is ``[q, v, energy lost (3), integrals, contact memory]``.
 
     **Arguments:** ``system``; ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``;
     ``closed``: which of them are closed at t = 0 (default: none); ``integrals``: quantities whose integrals over time
-    are wanted, zero at t = 0; ``ends``: quantities whose crossing of zero upwards ends the run; ``size``: magnitudes
-    that matter of a coordinate and of a velocity. Observables are the contacts' normal forces [N].
+    are wanted, zero at t = 0; ``ends``: quantities whose crossing of zero upwards ends the run (so
+    does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``size``: magnitudes
+    that matter of a coordinate and of a velocity; ``shown``: further observables, by name, as functions of the
+    mechanism and a posture; ``energy_size`` [J]: magnitude of the energy; if given, steps must also keep
+    the energy balance.
+    Observables are the contacts' normal forces [N], then those shown.
     """
 
     system: System
@@ -70,95 +86,143 @@ class Assembled(HybridSystem):
     integrals: tuple[Quantity, ...] = eqx.field(static=True, default=())
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
     size: tuple[Scalar, Scalar] = (1.0, 1.0)
+    shown: tuple[tuple[str, Callable[["Assembled", Posture], Scalar]], ...] = eqx.field(static=True, default=())
+    energy_size: Scalar | None = None
 
     @property
     def coordinates(self) -> int:
         return self.system.coordinates
 
     @property
+    def contact_count(self) -> int:
+        return len(self.contacts)
+
+    @property
+    def impact_contacts(self) -> int:
+        return len(self.contacts)
+
+    @property
     def jumps(self) -> bool:
         return any(contact.pair.law.jumps for contact in self.contacts)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(name for name, _ in self.shown))
+
+    @property
+    def energy_scale(self) -> Scalar:
+        masses = sum((body.mass for body in self.system.bodies), start=jnp.zeros(()))
+        return 0.5 * masses * self.size[1] ** 2 if self.energy_size is None else self.energy_size
+
+    @property
+    def balance_complete(self) -> bool:
+        return self.energy_size is not None
 
     def kinematics(self, state: Float[Array, " state"]) -> Kinematics:
         """Frames of the bodies."""
         n = self.system.coordinates
         return Kinematics(state[:n], state[n : 2 * n])
 
-    def memory(self, state: Float[Array, " state"]) -> Float[Array, " contacts"]:
-        """δ̇⁻ of each contact [m/s]."""
-        n = 2 * self.system.coordinates
-        return state[n : n + len(self.contacts)]
-
     def integral(self, state: Float[Array, " state"]) -> Float[Array, " integrals"]:
         """The integrals so far."""
-        return state[2 * self.system.coordinates + len(self.contacts) :]
+        return state[2 * self.coordinates + len(LOSSES) : len(state) - len(self.contacts)]
+
+    def posture(self, state: Float[Array, " state"]) -> Posture:
+        kin = self.kinematics(state)
+        found = [contact.approach(kin) for contact in self.contacts]
+        return Posture(state, kin, tuple(a for a, _ in found), tuple(arm for _, arm in found))
 
     def start(self) -> tuple[Float[Array, " state"], Float[Array, " contacts"]]:
         kin = Kinematics(self.q, self.v)
-        speeds = [jnp.sum(contact.approach(kin)[0].approach_speed) for contact in self.contacts]
-        memory = [jnp.maximum(speed, SLOWEST_TOUCHDOWN) for speed in speeds]
-        state = jnp.concatenate([self.q, self.v, _row(memory), jnp.zeros(len(self.integrals))])
+        speeds = [jnp.maximum(contact.approach(kin)[0].approach_speed, SLOWEST_TOUCHDOWN) for contact in self.contacts]
+        state = [self.q, self.v, jnp.zeros(len(LOSSES) + len(self.integrals)), *speeds]
         closed = self.closed or (False,) * len(self.contacts)
-        return state, jnp.asarray(closed, float)
+        return jnp.concatenate(state), jnp.asarray(closed, float)
 
-    def forces(
-        self, state: Float[Array, " state"], active: Float[Array, " contacts"]
-    ) -> tuple[tuple[Load, ...], list[Scalar]]:
-        """All contacts' loads, and their F_n [N]."""
-        kin, memory = self.kinematics(state), self.memory(state)
-        found = [contact.loads(kin, memory[k], active[k]) for k, contact in enumerate(self.contacts)]
-        return tuple(load for loads, _ in found for load in loads), [normal for _, normal in found]
+    def forces_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[list[Array], list[Array]]:
+        """F_n and F_t [N] of each contact, an entry long."""
+        memory = self.memory(at.state)
+        normal = [
+            active[k] * contact.pair.normal_force(at.approach[k], memory[k : k + 1])
+            for k, contact in enumerate(self.contacts)
+        ]
+        pairs = zip(self.contacts, at.approach, normal, strict=True)
+        return normal, [contact.pair.friction_force(approach, force) for contact, approach, force in pairs]
+
+    def motion_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Motion, list[Array], list[Array]]:
+        """Accelerations and multipliers, and F_n and F_t [N] of each contact."""
+        normal, friction = self.forces_at(at, active)
+        parts = zip(self.contacts, at.approach, at.arm, normal, friction, strict=True)
+        loads = [load for contact, a, arm, push, rub in parts for load in contact.loads(a, arm, push, rub)]
+        return self.system.motion(at.kin, tuple(loads)), normal, friction
 
     def derivative(
         self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Float[Array, " state"]:
-        kin = self.kinematics(state)
-        acceleration = self.system.motion(kin, self.forces(state, active)[0]).acceleration
-        rates = [quantity(self.system, kin) for quantity in self.integrals]
-        return jnp.concatenate([kin.v, acceleration, jnp.zeros(len(self.contacts)), _row(rates)])
+        at = self.posture(state)
+        motion, normal, friction = self.motion_at(at, active)
+        dampers = sum((element.dissipation(at.kin) for element in self.system.forces), start=jnp.zeros(()))
+        hysteresis = rubbing = jnp.zeros(())
+        for k, contact in enumerate(self.contacts):
+            power = contact.pair.hysteresis_power(at.approach[k], normal[k])
+            hysteresis = hysteresis + active[k] * jnp.sum(power)
+            rubbing = rubbing - jnp.sum(friction[k] * at.approach[k].slip)
+        rates = [dampers, hysteresis, rubbing, *(quantity(self.system, at.kin) for quantity in self.integrals)]
+        return jnp.concatenate([at.kin.v, motion.acceleration, stacked(rates), jnp.zeros(len(self.contacts))])
 
-    def gaps(self, state: Float[Array, " state"]) -> Float[Array, " contacts"]:
-        kin = self.kinematics(state)
-        return _row([contact.approach(kin)[0].gap for contact in self.contacts])
+    def gaps_at(self, at: Posture) -> tuple[Float[Array, " contacts"], Float[Array, " contacts"]]:
+        return _row([a.gap for a in at.approach]), _row([a.approach_speed for a in at.approach])
 
-    def touchdown(
-        self, state: Float[Array, " state"], quickening: Float[Array, ""], contact: Int[Array, ""]
-    ) -> Float[Array, " state"]:
-        """The memory takes the approach speed at the crossing itself, a first-order step from the located state."""
-        chosen = jnp.arange(len(self.contacts)) == contact
-        late, speed = self._until_contact(state, chosen)
-        memory = jnp.where(chosen, jnp.maximum(speed + quickening * late, SLOWEST_TOUCHDOWN), self.memory(state))
-        n = 2 * self.system.coordinates
-        closed = jnp.concatenate([state[:n], memory, self.integral(state)])
-        if not self.jumps:
-            return closed
-        zero, alone = jnp.zeros(()), jnp.where(chosen, 1.0, 0.0)
-        onset = self.derivative(zero, closed, alone) - self.derivative(zero, closed, jnp.zeros_like(alone))
-        return closed - onset * late
+    def normal_force_at(self, at: Posture, active: Float[Array, " contacts"]) -> Float[Array, " contacts"]:
+        return _row(self.forces_at(at, active)[0])
 
-    def _until_contact(self, state: Float[Array, " state"], chosen: Array) -> tuple[Array, Array]:
-        """Of the chosen contact: gap / δ̇ [s], and δ̇ [m/s]."""
-        kin = self.kinematics(state)
-        found = [contact.approach(kin)[0] for contact in self.contacts]
-        gap, speed = (jnp.sum(jnp.where(chosen, _row([getattr(a, name) for a in found]), 0.0)) for name in GAP)
-        return gap / jnp.where(speed == 0.0, 1.0, speed), speed
+    def terminals_at(self, at: Posture) -> Float[Array, " terminals"]:
+        """Those of ``ends``, then whether a ball's centre comes to its flank: there the contact's normal turns over."""
+        pairs = zip(at.approach, self.contacts, strict=True)
+        deep = [-a.gap[0] - DEEPEST * jnp.asarray(contact.pair.radius) for a, contact in pairs]
+        deepest = jnp.max(jnp.stack(deep)) if deep else -jnp.ones(())
+        return stacked([*(quantity(self.system, at.kin) for quantity in self.ends), deepest])
 
-    def terminals(self, state: Float[Array, " state"]) -> Float[Array, " terminals"]:
-        kin = self.kinematics(state)
-        return _row([quantity(self.system, kin) for quantity in self.ends] or [-jnp.ones(())])
-
-    def observables(
-        self, state: Float[Array, " state"], rate: Float[Array, " state"], active: Float[Array, " contacts"]
+    def observables_at(
+        self, at: Posture, rate: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Float[Array, " observables"]:
-        return _row(self.forces(state, active)[1])
+        others = [jnp.reshape(jnp.asarray(value(self, at)), (1,)) for _, value in self.shown]
+        return _row([*self.forces_at(at, active)[0], *others])
 
     def rate_observables(self) -> tuple[bool, ...]:
-        return (False,) * len(self.contacts)
+        return (False,) * len(self.observed)
+
+    def snapshot_at(self, at: Posture, active: Float[Array, " contacts"]) -> Snapshot:
+        motion, normal, friction = self.motion_at(at, active)
+        gap, closing = self.gaps_at(at)
+        slip = _row([a.slip for a in at.approach])
+        others = {name: value(self, at) for name, value in self.shown}
+        return Snapshot(gap, closing, slip, _row(normal), _row(friction), motion.multipliers, others)
+
+    def energy_at(self, at: Posture, active: Float[Array, " contacts"]) -> Energy:
+        elastic = jnp.zeros(())
+        for k, contact in enumerate(self.contacts):
+            elastic = elastic + active[k] * jnp.sum(contact.pair.stored_energy(at.approach[k]))
+        potential = jnp.asarray(self.system.stored_energy(at.kin))
+        stored = {"kinetic": self.system.kinetic_energy(at.kin.v), "potential": potential, "contact": elastic}
+        return Energy(stored, dict(zip(LOSSES, at.state[2 * self.coordinates :], strict=False)))
+
+    def momentum(self, state: Float[Array, " state"]) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+        kin = self.kinematics(state)
+        return self.system.linear_momentum(kin.v), self.system.angular_momentum(kin.q, kin.v)
+
+    def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
+        return self.system.errors(kin)
+
+    def penetration(self, force: Float[Array, ""]) -> Float[Array, ""]:
+        depths = [jnp.asarray(contact.pair.law.depth(force)) for contact in self.contacts]
+        return jnp.max(jnp.stack(depths)) if depths else jnp.zeros(())
 
     def scales(self) -> Float[Array, " state"]:
         n = self.system.coordinates
         place, motion = self.size
-        return stacked([place] * n + [motion] * (n + len(self.contacts)) + [1.0] * len(self.integrals))
+        energies, integrals = [self.energy_scale] * len(LOSSES), [1.0] * len(self.integrals)
+        return stacked([place] * n + [motion] * n + energies + integrals + [motion] * len(self.contacts))
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
@@ -171,9 +235,25 @@ class Assembled(HybridSystem):
     def linearisation(
         self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Linearisation:
-        """Nothing is known to be stiff: explicit steps are held by their error alone."""
-        return Linearisation.none(self.coordinates, self.coordinates)
+        at, n = self.posture(state), self.coordinates
+        elements = [spring for element in self.system.forces for spring in element.springs(at.kin)]
+        springs = [SpringTerm(self.system.direction(spring.blocks), *spring[1:]) for spring in elements]
+        if not springs and not self.contacts:
+            return Linearisation.none(n, n)
+        return linearised(self.system, at.kin, springs, self._contact_term(at, active))
+
+    def _contact_term(self, at: Posture, active: Float[Array, " contacts"]) -> ContactTerm:
+        """All contacts together."""
+        thin, none = jnp.zeros((self.coordinates, 0)), jnp.zeros(0)
+        terms = [ContactTerm(thin, thin, *((none, none),) * 3)]
+        memory = self.memory(at.state)
+        for k, contact in enumerate(self.contacts):
+            a, pair = at.approach[k], contact.pair
+            side = jnp.reshape(jnp.asarray(pair.side, float), (1,))
+            along = contact_directions(a, side, at.arm[k], contact.body, contact.carrier, self.coordinates)
+            terms.append(ContactTerm(*along, *contact_slopes(pair, a, memory[k : k + 1], active[k])))
+        return jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *terms)
 
 
-def _row(values: list) -> Float[Array, " n"]:
-    return stacked(values) if values else jnp.zeros(0)
+def _row(values: list[Array]) -> Float[Array, " n"]:
+    return jnp.concatenate(values) if values else jnp.zeros(0)

@@ -1,7 +1,7 @@
-"""The augmented system ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; r]`` with M diagonal, solved without the zeros of Φ_q.
+"""The augmented system ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; r]`` with M diagonal (M16), solved by its Schur complement.
 
-The multipliers come from the Schur complement ``Φ_q M⁻¹ Φ_qᵀ``, a few rows written out: sums of products rather than
-matrix products, since XLA hands even tiny products to a library.
+The multipliers come from ``Φ_q M⁻¹ Φ_qᵀ`` (M17), a few rows written out without the zeros of Φ_q: sums of products
+rather than matrix products, since XLA hands even tiny products to a library.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,21 +13,25 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from .linear import ldl_solve
+from ..plane import ldl_solve
 
 Pattern = tuple[tuple[tuple[int, int], ...], ...]
 """For each row of Φ_q its entries that can differ from zero: (column, index into the values)."""
 
 
 class SparseRows(NamedTuple):
-    """Φ_q by its entries: their values and where they stand."""
+    """Φ_q by its entries.
+
+    - ``values``: (entries,) that can differ from zero [-, m].
+    - ``pattern``: where they stand, row by row.
+    """
 
     values: Float[Array, " entries"]
     pattern: Pattern
 
     @staticmethod
     def of(rows: Sequence[Mapping[int, Scalar]]) -> "SparseRows":
-        """From each row's entries by column; entries that are Python's 0 are left out."""
+        """From the entries of each row by column. ``rows``: those entries; Python's 0 are left out."""
         values: list[Scalar] = []
         pattern = []
         for row in rows:
@@ -37,7 +41,7 @@ class SparseRows(NamedTuple):
         return SparseRows(stacked(values) if values else jnp.zeros(0), tuple(pattern))
 
     def times(self, vector: Float[Array, " coordinates"]) -> list[Scalar]:
-        """Φ_q x, row by row."""
+        """Φ_q x, row by row. ``vector``: x, (coordinates,)."""
         return [sum(self.values[k] * vector[column] for column, k in row) for row in self.pattern]
 
 
@@ -47,7 +51,17 @@ def solve_augmented(
     force: Float[Array, " coordinates"],
     rhs: Float[Array, " rows"],
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
-    """Accelerations q̈ and multipliers λ."""
+    """Solve the augmented system (M17); derivatives follow from the same system (M18).
+
+    **Arguments:**
+
+    - ``inverse_mass``: (coordinates,) the diagonal of M⁻¹ [1/kg, 1/kg, 1/(kg m²), …].
+    - ``jacobian``: Φ_q.
+    - ``force``: (coordinates,) F [N, N, N m, …].
+    - ``rhs``: (rows,) what Φ_q q̈ must be [m/s², rad/s²].
+
+    **Returns:** accelerations q̈, (coordinates,) [m/s², rad/s²], and multipliers λ, (rows,) [N, N m].
+    """
     if not jacobian.pattern:
         return inverse_mass * force, rhs
     return _solve(jacobian.pattern, inverse_mass, jacobian.values, force, rhs)
@@ -74,8 +88,8 @@ def _solve(
 
 @_solve.defjvp
 def _solve_jvp(pattern: Pattern, primals: tuple, tangents: tuple) -> tuple:
-    """The same system answers a small change, with what the change does to the equations as its right-hand side:
-    far cheaper than differentiating the factorisation."""
+    """The same system answers a small change, with another right-hand side (M18): far cheaper than differentiating the
+    factorisation."""
     inverse_mass, values, _, _ = primals
     d_inverse_mass, d_values, d_force, d_rhs = tangents
     acceleration, multipliers = _solve(pattern, *primals)

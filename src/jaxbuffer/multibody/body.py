@@ -6,7 +6,11 @@ from .._types import Scalar
 
 
 class Body(eqx.Module):
-    """A rigid body: ``mass`` [kg] and ``inertia`` about its centre of mass [kg m²]."""
+    """A rigid body.
+
+    - ``mass``: [kg].
+    - ``inertia``: about its centre of mass [kg m²].
+    """
 
     mass: Scalar
     inertia: Scalar

@@ -1,18 +1,25 @@
 """Force elements between bodies: what they exert, what they store, what they dissipate."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from .._types import Scalar
-from .kinematics import Kinematics, Vector
+from ..plane import Vector
+from .kinematics import Kinematics
 
 PASSING = 1e-6  # m
 
 
 class Load(NamedTuple):
-    """A force [N] through a body's centre of mass and a moment [N m] about it."""
+    """What acts on one body (M19).
+
+    - ``body``: its index, or ``GROUND``.
+    - ``force``: through the centre of mass, in inertial axes [N].
+    - ``moment``: about the centre of mass [N m].
+    """
 
     body: int
     force: Vector
@@ -20,12 +27,29 @@ class Load(NamedTuple):
 
 
 def load_at(body: int, force: Vector, arm: Vector) -> Load:
-    """A force acting at ``arm`` (inertial axes, from the centre of mass)."""
+    """The load of a force that acts away from the centre of mass (M19).
+
+    **Arguments:** ``body``: its index; ``force``: in inertial axes [N]; ``arm``: from the centre of mass, in inertial
+    axes [m].
+    """
     return Load(body, force, arm.cross(force))
 
 
+class SpringDirection(NamedTuple):
+    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (u, v, θ) times the body's
+    velocity; ``stiffness`` and ``damping`` per unit of that length."""
+
+    blocks: Mapping[int, tuple[Scalar, Scalar, Scalar]]
+    stiffness: Scalar
+    damping: Scalar
+
+
 class ForceElement(eqx.Module):
-    """Base of all force elements."""
+    """Base of all force elements. ``kin``: the frames of all bodies at one instant."""
+
+    def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
+        """The spring-dampers in it, with their directions frozen: what implicit steps take for stiff."""
+        return ()
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         """Loads on the bodies."""
@@ -41,7 +65,14 @@ class ForceElement(eqx.Module):
 
 
 class AxialState(NamedTuple):
-    """An axial element's instant: length [m], its rate [m/s], unit vector first → second, both arms, rate of D."""
+    """An axial element at one instant (M22).
+
+    - ``length``: L [m]; with a guide it may be negative (M25).
+    - ``rate``: L̇ [m/s].
+    - ``along``: unit vector from the first end to the second [-].
+    - ``first_arm``, ``second_arm``: of the ends, from their bodies' centres of mass, in inertial axes [m].
+    - ``separation_rate``: Ḋ [m/s].
+    """
 
     length: Scalar
     rate: Scalar
@@ -52,13 +83,17 @@ class AxialState(NamedTuple):
 
 
 class AxialSpringDamper(ForceElement):
-    """Spring and damper between two points (eq. 8-9): f = k (L - l_0) + c L̇, pulling the ends together when positive.
+    """Spring and damper between two points; its tension is f = k (L - l_0) + c L̇ (M23).
 
-    **Arguments:** ``stiffness`` [N/m]; ``damping`` [N s/m]; ``free_length`` [m]; the points in their bodies' axes [m].
-    ``guide``: direction in which the first body guides the second end, a unit vector in its axes; the length then goes
-    on below zero where the ends pass each other. None: the length is the distance.
-    ``published_damping``: damp with the whole rate of D as the paper's Rayleigh function does (eq. 10). That resists a
-    rigid rotation and does not conserve angular momentum; it exists for comparison only.
+    - ``first``, ``second``: bodies (indices, or ``GROUND``).
+    - ``first_point``, ``second_point``: (x, y) of the ends in the axes of their bodies [m].
+    - ``stiffness``: k [N/m].
+    - ``damping``: c [N s/m].
+    - ``free_length``: l_0 [m].
+    - ``published_damping``: damp with Ḋ, the whole rate of the separation, as the paper does (M24). That resists a
+      rigid rotation and does not conserve angular momentum; it is there for comparison.
+    - ``guide``: unit vector in the axes of the first body, along which it guides the second end. The length then goes
+      on below zero where the ends pass each other (M25). None: the length is the distance of the ends.
     """
 
     first: int = eqx.field(static=True)
@@ -72,7 +107,7 @@ class AxialSpringDamper(ForceElement):
     guide: tuple[float, float] | None = eqx.field(static=True, default=None)
 
     def state(self, kin: Kinematics) -> AxialState:
-        """Length, rate and direction at one instant."""
+        """Length, rate and direction at one instant (M22, M25)."""
         i, j = kin.frame(self.first), kin.frame(self.second)
         a, b = i.turn(Vector(*self.first_point)), j.turn(Vector(*self.second_point))
         separation = j.origin + b - i.origin - a
@@ -89,8 +124,14 @@ class AxialSpringDamper(ForceElement):
             length, along = jnp.where(passing, signed, size), line * (1.0 / size)
         return AxialState(length, rate.dot(along), along, a, b, rate)
 
+    def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
+        s = self.state(kin)
+        u, a, b = s.along, s.first_arm, s.second_arm
+        blocks = {self.first: (-u.x, -u.y, -a.cross(u)), self.second: (u.x, u.y, b.cross(u))}
+        return (SpringDirection(blocks, self.stiffness, self.damping),)
+
     def tension(self, kin: Kinematics) -> Scalar:
-        """f [N], positive in tension."""
+        """f [N], positive in tension (M23)."""
         s = self.state(kin)
         return self.stiffness * (s.length - self.free_length) + self.damping * s.rate
 
@@ -111,9 +152,12 @@ class AxialSpringDamper(ForceElement):
 
 
 class TorsionalSpringDamper(ForceElement):
-    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on ``second``, opposite on ``first``.
+    """Torque -k (θ_j - θ_i - angle) - c (θ̇_j - θ̇_i) on the second body, opposite on the first (M26).
 
-    **Arguments:** ``stiffness`` [N m/rad]; ``damping`` [N m s/rad]; ``angle``: θ_j - θ_i at rest [rad].
+    - ``first``, ``second``: bodies i and j (indices, or ``GROUND``).
+    - ``stiffness``: k [N m/rad].
+    - ``damping``: c [N m s/rad].
+    - ``angle``: θ_j - θ_i at rest [rad].
     """
 
     first: int = eqx.field(static=True)
@@ -121,6 +165,10 @@ class TorsionalSpringDamper(ForceElement):
     stiffness: Scalar
     damping: Scalar
     angle: Scalar = 0.0
+
+    def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
+        blocks = {self.first: (0.0, 0.0, -1.0), self.second: (0.0, 0.0, 1.0)}
+        return (SpringDirection(blocks, self.stiffness, self.damping),)
 
     def torque(self, kin: Kinematics) -> Scalar:
         """Torque on ``second`` [N m]."""
@@ -142,7 +190,12 @@ class TorsionalSpringDamper(ForceElement):
 
 
 class AppliedForce(ForceElement):
-    """A constant force [N] in inertial axes at a point of a body [m, body axes]; weight is one at the origin."""
+    """A constant force at a point of a body (M27). Weight is one at the centre of mass.
+
+    - ``body``: its index.
+    - ``force``: (x, y) in inertial axes [N].
+    - ``point``: (x, y) in the body's axes [m].
+    """
 
     body: int = eqx.field(static=True)
     force: tuple[Scalar, Scalar]
@@ -157,7 +210,11 @@ class AppliedForce(ForceElement):
 
 
 class AppliedTorque(ForceElement):
-    """A constant torque [N m] on a body."""
+    """A constant torque on a body (M27).
+
+    - ``body``: its index.
+    - ``torque``: [N m].
+    """
 
     body: int = eqx.field(static=True)
     torque: Scalar

@@ -3,18 +3,24 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..plane import ldl_solve
 from .kinematics import Kinematics
-from .linear import ldl_solve
 from .system import System
 
 
 def assemble(
     system: System, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"], iterations: int = 8
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
-    """Project positions (Newton, mass-weighted) and velocities onto the constraints.
+    """Project positions and velocities onto the constraints, with the least movement in the norm of the masses (M20).
 
-    **Arguments:** ``q``, ``v``: a guess [m, rad; m/s, rad/s]; ``iterations``: Newton steps on the positions.
-    **Returns:** consistent ``(q, v)``. A guess too far from any assembly shows as a Φ that stays large: check
+    **Arguments:**
+
+    - ``system``: bodies and joints.
+    - ``q``: (coordinates,) a guess [m, m, rad, …].
+    - ``v``: (coordinates,) a guess [m/s, m/s, rad/s, …].
+    - ``iterations``: Newton steps on the positions.
+
+    **Returns:** consistent ``(q, v)``. A guess too far from any assembly shows as a Φ that stays large: look at
     ``system.constraints(Kinematics(q, v)).phi``.
     """
     inverse_mass = 1.0 / system.masses()

@@ -1,7 +1,7 @@
-"""Joints: constraint Φ(q) = 0, its Jacobian Φ_q and γ = -(Φ_q q̇)_q q̇, each in closed form.
+"""Joints: constraint Φ(q) = 0, its Jacobian Φ_q and γ = -(Φ_q q̇)_q q̇, each in closed form (M9).
 
-Every joint yields rows; a row holds the blocks of Φ_q that are not zero, by body. The multiplier of a row is the
-joint's reaction in the augmented system ``M q̈ + Φ_qᵀ λ = F`` (Efficient buffering mechanism, eq. 7 and 13).
+Every joint gives rows; a row holds the blocks of Φ_q that are not zero, by body. The multiplier of a row is the joint's
+reaction in the augmented system ``M q̈ + Φ_qᵀ λ = F`` (M16).
 """
 
 from typing import NamedTuple
@@ -9,13 +9,19 @@ from typing import NamedTuple
 import equinox as eqx
 
 from .._types import Scalar
-from .kinematics import GROUND, Kinematics, Vector
+from ..plane import Vector
+from .kinematics import GROUND, Kinematics
 
 Block = tuple[Scalar, Scalar, Scalar]
 
 
 class Row(NamedTuple):
-    """One scalar constraint: its value, ∂Φ/∂(u, v, θ) by body, and γ."""
+    """One scalar constraint (M9).
+
+    - ``phi``: Φ [m or rad].
+    - ``blocks``: by body, ∂Φ/∂(u, v, θ): [-, -, m] or, of an angle, [1/m, 1/m, -].
+    - ``gamma``: γ [m/s² or rad/s²].
+    """
 
     phi: Scalar
     blocks: dict[int, Block]
@@ -27,20 +33,24 @@ def _blocks(first: int, a: Block, second: int, b: Block) -> dict[int, Block]:
 
 
 class Joint(eqx.Module):
-    """Base of all joints between two bodies (indices, or ``GROUND``)."""
+    """Base of all joints.
+
+    - ``first``, ``second``: bodies i and j (indices, or ``GROUND``).
+    """
 
     first: eqx.AbstractVar[int]
     second: eqx.AbstractVar[int]
 
     def rows(self, kin: Kinematics) -> tuple[Row, ...]:
-        """The joint's scalar constraints at one instant."""
+        """The joint's scalar constraints at one instant. ``kin``: the frames of all bodies."""
         raise NotImplementedError
 
 
 class Revolute(Joint):
-    """Two points coincide: r_i + A(θ_i) s_i - r_j - A(θ_j) s_j = 0. Two rows [m].
+    """Two points coincide: r_i + A(θ_i) s_i - r_j - A(θ_j) s_j = 0. Two rows [m] (M10).
 
-    **Arguments:** ``first``, ``second``: bodies; ``first_point``, ``second_point``: the points in each body's axes [m].
+    - ``first``, ``second``: bodies i and j.
+    - ``first_point``, ``second_point``: (x, y) of the points in the axes of their bodies [m].
     """
 
     first: int = eqx.field(static=True)
@@ -60,7 +70,11 @@ class Revolute(Joint):
 
 
 class FixedAngle(Joint):
-    """The bodies keep their relative angle: θ_i - θ_j - ``angle`` = 0. One row [rad]."""
+    """The bodies keep their relative angle: θ_i - θ_j - ``angle`` = 0. One row [rad] (M11).
+
+    - ``first``, ``second``: bodies i and j.
+    - ``angle``: θ_i - θ_j [rad].
+    """
 
     first: int = eqx.field(static=True)
     second: int = eqx.field(static=True)
@@ -73,10 +87,12 @@ class FixedAngle(Joint):
 
 
 class PointOnLine(Joint):
-    """A point of ``second`` stays on a line of ``first``: n(θ_i) · (p_j - p_i) = 0. One row [m].
+    """A point of the second body stays on a line of the first one. One row [m] (M12).
 
-    **Arguments:** ``first_point``: a point of the line; ``normal``: the line's unit normal, both in the axes of
-    ``first``; ``second_point``: the guided point in the axes of ``second`` [m].
+    - ``first``, ``second``: bodies i and j.
+    - ``first_point``: (x, y) of a point of the line in the axes of ``first`` [m].
+    - ``second_point``: (x, y) of the guided point in the axes of ``second`` [m].
+    - ``normal``: (x, y), the line's unit normal in the axes of ``first`` [-].
     """
 
     first: int = eqx.field(static=True)
@@ -104,9 +120,10 @@ class PointOnLine(Joint):
 
 
 class Prismatic(Joint):
-    """``second`` slides along a line of ``first`` without turning (eq. 7-c and 7-d). Rows: angle [rad], offset [m].
+    """The second body slides along a line of the first one without turning. Rows: angle [rad], offset [m] (M13).
 
-    **Arguments:** as for `PointOnLine`; ``angle``: θ_i - θ_j held fixed [rad].
+    - ``first``, ``second``, ``first_point``, ``second_point``, ``normal``: as for `PointOnLine`.
+    - ``angle``: θ_i - θ_j, held fixed [rad].
     """
 
     first: int = eqx.field(static=True)
@@ -122,7 +139,11 @@ class Prismatic(Joint):
 
 
 class Weld(Joint):
-    """Two bodies become one: the points coincide and the relative angle is fixed. Rows: [m], [m], [rad]."""
+    """Two bodies become one: points coincide, the relative angle is fixed. Rows: [m], [m], [rad] (M14).
+
+    - ``first``, ``second``, ``first_point``, ``second_point``: as for `Revolute`.
+    - ``angle``: θ_i - θ_j [rad].
+    """
 
     first: int = eqx.field(static=True)
     second: int = eqx.field(static=True)

@@ -9,8 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
-from ..mechanisms import Design, Scenario, get, unit
-from ..mechanisms.paths import check_path
+from ..fields import Part, check_path, get, unit
+from ..mechanisms import mechanism_named
+from ..mechanisms.registry import mechanism_of_scenario
 from .problem import Case
 
 KINDS = ("uniform", "normal")
@@ -41,9 +42,9 @@ class Distribution:
         return np.asarray(norm.ppf(share, self.first, self.second))
 
 
-def grid(fields: Mapping[str, Sequence[float]], base: Scenario | None = None) -> tuple[Case, ...]:
-    """Every combination of the listed values of scenario fields; the others are ``base``'s."""
-    base = Scenario() if base is None else base
+def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:
+    """Every combination of the listed values of scenario fields; the others are ``base``'s (default: a capture's)."""
+    base = mechanism_named("probe_cone").scenario() if base is None else base
     check_type("grid's fields", fields, Mapping, "grid({'approach_speed': [0.1, 0.2]})")
     for name, values in fields.items():
         check_path(base, name)
@@ -63,8 +64,8 @@ def sample(
     factors: Mapping[str, Distribution] | None = None,
     *,
     seed: int = 0,
-    base: Scenario | None = None,
-    design: Design | None = None,
+    base: Part | None = None,
+    design: Part | None = None,
 ) -> tuple[Case, ...]:
     """Cases drawn from distributions of scenario ``fields`` and of ``factors`` on design numbers (1 is as drawn).
 
@@ -73,7 +74,7 @@ def sample(
     """
     from scipy.stats import qmc
 
-    base, factors = Scenario() if base is None else base, factors or {}
+    base, factors = mechanism_named("probe_cone").scenario() if base is None else base, factors or {}
     check_whole("sample.count", count, 1)
     if count > MOST:
         raise InputError(f"sample.count = {count} is out of range; allowed: [1, {MOST}]")
@@ -85,7 +86,7 @@ def sample(
     for name in fields:
         check_path(base, name)
     for path in factors:
-        value = get(Design() if design is None else design, path)
+        value = get(mechanism_of_scenario(base).design() if design is None else design, path)
         if value is None or isinstance(value, (str, bool)):
             raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
     shares = qmc.LatinHypercube(len(fields) + len(factors), rng=seed).random(count).T

@@ -1,39 +1,39 @@
-"""All cases of a design problem at one design: values and first derivatives, on all cores, by one compiled program."""
+"""All cases of a design problem at one design: values and first derivatives, on all cores."""
 
-import os
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
-from ..capture import Capture, simulate
+from ..compiling.pool import Pool
 from ..errors import InputError
-from ..mechanisms import CaptureMechanism, Design, Scenario, check_fit, get, replace
-from ..outcome import Outcome
-from ..programs import Static, kept
-from ..quantities import QUANTITIES as CATALOGUE
-from .problem import QUANTITIES, Case, Problem
+from ..fields import Part, get
+from ..mechanisms.run import Run
+from ..run.simulate import check_pair, simulate
+from ..sensitivities.gradients import gradients
+from .problem import Case, Problem
 
-PEAKS = 24  # highest impacts kept of each capture: at a step's length from the top none below them has yet mattered
-LOST = -10.0  # margin of a capture that could not be solved [-]
-MISFIT = Outcome.failed_input  # of a case whose design and scenario do not fit each other
+PEAKS = (
+    24  # highest impacts of each run that are listed: at a step's length from the top none below them has yet mattered
+)
+LOST = -10.0  # margin of a run that could not be solved [-]
 
 
 class Evaluation(NamedTuple):
-    """A design in all cases. Derivatives are by the variables' places between their bounds (see `Variable`).
+    """A design in all cases. Derivatives are by the scaled variables (see `Variable`).
 
-    ``places`` [-]; ``code``: an `Outcome` each; ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts,
-    falling, and ``slots``: which impacts they are; ``rest``: the other `QUANTITIES` in their units; ``margin`` [-]: how
-    clearly a case is captured, see `margin`; ``first`` [N]: the first impact's peak.
+    ``scaled`` [-]: the variables, 0 at the low bound and 1 at the high one; ``code`` of each outcome, ``solved``: which
+    cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
+    of that); ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts
+    they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
+    the run succeeds; ``first`` [N]: the first impact's peak.
     """
 
-    places: Float[np.ndarray, " variables"]
+    scaled: Float[np.ndarray, " variables"]
     code: Int[np.ndarray, " cases"]
+    solved: Bool[np.ndarray, " cases"]
+    succeeded: Bool[np.ndarray, " cases"]
     impacts: Int[np.ndarray, " cases"]
     peaks: Float[np.ndarray, "cases peaks"]
     slots: Int[np.ndarray, "cases peaks"]
@@ -46,177 +46,157 @@ class Evaluation(NamedTuple):
 
     @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
-        """`QUANTITIES` of each case."""
+        """The problem's quantities of each case."""
         return np.column_stack([self.peaks[:, 0], self.rest])
-
-    @property
-    def captured(self) -> Bool[np.ndarray, " cases"]:
-        """Which cases are captured."""
-        return self.code == Outcome.captured
-
-    @property
-    def solved(self) -> Bool[np.ndarray, " cases"]:
-        """Which cases have numbers at all."""
-        return self.code < Outcome.failed_steps
 
 
 class Evaluator:
-    """Evaluates designs of one problem and counts the captures it took, each with its derivatives unless ``slopes`` is
+    """Evaluates designs of one problem and counts the runs it took, each with its derivatives unless ``slopes`` is
     False: they are zero then, for methods that use none."""
 
     def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
-        self._pool = ThreadPoolExecutor(workers or len(os.sched_getaffinity(0)))
+        self._pool = Pool(workers)
 
     def __enter__(self) -> "Evaluator":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool.close()
 
     def __call__(
         self, points: Iterable[np.ndarray], rtol: float | None = None, slopes: bool | None = None
     ) -> list[Evaluation]:
-        """Evaluate designs at their places, together; ``rtol`` [-] defaults to the problem's, ``slopes`` to the
-        evaluator's."""
-        problem, measured = self.problem, measure if (self.slopes if slopes is None else slopes) else measure_values
+        """Evaluate designs, each given by its scaled variables, together; ``rtol`` [-] defaults to the problem's,
+        ``slopes`` to the evaluator's."""
+        problem, with_slopes = self.problem, self.slopes if slopes is None else slopes
         points = [np.asarray(point, float) for point in points]
         jobs = [(point, case) for point in points for case in problem.cases]
 
         def solved(job: tuple[np.ndarray, Case]) -> Measured:
             fitting = fitted(problem, *job)
             if fitting is None:
-                return Measured.lost(len(problem.paths))
-            return measured(fitting, job[1].scenario, problem.paths, problem.duration, rtol or problem.rtol)
+                return Measured.lost(problem)
+            return measure(problem, fitting, job[1].scenario, problem.duration, rtol or problem.rtol, with_slopes)
 
-        found = list(self._pool.map(solved, jobs))
+        found = self._pool.map(solved, jobs)
         self.captures += len(jobs)
         count = len(problem.cases)
         return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
 
 
-def fitted(problem: Problem, places: Float[np.ndarray, " variables"], case: Case) -> Design | None:
-    """The mechanism of a case as built at those places, or None where its parts or its scenario do not fit."""
+def fitted(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
+    """The mechanism of a case as built with those scaled variables, or None where its parts or its scenario do not
+    fit."""
     try:
-        design = case.of(problem.built(places))
-        check_fit(design, case.scenario)
+        design = case.of(problem.built(scaled))
+        check_pair(problem.mechanism, design, case.scenario)
     except InputError:
         return None
     return design
 
 
-class Measured(eqx.Module):
-    """What one capture tells the tuner; slopes by the paths' own values."""
+class Measured(NamedTuple):
+    """What one run tells the tuner (see `Evaluation`); slopes by the variables' own values."""
 
-    code: Int[Array, ""]
-    impacts: Int[Array, ""]
-    peaks: Float[Array, " peaks"]
-    slots: Int[Array, " peaks"]
-    rest: Float[Array, " rest"]
-    margin: Float[Array, ""]
-    first: Float[Array, ""]
-    peaks_slope: Float[Array, "peaks paths"]
-    rest_slope: Float[Array, "rest paths"]
-    margin_slope: Float[Array, " paths"]
+    code: int
+    impacts: int
+    peaks: Float[np.ndarray, " peaks"]
+    slots: Int[np.ndarray, " peaks"]
+    rest: Float[np.ndarray, " rest"]
+    margin: float
+    first: float
+    peaks_slope: Float[np.ndarray, "peaks paths"]
+    rest_slope: Float[np.ndarray, "rest paths"]
+    margin_slope: Float[np.ndarray, " paths"]
 
     @staticmethod
-    def lost(paths: int) -> "Measured":
-        """Of a case that can not be simulated."""
-        rest, peaks = len(QUANTITIES) - 1, np.arange(PEAKS)
-        shapes: list[tuple[int, ...]] = [(rest,), (), (), (PEAKS, paths), (rest, paths), (paths,)]
-        numbers: list[Any] = [np.full(shape, np.nan) for shape in shapes]
-        code: list[Any] = [np.array(int(MISFIT)), np.array(0), np.full(PEAKS, np.nan), peaks]
-        return Measured(*code, *numbers)
+    def lost(problem: Problem) -> "Measured":
+        """Of a case whose design and scenario do not fit each other."""
+        rest, paths = len(problem.quantities) - 1, len(problem.paths)
+        code, peaks, unknown = int(problem.mechanism.outcomes["failed_input"]), np.full(PEAKS, np.nan), np.nan
+        slopes = [np.full((*shape, paths), np.nan) for shape in ((PEAKS,), (rest,), ())]
+        return Measured(code, 0, peaks, np.arange(PEAKS), np.full(rest, np.nan), unknown, unknown, *slopes)
 
 
-def measure(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
-    """One capture and its derivatives by ``paths``; one compiled program for all numbers, durations and tolerances."""
-    values = [float(get(design, path)) for path in paths]
-    inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol, values))
-    return jax.tree.map(np.asarray, _measure(inputs, Static(tuple(paths))))
-
-
-def measure_values(design: Design, scenario: Scenario, paths: Sequence[str], duration: float, rtol: float) -> Measured:
-    """One capture without derivatives, those of `measure` being zero; a program of its own."""
-    inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
-    peaks, rest, clear, code, count = map(np.asarray, _measure_values(inputs))
+def measure(
+    problem: Problem, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
+) -> Measured:
+    """One run and, with ``slopes``, its derivatives by the problem's variables; else those are zero."""
+    catalogue, rest, paths = problem.mechanism.quantities, list(problem.quantities[1:]), problem.paths
+    margin = [] if problem.mechanism.margin is None else [problem.mechanism.margin]
+    if slopes:
+        found = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
+        run = found.run
+        of_peaks = np.asarray(found.by_impact["peak_force"])
+        top_slope, *others = (found.of(name) for name in ("peak_force", *rest, *margin))
+    else:
+        run = simulate(design, scenario, duration, rtol=rtol)
+        none = np.zeros(len(paths))
+        of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
+        top_slope, others = none, [none] * (len(rest) + len(margin))
+    values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
+    peaks, of_peaks = _peaks(run, of_peaks, top_slope)
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
-    none = [np.zeros((*shape, len(paths))) for shape in (slots.shape, rest.shape, ())]
-    found: list[Any] = [code, count, peaks[slots], slots, rest, clear, peaks[0], *none]
-    return Measured(*found)
+    of_rest = np.array(others[: len(rest)]).reshape(len(rest), len(paths))
+    return Measured(
+        code=int(run.code),
+        impacts=int(run.impact_count),
+        peaks=peaks[slots],
+        slots=slots,
+        rest=values[: len(rest)],
+        margin=float(values[-1]) if margin else 1.0,
+        first=float(peaks[0]),
+        peaks_slope=of_peaks[slots],
+        rest_slope=of_rest,
+        margin_slope=others[-1] if margin else np.zeros(len(paths)),
+    )
 
 
-@kept
-def _measure(inputs: tuple[Design, Scenario, Array, Array, list[Array]], asked: Static) -> Measured:
-    design, scenario, duration, rtol, values = inputs
-    paths = asked.value
-
-    def outputs(values: list[Array]) -> tuple[tuple[Array, Array, Array], tuple[Array, ...]]:
-        moved = replace(design, dict(zip(paths, values, strict=True)))
-        seen = _seen(moved, scenario, duration, rtol)
-        return seen[:3], seen
-
-    slopes, (peaks, rest, clear, code, count) = jax.jacfwd(outputs, has_aux=True)(values)
-    peaks_slope, rest_slope, clear_slope = (jnp.stack(slope, axis=-1) for slope in slopes)
-    top, slots = jax.lax.top_k(peaks, PEAKS)
-    return Measured(code, count, top, slots, rest, clear, peaks[0], peaks_slope[slots], rest_slope, clear_slope)
+def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Every impact's peak [N] and its slopes. The last slot is free: of a run with more impacts than are listed it
+    takes the largest, if that is not listed."""
+    peaks, slopes = np.array(run.impacts.peak_force), np.array(slopes)
+    unlisted = int(run.peak_impact) < 0
+    peaks[-1], slopes[-1] = (float(run.peak_force), top_slope) if unlisted else (0.0, 0.0)
+    return peaks, slopes
 
 
-@kept
-def _measure_values(inputs: tuple[Design, Scenario, Array, Array]) -> tuple[Array, Array, Array, Array, Array]:
-    return _seen(*inputs)
-
-
-def _seen(design: Design, scenario: Scenario, duration: Array, rtol: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Every impact's peak, the other quantities, the margin; outcome and count of impacts."""
-    capture = simulate(design, scenario, duration, rtol=rtol)
-    clear = margin(CaptureMechanism(capture.design, scenario), capture, duration)
-    rest = jnp.stack([CATALOGUE[name].of(capture) for name in list(QUANTITIES)[1:]])
-    peaks = capture.impacts.peak_force
-    # the last slot is free: of a run with more impacts than are listed it takes the largest, if that is not
-    peaks = peaks.at[-1].set(jnp.where(capture.peak_impact < 0, capture.peak_force, 0.0))
-    return peaks, rest, clear, capture.code, capture.impact_count
-
-
-def margin(mechanism: CaptureMechanism, capture: Capture, duration: Float[Array, ""]) -> Float[Array, ""]:
-    """How clearly a capture succeeds [-]: the tip's mean speed towards the capture plane over the whole run, relative
-    to the speed that arrives just in time, minus 1.
-
-    One formula, smooth where one outcome turns into another: captured after t of at most D, D/t - 1; still on its way
-    at D, minus the share of the distance that is left; escaped, below -1, the lower the sooner. Of a bottomed run it
-    says what it would have come to, going on like that; what is wrong with it is its `stroke_share`.
-    """
-    before, after = mechanism.throat_of(mechanism.start()[0])[0], capture.throat_distance
-    # where an event ended the run, the distance there is always the same and the time moves
-    anywhere = (capture.code == Outcome.timeout) | (capture.code == Outcome.bottomed)
-    after = jnp.where(anywhere, after, jax.lax.stop_gradient(after))
-    return (before - after) / before * duration / capture.end_time - 1.0
-
-
-def _gathered(problem: Problem, places: np.ndarray, found: list[Measured]) -> Evaluation:
-    """The cases' numbers as arrays: unsolved ones without slopes, end times of the uncaptured at the duration."""
+def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Evaluation:
+    """The cases' numbers as arrays: unsolved ones without slopes, end times of those that ended otherwise than they
+    should at the duration."""
+    outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
     factors = [dict(case.factors) for case in problem.cases]
-    values = problem.values(places)
+    values = problem.values(scaled)
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
     )
-    stacked = {name: np.stack([getattr(m, name) for m in found]) for name in Measured.__dataclass_fields__}
+    stacked = {name: np.stack([getattr(m, name) for m in found]) for name in Measured._fields}
     code = stacked["code"]
     slopes = {
         "peaks_slope": stacked["peaks_slope"] * stretch[:, None, :],
         "rest_slope": stacked["rest_slope"] * stretch[:, None, :],
         "margin_slope": stacked["margin_slope"] * stretch,
     }
-    lost = (code >= Outcome.failed_steps) | ~np.isfinite(stacked["margin"])
+    lost = (code >= outcomes["failed_steps"]) | ~np.isfinite(stacked["margin"])
     for slope in slopes.values():
         lost |= ~np.all(np.isfinite(slope), axis=tuple(range(1, slope.ndim)))
-    code = np.where(lost & (code < Outcome.failed_steps), Outcome.failed_not_finite, code)
+    code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)
     values_of = {name: stacked[name].copy() for name in ("peaks", "rest", "margin", "first")} | slopes
     for array in values_of.values():
         array[lost] = 0.0
     values_of["margin"][lost] = LOST
-    escaped = (code == Outcome.escaped) | (code == Outcome.bottomed)
-    time = list(QUANTITIES).index("end_time") - 1
-    values_of["rest"][escaped | lost, time] = problem.duration
-    values_of["rest_slope"][escaped | lost, time] = 0.0
-    return Evaluation(places=places, code=code, impacts=stacked["impacts"], slots=stacked["slots"], **values_of)
+    succeeded = ~lost if success is None else code == outcomes[success]
+    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
+    time = problem.quantities.index("end_time") - 1
+    values_of["rest"][ended_otherwise, time] = problem.duration
+    values_of["rest_slope"][ended_otherwise, time] = 0.0
+    return Evaluation(
+        scaled=scaled,
+        code=code,
+        solved=~lost,
+        succeeded=succeeded,
+        impacts=stacked["impacts"],
+        slots=stacked["slots"],
+        **values_of,
+    )

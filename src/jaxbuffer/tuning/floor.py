@@ -10,14 +10,11 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ..first_impact import first_impact
-from ..mechanisms import get, replace
-from ..outcome import Outcome
+from ..fields import get, replace
 from .evaluation import fitted, measure
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
-BUFFER = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
 FAR = 10.0  # times the floor at the design: what counts for designs whose parts do not fit, or that fail
@@ -41,30 +38,33 @@ class Floor:
         return int(np.sum(~np.isfinite(self.simulated)))
 
 
-def floor(problem: Problem, places: Float[np.ndarray, " variables"]) -> Floor:
-    """The floor at a design, and the lowest one within the bounds."""
-    simulated = _without_buffer(problem, places)[0]
-    lowest, best = _lowest(problem, places, simulated)
-    built = [(fitted(problem, places, case), case.scenario) for case in problem.cases]
-    closed = [None if design is None else first_impact(design, scenario) for design, scenario in built]
+def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | None:
+    """The floor at a design, and the lowest one within the bounds; None for a mechanism that knows of none."""
+    known = problem.mechanism.floor
+    if known is None:
+        return None
+    simulated = _without_buffer(problem, scaled)[0]
+    lowest, best = _lowest(problem, scaled, simulated)
+    built = [(fitted(problem, scaled, case), case.scenario) for case in problem.cases]
+    closed = [None if design is None else known.first_impact(design, scenario) for design, scenario in built]
     at = dict(zip(problem.paths, map(float, problem.values(best)), strict=True))
     return Floor(
         simulated,
         np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
         np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),
         lowest,
-        {path: value for path, value in at.items() if path not in BUFFER},
+        {path: value for path, value in at.items() if path not in known.softeners},
     )
 
 
-def _lowest(problem: Problem, places: np.ndarray, peaks: np.ndarray) -> tuple[float, np.ndarray]:
+def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[float, np.ndarray]:
     """The least floor within the bounds [N] and where it is, from the design with these ``peaks`` on."""
     from scipy.optimize import minimize
 
     here = problem.objective.aggregate(peaks)
     if not np.isfinite(here):
-        return np.nan, places
-    best = (here, places)
+        return np.nan, scaled
+    best = (here, scaled)
 
     def objective(where: np.ndarray) -> tuple[float, np.ndarray]:
         nonlocal best
@@ -76,25 +76,27 @@ def _lowest(problem: Problem, places: np.ndarray, peaks: np.ndarray) -> tuple[fl
         best = min(best, (value, where.copy()), key=lambda found: found[0])
         return value, slope
 
-    minimize(objective, places, jac=True, bounds=[(0.0, 1.0)] * len(places), method="L-BFGS-B", tol=1e-6)
+    minimize(objective, scaled, jac=True, bounds=[(0.0, 1.0)] * len(scaled), method="L-BFGS-B", tol=1e-6)
     return best
 
 
-def _without_buffer(problem: Problem, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First peaks [N] of all cases with the buffer gone, and their slopes by the places; NaN where there is none."""
-    values = problem.values(places)
-    peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(places)), np.nan)
+def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First peaks [N] of all cases with the buffer gone, and their slopes by the scaled variables; NaN where there is
+    none."""
+    known, values = problem.mechanism.floor, problem.values(scaled)
+    assert known is not None
+    peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):
-        if (built := fitted(problem, places, case)) is None:
+        if (built := fitted(problem, scaled, case)) is None:
             continue
-        design = replace(built, {path: GONE * float(get(built, path)) for path in BUFFER})
-        duration = DURATIONS * float(first_impact(built, case.scenario).duration)
-        found = measure(design, case.scenario, problem.paths, duration, SHARPER * problem.rtol)
-        if int(found.code) >= Outcome.failed_steps:
+        design = replace(built, {path: GONE * float(get(built, path)) for path in known.softeners})
+        duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
+        found = measure(problem, design, case.scenario, duration, SHARPER * problem.rtol)
+        if found.code >= problem.mechanism.outcomes["failed_steps"]:
             continue
         factors = dict(case.factors)
         scale = [
-            v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in BUFFER)
+            v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in known.softeners)
             for v, x in zip(problem.variables, values, strict=True)
         ]
         peaks[k], slopes[k] = float(found.peaks[0]), found.peaks_slope[0] * np.array(scale)

@@ -6,13 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..outcome import Outcome
 from .evaluation import Evaluation
-from .problem import LARGEST, QUANTITIES, Objective, Problem
+from .objective import Objective
+from .problem import Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N
-NAMES = tuple(QUANTITIES)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,7 +23,8 @@ class Ceiling:
 
 
 class Tangent(NamedTuple):
-    """Quantities of every case to first order in a step of the places: at a step d, ``peaks + peaks_slope @ d`` …"""
+    """Quantities of every case to first order in a step of the scaled variables: at a step d, ``peaks + peaks_slope @
+    d`` …"""
 
     peaks: Float[np.ndarray, "cases peaks"]
     rest: Float[np.ndarray, "cases rest"]
@@ -40,7 +40,7 @@ class Tangent(NamedTuple):
         return Tangent(peaks, *(getattr(evaluation, name) for name in Tangent._fields[1:]))
 
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
-        """`QUANTITIES` (cases, quantities) and margins (cases,) after a step."""
+        """The problem's quantities (cases, quantities) and margins (cases,) after a step."""
         peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
         return np.column_stack([peak, self.rest + self.rest_slope @ step]), self.margin + self.margin_slope @ step
 
@@ -58,19 +58,28 @@ class Goal:
         return self._value(self.objective, evaluation.quantities)
 
     def _value(self, objective: Objective, quantities: np.ndarray) -> float:
-        return objective.aggregate(quantities @ objective.vector())
+        return objective.aggregate(quantities @ self.weights(objective))
+
+    def weights(self, objective: Objective) -> Float[np.ndarray, " quantities"]:
+        """An objective's weights of the problem's quantities."""
+        return objective.vector(self.problem.quantities)
 
     def limited(self) -> list[tuple[int, float]]:
-        """Index into `QUANTITIES` and limit of every limited quantity."""
-        limits = LARGEST | dict(self.problem.limits.at_most)
-        return [(NAMES.index(name), float(limit)) for name, limit in limits.items()]
+        """Index into the problem's quantities and limit of every limited one."""
+        limits = dict(self.problem.mechanism.always) | dict(self.problem.limits.at_most)
+        return [(self.problem.quantities.index(name), float(limit)) for name, limit in limits.items()]
+
+    @property
+    def must_succeed(self) -> bool:
+        """Whether each case must end as the mechanism's runs should, and something tells how near it is to that."""
+        return self.problem.limits.captured and self.problem.mechanism.margin is not None
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """All constraints that have slopes: limits by quantity, then captures, then the ceiling."""
         parts = [quantities[:, q] / limit - 1.0 for q, limit in self.limited()]
-        if self.problem.limits.captured:
+        if self.must_succeed:
             parts.append(-margin)
         if self.ceiling is not None:
             parts.append(np.array([self._value(self.ceiling.objective, quantities) / self.ceiling.value - 1.0]))
@@ -79,10 +88,13 @@ class Goal:
     def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
         """By how much each row, and each case's count of impacts, is above its limit."""
         rows = self.rows(evaluation.quantities, evaluation.margin)
+        return np.concatenate([np.maximum(rows, 0.0), self.without_slopes(evaluation)])
+
+    def without_slopes(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
+        """The part of `excess` that no slope leads back from: impacts above their limit, and cases without numbers."""
         most = self.problem.limits.impacts
         counted = evaluation.impacts / most - 1.0 if most is not None else np.zeros(0)
-        unsolved = (~evaluation.solved).astype(float)
-        return np.maximum(np.concatenate([rows, counted, unsolved]), 0.0)
+        return np.maximum(np.concatenate([counted, (~evaluation.solved).astype(float)]), 0.0)
 
     def feasible(self, evaluation: Evaluation) -> bool:
         """Whether every constraint holds in every case."""
@@ -92,7 +104,9 @@ class Goal:
         """What a step must lower: objective over ``scale``, and ``penalty`` times all that is above its limit."""
         return self.value(evaluation) / scale + penalty * float(np.sum(self.excess(evaluation)))
 
-    def promised(self, tangent: Tangent, step: Float[np.ndarray, " variables"], scale: float, penalty: float) -> float:
+    def predicted_merit(
+        self, tangent: Tangent, step: Float[np.ndarray, " variables"], scale: float, penalty: float
+    ) -> float:
         """`merit` after a step to first order."""
         quantities, margin = tangent.after(step)
         above = np.maximum(self.rows(quantities, margin), 0.0)
@@ -118,15 +132,17 @@ class Goal:
 
     def _broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
         """What fails in one case."""
-        found, limits, margin = [], self.problem.limits, evaluation.margin[k]
+        found, limits, margin, mechanism = [], self.problem.limits, evaluation.margin[k], self.problem.mechanism
+        outcome = mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
             found.append("the simulation failed")
-        elif limits.captured and margin < 0.0:
-            found.append(f"not captured (margin {margin:.3g})")
-        if evaluation.code[k] == Outcome.bottomed:
-            found.append(Outcome.bottomed.reason)
+        elif self.must_succeed and margin < 0.0:
+            found.append(f"not {mechanism.success} (margin {margin:.3g})")
+        if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
+            found.append(outcome.reason)
         for name, limit in limits.at_most.items():
-            value, symbol = evaluation.quantities[k, NAMES.index(name)], QUANTITIES[name]
+            value = evaluation.quantities[k, self.problem.quantities.index(name)]
+            symbol = mechanism.quantities[name].unit
             if value > limit:
                 found.append(f"{name} {value:.4g} {symbol} is above {limit:g} {symbol}")
         if limits.impacts is not None and evaluation.impacts[k] > limits.impacts:

@@ -5,7 +5,8 @@ import numpy as np
 from .evaluation import Evaluation
 from .goal import Goal
 from .progress import Progress
-from .search import CONVERGED, Branch, Settings
+from .search import CONVERGED, Branch
+from .settings import Settings
 from .starts import AGREE
 
 
@@ -25,7 +26,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
         return f"stopped at the limit of {settings.iterations} steps, first-order residual {branch.residual:.1e}"
     where = "stalled: steps gain less than the tolerance"
     if np.any(np.isfinite(branch.cliffs)):
-        where = "stopped at a cliff: the designs ahead lose a capture by one bounce more or less"
+        where = "stopped at a cliff: ahead one bounce more or less makes a run fail"
     return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"
 
 

@@ -9,213 +9,164 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from ..capture import DEFAULT_DURATION, DEFAULT_TOLERANCE, TOLERANCES
 from ..errors import (
     InputError,
     check_choice,
-    check_flag,
-    check_number,
     check_single,
     check_type,
-    check_whole,
     shown,
     suggest,
 )
-from ..mechanisms import Design, Scenario, check_fit, get, paths, replace, scenario_label, unit
+from ..fields import Part, get, paths, replace, unit
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.registry import mechanism_of, mechanism_of_scenario
+from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from .objective import ONE_LIMIT, Limits, Objective, Then
 
-QUANTITIES = {  # that objectives and limits speak of; the first one is made of every impact's peak
-    "peak_force": "N",
-    "peak_hinge_force": "N",
-    "peak_buffer_force": "N",
-    "stroke": "m",
-    "hinge_angle": "rad",
-    "end_time": "s",
-    "peak_stop_force": "N",
-    "stroke_share": "-",
-}
-LARGEST = {"stroke_share": 1.0}  # limits that hold unless a problem sets lower ones: no buffer may come to its end
 SCALES = ("log", "linear")
-AGGREGATES = ("worst", "mean", "cvar")
-ONE_LIMIT = "it holds for all cases"
 
 
 @dataclasses.dataclass(frozen=True)
 class Variable:
-    """A number in the design to tune: its dotted path, its bounds in its own unit, and the ``scale`` ("log" or
-    "linear") on which a step of given size counts the same everywhere between them."""
+    """A number in the design to tune. `Problem` checks it.
+
+    **Arguments:**
+
+    - ``path``: its dotted path in the design.
+    - ``low``, ``high``: its bounds, in its own unit.
+    - ``scale``: "log" or "linear", on which a step of given size counts the same everywhere between the bounds.
+
+    **Example:**
+
+    >>> jb.Variable("buffer.k_A", 100.0, 2000.0)  # N/m
+    Variable(path='buffer.k_A', low=100.0, high=2000.0, scale='log')
+    """
 
     path: str
     low: float
     high: float
     scale: str = "log"
 
-    def value(self, place: float) -> float:
-        """The number at a place between the bounds, 0 low, 1 high; exact at both ends."""
-        if place <= 0.0 or place >= 1.0:
-            return self.low if place <= 0.0 else self.high
+    def value(self, scaled: float) -> float:
+        """The number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
+        if scaled <= 0.0 or scaled >= 1.0:
+            return self.low if scaled <= 0.0 else self.high
         if self.scale == "log":
-            return self.low * math.exp(place * math.log(self.high / self.low))
-        return self.low + place * (self.high - self.low)
+            return self.low * math.exp(scaled * math.log(self.high / self.low))
+        return self.low + scaled * (self.high - self.low)
 
-    def place(self, value: float) -> float:
+    def scaled(self, value: float) -> float:
         """The inverse of `value`."""
         if self.scale == "log":
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def slope(self, value: float) -> float:
-        """d value / d place."""
+        """d value / d scaled."""
         return value * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One capture the design must serve: a scenario, and by which ``factors`` the built mechanism's numbers (dotted
-    paths of the design) differ from the drawn one's."""
+    """One run the design must serve.
 
-    scenario: Scenario
+    **Arguments:**
+
+    - ``scenario``: of the design's mechanism.
+    - ``factors``: pairs of a dotted path of the design and the factor by which the built mechanism's number differs
+      from the drawn one's [-].
+
+    **Raises:** `InputError` for what is no scenario, and for factors that are not such pairs.
+
+    **Example:** a spring that came out 10 % too stiff.
+
+    >>> case = jb.Case(jb.Scenario(approach_speed=0.2), factors=(("buffer.k_A", 1.1),))
+    >>> print(f"{case.label()}: {case.of(jb.table2()).buffer.k_A:g} N/m")
+    0.2 m/s, 0°, 1.1 buffer.k_A: 550 N/m
+    """
+
+    scenario: Part
     factors: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        check_type("case's scenario", self.scenario, Scenario, "Case(Scenario(approach_speed=0.2))")
+        try:
+            mechanism_of_scenario(self.scenario)
+        except InputError as error:
+            raise InputError(f"case's {error}; write Case(Scenario(approach_speed=0.2))") from None
         for pair in self.factors:
             if not isinstance(pair, tuple) or len(pair) != 2:
                 raise InputError(
                     f"case's factors = {shown(self.factors)}; write Case(scenario, (('buffer.k_A', 1.1),))"
                 )
-            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one capture")
+            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
 
     def label(self, among: Sequence["Case"] = ()) -> str:
         """What people call the case: "0.2 m/s, 3°, 1.1 buffer.k_A"."""
         factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
-        return scenario_label(self.scenario, [case.scenario for case in among]) + "".join(factors)
+        return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
+            factors
+        )
 
-    def of(self, design: Design) -> Design:
+    def of(self, design: Part) -> Part:
         """The mechanism as built."""
         return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
-
-
-@dataclasses.dataclass(frozen=True)
-class Objective:
-    """What to lower: a weighted sum of `QUANTITIES` in each case, put together over the cases.
-
-    **Arguments:** ``weights`` [N per unit of the quantity]: ``{"peak_force": 1, "stroke": 1e4}`` trades a millimetre of
-    stroke for 10 N; ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value
-    at risk); ``level`` [-]: that share is 1 - ``level``.
-    """
-
-    weights: Mapping[str, float] = dataclasses.field(default_factory=lambda: {"peak_force": 1.0})
-    over: str = "worst"
-    level: float = 0.9
-
-    def __post_init__(self) -> None:
-        check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
-        if not self.weights:
-            raise InputError("objective: no quantity is given; name one of " + ", ".join(QUANTITIES))
-        for name, weight in self.weights.items():
-            check_quantity("objective", name)
-            check_single(f"objective.{name}", weight, f"N/{QUANTITIES[name]}", ONE_LIMIT, low=0.0, low_open=True)
-        check_choice("objective.over", self.over, AGGREGATES)
-        check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
-
-    def cap(self, cases: int) -> float:
-        """The largest weight of a case: each aggregate is max w·f over weights that sum to 1 and stay below it."""
-        if self.over == "mean":
-            return 1.0 / cases
-        return 1.0 if self.over == "worst" else min(1.0, 1.0 / ((1.0 - self.level) * cases))
-
-    def vector(self) -> Float[np.ndarray, " quantities"]:
-        """The weights in the order of `QUANTITIES`."""
-        return np.array([float(self.weights.get(name, 0.0)) for name in QUANTITIES])
-
-    def aggregate(self, values: Float[np.ndarray, " cases"]) -> float:
-        """The cases' values as one."""
-        return float(self.case_weights(values) @ values)
-
-    def case_weights(self, values: Float[np.ndarray, " cases"]) -> Float[np.ndarray, " cases"]:
-        """How much each case counts; they sum to 1."""
-        cap = self.cap(len(values))
-        left = 1.0 - cap * np.arange(len(values))
-        weights = np.empty(len(values))
-        weights[np.argsort(-values, kind="stable")] = np.clip(left, 0.0, cap)
-        return weights
-
-    def __str__(self) -> str:
-        names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
-        over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
-        return f"{' + '.join(names)}, {over} over the cases"
-
-
-@dataclasses.dataclass(frozen=True)
-class Limits:
-    """What every case must keep to: ``captured`` within the duration; ``at_most``: upper limits of `QUANTITIES` in
-    their units, of ``stroke_share`` always 1 at most (beyond, the buffer has come to its end); ``impacts``: at most so
-    many touchdowns (a whole number, so without a gradient: a design that breaks it is rejected, none is led back by
-    it)."""
-
-    captured: bool = True
-    at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    impacts: int | None = None
-
-    def __post_init__(self) -> None:
-        check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
-        for name, limit in self.at_most.items():
-            check_quantity("constraints", name)
-            high = LARGEST.get(name, math.inf)
-            check_single(f"constraints.{name}", limit, QUANTITIES[name], ONE_LIMIT, low=0.0, low_open=True, high=high)
-        check_flag("constraints.captured", self.captured)
-        if self.impacts is not None:
-            check_whole("constraints.impacts", self.impacts, 1)
-
-
-@dataclasses.dataclass(frozen=True)
-class Then:
-    """What decides among designs whose objective is within ``slack`` [-] of the best: a second objective."""
-
-    objective: Objective
-    slack: float = 0.01
-
-    def __post_init__(self) -> None:
-        check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
-        check_number("then.slack", self.slack, "-", low=0.0, high=1.0, low_open=True)
 
 
 @dataclasses.dataclass(frozen=True)
 class Problem:
     """A design problem.
 
-    **Arguments:** ``design`` to start from; ``scenarios``: `Scenario`s or `Case`s to serve; ``variables``;
-    ``objective``; ``limits``; ``then``: what decides beyond the objective, or None; ``duration`` [s], ``rtol`` [-] as
-    for `simulate`. **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not
-    hold the start.
+    **Arguments:**
+
+    - ``design``: to start from.
+    - ``scenarios``: the mechanism's scenarios, or `Case`s, to serve; ``cases`` has them all as `Case`s.
+    - ``variables``: what may change.
+    - ``objective``: what to lower (default: the worst peak force).
+    - ``limits``: what to keep to (default: captured in every case).
+    - ``then``: what decides beyond the objective, or None.
+    - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
+
+    **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not hold the start.
+
+    **Example:**
+
+    >>> problem = jb.Problem(
+    ...     jb.table2(),
+    ...     [jb.Scenario(approach_speed=speed) for speed in (0.1, 0.2)],
+    ...     [jb.Variable("buffer.k_A", 100.0, 2000.0), jb.Variable("buffer.c_A", 1.0, 60.0)],
+    ... )
+    >>> print(f"{problem.objective}: {len(problem.cases)} cases by {', '.join(problem.paths)}")
+    peak_force, worst over the cases: 2 cases by buffer.k_A, buffer.c_A
     """
 
-    design: Design
-    scenarios: Sequence[Scenario | Case]
+    design: Part
+    scenarios: Sequence[Part | Case]
     variables: Sequence[Variable]
     objective: Objective = dataclasses.field(default_factory=Objective)
     limits: Limits = dataclasses.field(default_factory=Limits)
     then: Then | None = None
-    duration: float = DEFAULT_DURATION
+    duration: float | None = None
     rtol: float = DEFAULT_TOLERANCE
 
     def __post_init__(self) -> None:
-        self._check_parts()
+        mechanism = mechanism_of(self.design)
+        if self.duration is None:
+            object.__setattr__(self, "duration", mechanism.defaults.duration)
+        self._check_parts(mechanism)
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
         object.__setattr__(self, "cases", cases)
         object.__setattr__(self, "variables", tuple(self.variables))
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         _check_variables(self.design, self.variables)
-        self._check_stroke()
         for number, case in enumerate(cases, 1):
             try:
-                check_fit(case.of(self.design), case.scenario)
+                check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
                 raise InputError(f"scenario {number} ({case.label(cases)}): {error}") from None
+        mechanism.check_problem(self)
 
-    def _check_parts(self) -> None:
-        check_type("design", self.design, Design, "a design such as jb.table2()")
+    def _check_parts(self, mechanism: Mechanism) -> None:
         for name, values, example in (
             ("scenarios", self.scenarios, "[Scenario(approach_speed=0.2)]"),
             ("variables", self.variables, "[Variable('buffer.k_A', 100.0, 2000.0)]"),
@@ -226,24 +177,36 @@ class Problem:
         check_type("limits", self.limits, Limits, "Limits(at_most={'stroke': 0.025})")
         if self.then is not None:
             check_type("then", self.then, Then, "Then(Objective({'stroke': 1.0}))")
+        self._check_quantities(mechanism)
         check_single("duration", self.duration, "s", ONE_LIMIT, low=0.0, low_open=True)
         check_single("rtol", self.rtol, "-", ONE_LIMIT, **TOLERANCES)
 
-    def _check_stroke(self) -> None:
-        """A limit on the stroke beyond the longest one that a design within the bounds allows limits nothing."""
-        longest = {"buffer.max_stroke", "buffer.free_length"}
-        corners = [{v.path: v.high for v in self.variables if v.path in longest}, {}]
-        most = max(float(np.asarray(replace(self.design, corner).buffer.longest_stroke)) for corner in corners)
-        if (limit := self.limits.at_most.get("stroke", 0.0)) > most:
-            raise InputError(
-                f"constraints.stroke = {limit:g} m is out of range; allowed: (0, {most:g}] m, the buffer's end"
-                " (buffer.max_stroke, or buffer.free_length with an end stop or without max_stroke)"
-            )
+    def _check_quantities(self, mechanism: Mechanism) -> None:
+        """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
+        asked = {"objective": self.objective.weights, "constraints": self.limits.at_most}
+        asked |= {} if self.then is None else {"then": self.then.objective.weights}
+        for where, names in asked.items():
+            for name in names:
+                if name not in mechanism.tuned:
+                    raise InputError(f"{where}.{name} is unknown{suggest(name, mechanism.tuned)}")
+        for name, high in mechanism.always.items():
+            limit, unit = self.limits.at_most.get(name, high), mechanism.quantities[name].unit
+            check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
 
     @property
-    def meetings(self) -> tuple[Scenario, ...]:
+    def mechanism(self) -> Mechanism:
+        """Whose designs are tuned."""
+        return mechanism_of(self.design)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of the quantities that objectives and limits may use; the first is made of every impact's peak."""
+        return self.mechanism.tuned
+
+    @property
+    def scenarios_met(self) -> tuple[Part, ...]:
         """The cases' scenarios, as often as they occur."""
         return tuple(case.scenario for case in self.cases)
 
@@ -253,16 +216,16 @@ class Problem:
         return tuple(v.path for v in self.variables)
 
     def start(self) -> Float[np.ndarray, " variables"]:
-        """The design's places between the bounds [-]."""
-        return np.array([v.place(float(get(self.design, v.path))) for v in self.variables])
+        """The design's scaled variables [-]."""
+        return np.array([v.scaled(float(get(self.design, v.path))) for v in self.variables])
 
-    def values(self, places: Iterable[float]) -> Float[np.ndarray, " variables"]:
-        """The variables' numbers, each in its unit, at places between their bounds (0 low, 1 high)."""
-        return np.array([v.value(float(z)) for v, z in zip(self.variables, places, strict=True)])
+    def values(self, scaled: Iterable[float]) -> Float[np.ndarray, " variables"]:
+        """The variables' numbers, each in its unit, from their scaled values (0 low, 1 high)."""
+        return np.array([v.value(float(z)) for v, z in zip(self.variables, scaled, strict=True)])
 
-    def built(self, places: Iterable[float]) -> Design:
-        """The design at those places."""
-        return replace(self.design, dict(zip(self.paths, map(float, self.values(places)), strict=True)))
+    def built(self, scaled: Iterable[float]) -> Part:
+        """The design with those scaled variables."""
+        return replace(self.design, dict(zip(self.paths, map(float, self.values(scaled)), strict=True)))
 
     def fingerprint(self) -> str:
         """The same for the same problem, so that a run goes on with none but its own."""
@@ -273,13 +236,7 @@ class Problem:
         return hashlib.sha256("\n".join([*listed, *map(repr, rest)]).encode()).hexdigest()[:16]
 
 
-def check_quantity(where: str, name: str) -> None:
-    """Raise `InputError` unless ``name`` is one of `QUANTITIES`."""
-    if name not in QUANTITIES:
-        raise InputError(f"{where}.{name} is unknown{suggest(name, QUANTITIES)}")
-
-
-def _check_variables(design: Design, variables: Sequence[Variable]) -> None:
+def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
     if not variables:
         raise InputError("variables is empty; tuning needs at least one")
     seen: set[str] = set()

@@ -9,18 +9,17 @@ from ..errors import InputError
 from .evaluation import Evaluation
 from .search import Branch
 
-NUMBERS = ("stage", "captures", "scale", "peak_scale", "ceiling", "searches", "apart")
+NUMBERS = ("stage", "captures", "scale", "ceiling", "searches", "apart")
 
 
 class Progress(NamedTuple):
-    """``stage``; ``captures`` spent; ``scale`` of the objective and ``peak_scale`` [N]; ``ceiling`` [N] on the first
-    objective in the second stage, else NaN; of the first stage, how many ``searches`` were begun and how far the best
-    two that began apart are ``apart`` [-]; ``first``: the problem's own start; the searches."""
+    """``stage``; ``captures`` spent; ``scale`` of the objective [N]; ``ceiling`` [N] on the first objective in the
+    second stage, else NaN; of the first stage, how many ``searches`` were begun and how far the best two that began
+    apart are ``apart`` [-]; ``first``: the problem's own start; the searches."""
 
     stage: int
     captures: int
     scale: float
-    peak_scale: float
     ceiling: float
     searches: int
     apart: float
@@ -32,7 +31,7 @@ class Progress(NamedTuple):
         flat = {name: np.asarray(getattr(self, name)) for name in NUMBERS}
         flat |= _flat("first", self.first)
         for k, branch in enumerate(self.branches):
-            flat |= _flat(f"{k}/point", branch.point) | _flat(f"{k}/kept", branch.kept)
+            flat |= _flat(f"{k}/point", branch.point) | _flat(f"{k}/best", branch.best)
             flat |= {f"{k}/{name}": np.asarray(getattr(branch, name)) for name in Branch._fields[2:]}
         return flat
 
@@ -52,7 +51,7 @@ class Progress(NamedTuple):
         while (k := f"{len(branches)}/radius") in flat:
             k = k.removesuffix("/radius")
             rest = {name: _plain(flat[f"{k}/{name}"]) for name in Branch._fields[2:]}
-            branches.append(Branch(_evaluation(flat, f"{k}/point"), _evaluation(flat, f"{k}/kept"), **rest))
+            branches.append(Branch(_evaluation(flat, f"{k}/point"), _evaluation(flat, f"{k}/best"), **rest))
         numbers = {name: _plain(flat[name]) for name in NUMBERS}
         return Progress(**numbers, first=_evaluation(flat, "first"), branches=tuple(branches))
 

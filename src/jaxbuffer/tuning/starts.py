@@ -10,20 +10,21 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from .search import BEHIND, Branch, Search, Settings
+from .search import BEHIND, Branch, Search
+from .settings import Settings
 
 AGREE = 0.01  # relative difference of objectives below which two searches found the same
 WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
 
-Places = Float[np.ndarray, " variables"]
+Scaled = Float[np.ndarray, " variables"]
 
 
-def anywhere(settings: Settings, round_: int, size: int, count: int) -> list[Places]:
+def anywhere(settings: Settings, round_: int, size: int, count: int) -> list[Scaled]:
     """A Latin hypercube of the bounds, another one in each round."""
     return list(_hypercube((settings.seed, round_, 0), size, count))
 
 
-def around(best: Places, settings: Settings, round_: int, count: int) -> list[Places]:
+def around(best: Scaled, settings: Settings, round_: int, count: int) -> list[Scaled]:
     """A sample of boxes around a design, each narrower than the one before, cut off at the bounds."""
     widths = np.geomspace(WIDEST, NARROWEST, count)[:, None]
     shares = _hypercube((settings.seed, round_, 1), len(best), count)
@@ -71,7 +72,7 @@ class Standing(NamedTuple):
 
 def _families(search: Search, branches: tuple[Branch, ...]) -> list[float]:
     """The best of each family; of a search that was given up before its end, only what agrees with the best."""
-    kept = [(search.goal.value(b.kept), b) for b in branches if search.goal.feasible(b.kept)]
+    kept = [(search.goal.value(b.best), b) for b in branches if search.goal.feasible(b.best)]
     lowest = min((value for value, _ in kept), default=np.inf)
     best: dict[int, float] = {}
     for value, branch in kept:

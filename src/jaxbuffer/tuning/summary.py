@@ -5,11 +5,8 @@ from typing import TYPE_CHECKING, SupportsFloat
 import numpy as np
 from rich.table import Table
 
-from ..mechanisms import get, unit
-from ..outcome import Outcome
-from ..tables import table as _table
-from ..tables import text as _text
-from ..validity import of_peaks
+from ..fields import get, unit
+from ..tables import table, text
 from .problem import Variable
 
 if TYPE_CHECKING:
@@ -21,45 +18,44 @@ SHOWN = 12  # scenarios in a table
 def tuned_table(tuned: "Tuned") -> str:
     """Before and after: objective, every scenario (the worst ones if there are many), variables, constraints, floor."""
     problem, (start, end) = tuned.problem, tuned.objective
-    summary_ = _table("Objective and what limits it")
+    summary_ = table("Objective and what limits it")
     for heading in ("", "before", "after"):
         summary_.add_column(heading, justify="left" if not heading else "right")
     summary_.add_row(f"{problem.objective} [N]", f"{start:.6g}", f"{end:.6g} ({100.0 * (end / start - 1.0):+.2f} %)")
     if problem.then is not None and tuned.goal.ceiling is not None:
         then = [tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary_.add_row(f"then {problem.then.objective} [N]", *(f"{value:.6g}" for value in then))
-    for text, points in (("cases captured", (tuned.before, tuned.after)),):
-        summary_.add_row(text, *(f"{int(np.sum(p.captured))} of {len(p.code)}" for p in points))
+    points = (tuned.before, tuned.after)
+    ended = f"cases {problem.mechanism.success or 'solved'}"
+    summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
     facts = [
         *_floor_facts(tuned),
         f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
-        f" slopes of the search within {tuned.gradient_error:.1e} of it; {tuned.captures} captures,"
-        f" {tuned.screened} of them without derivatives",
+        f" slopes of the search within {tuned.gradient_error:.1e} of it;"
+        f" {tuned.captures} {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
     facts += [f"outside the contact law's validity: {line}" for line in tuned_warnings(tuned)]
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return _text(f"Tuned: {tuned.message}", *tables, *facts)
+    return text(f"Tuned: {tuned.message}", *tables, *facts)
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
     """In how many scenarios the tuned design lies beyond what the contact law is good for, a line each reason."""
     problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
-    found = [of_peaks(case.of(tuned.design), peak) for case, peak in zip(problem.cases, peaks, strict=True)]
-    lines = []
-    for beyond, what in (
-        (sum(bool(v.too_deep) for v in found), "the tip goes deeper into a flank than a tenth of its radius"),
-        (sum(bool(v.yields) for v in found), "the materials yield"),
-    ):
-        if beyond:
-            lines.append(f"{what} in {beyond} of {len(found)} scenarios")
-    return lines
+    count: dict[str, int] = {}
+    for case, peak in zip(problem.cases, peaks, strict=True):
+        for limit in problem.mechanism.validity(case.of(tuned.design), peak):
+            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
+    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
 
 
 def _floor_facts(tuned: "Tuned") -> list[str]:
     """The floor of the worst scenario, or that it is not known."""
     floor, cases = tuned.floor, len(tuned.problem.cases)
+    if floor is None:
+        return []
     if floor.unknown:
         return [
             "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
@@ -76,49 +72,47 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
 
 
 def _tuned_cases(tuned: "Tuned") -> Table:
+    """The largest peak, the other quantities drawn of a sweep that are tuned, impacts and outcomes."""
     problem, before, after = tuned.problem, tuned.before, tuned.after
-    count = len(problem.cases)
-    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} worst of {count} scenarios"
-    table = _table(title)
-    table.add_column("scenario")
-    for heading in (
-        "peak force [N]",
-        "change",
-        "hinge force [N]",
-        "change",
-        "stroke [mm]",
-        "impacts",
-        "before",
-        "after",
-    ):
-        table.add_column(heading, justify="left" if heading in ("before", "after") else "right")
+    mechanism, count = problem.mechanism, len(problem.cases)
+    cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} worst of {count} scenarios")
+    cases.add_column("scenario")
+    others = [name for name in mechanism.defaults.mapped[1:3] if name in problem.quantities]
+    headings = ["peak force [N]", "change"]
+    for name in others:
+        quantity = mechanism.quantities[name]
+        headings.append(f"{quantity.title} [{(quantity.shown or (quantity.unit,))[0]}]")
+    for heading in (*headings, "impacts", "before", "after"):
+        cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
     first, last = before.quantities, after.quantities
-    worst = sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN])
-    for k in worst:
-        table.add_row(
+    for k in sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN]):
+        shown = []
+        for name in others:
+            factor, q = (mechanism.quantities[name].shown or ("", 1.0))[1], problem.quantities.index(name)
+            shown.append(f"{factor * first[k, q]:.4g} → {factor * last[k, q]:.4g}")
+        cases.add_row(
             problem.cases[k].label(problem.cases),
             *_change(first[k, 0], last[k, 0]),
-            *_change(first[k, 1], last[k, 1]),
-            f"{1e3 * first[k, 3]:.4g} → {1e3 * last[k, 3]:.4g}",
+            *shown,
             f"{before.impacts[k]} → {after.impacts[k]}",
-            Outcome(int(before.code[k])).name,
-            Outcome(int(after.code[k])).name,
+            mechanism.outcomes(int(before.code[k])).name,
+            mechanism.outcomes(int(after.code[k])).name,
         )
-    return table
+    return cases
 
 
 def _tuned_variables(tuned: "Tuned") -> Table:
-    table = _table("Variables")
-    table.add_column("field")
+    variables = table("Variables")
+    variables.add_column("field")
     for heading in ("before", "tuned", "low", "high", "unit"):
-        table.add_column(heading, justify="left" if heading == "unit" else "right")
-    table.add_column("")
+        variables.add_column(heading, justify="left" if heading == "unit" else "right")
+    variables.add_column("")
     problem = tuned.problem
     for variable in problem.variables:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
         numbers = [f"{x:.5g}" for x in (start, value, variable.low, variable.high)]
-        table.add_row(variable.path, *numbers, unit(problem.design, variable.path), _at_bound(variable, value))
-    return table
+        variables.add_row(variable.path, *numbers, unit(problem.design, variable.path), _at_bound(variable, value))
+    return variables
 
 
 def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:

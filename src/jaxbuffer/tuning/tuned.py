@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 
-from ..mechanisms import Design
+from ..fields import Part
 from .evaluation import Evaluation
 from .floor import Floor
 from .goal import Goal
 from .problem import Problem
-from .search import Settings
+from .settings import Settings
 from .store import Record
 
 
@@ -17,24 +17,39 @@ from .store import Record
 class Tuned:
     """A finished tuning. Print it for tables.
 
-    ``design``: the best one found; ``before``, ``after``: start and result in every case at rtol 1e-9, with
-    derivatives; ``goal``: of the last stage; ``residual`` [-]: what first-order information at rtol 1e-9 still promises
-    within a tenth of every range, relative to the objective; ``gradient_error`` [-]: difference between the objective's
-    slopes at the search's tolerance and at rtol 1e-9, relative to the largest; ``floor``: first impacts, which no
-    buffer softens; ``records``: every evaluation, as in the log; ``captures``: solved in all, the last check included.
+    - ``problem``, ``settings``: what was asked.
+    - ``goal``: of the last stage.
+    - ``design``: the best one found.
+    - ``before``, ``after``: start and result in every case at rtol 1e-9, with derivatives.
+    - ``residual``: what first-order information at rtol 1e-9 still predicts to gain within a tenth of every range,
+    relative to the objective [-].
+    - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
+      to the largest [-].
+    - ``converged``: whether the search ended because no larger reduction than its tolerance was left to gain.
+    - ``message``: why it ended, in a sentence.
+    - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
+    - ``records``: every evaluation, as in the log.
+    - ``captures``: solved in all, the last check included.
+
+    **Example:**
+
+    >>> problem = jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)])
+    >>> tuned = jb.tune(problem, iterations=2, starts=1)
+    >>> print(f"{jb.get(tuned.design, 'buffer.k_A'):.0f} N/m, feasible: {tuned.feasible}")
+    405 N/m, feasible: True
     """
 
     problem: Problem
     settings: Settings
     goal: Goal
-    design: Design
+    design: Part
     before: Evaluation
     after: Evaluation
     residual: float
     gradient_error: float
     converged: bool
     message: str
-    floor: Floor
+    floor: Floor | None
     records: tuple[Record, ...]
     captures: int
 
@@ -57,7 +72,9 @@ class Tuned:
 
     @property
     def above_floor(self) -> float:
-        """How far the worst peak is above the floor of its own first impacts, relative [-]."""
+        """How far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor."""
+        if self.floor is None:
+            return float("nan")
         return float(np.max(self.after.quantities[:, 0]) / np.max(self.floor.simulated) - 1.0)
 
     def __repr__(self) -> str:

@@ -6,9 +6,9 @@ A minute or so a capture; ``--steps`` chooses Exudyn's, ``--cases`` the captures
 import argparse
 import time
 
-import jaxbuffer.runtime
+import jaxbuffer.compiling.process
 
-jaxbuffer.runtime.configure()
+jaxbuffer.compiling.process.configure()
 
 from verification.second_opinion.compare import NAMES, STEPS, ask, table  # noqa: E402
 

@@ -1,4 +1,4 @@
-"""The tip against both flanks, from the model's sections 4 and 5 in plain Python, sharing nothing with jaxbuffer.
+"""The tip against both flanks, from M29 to M59 of docs/model.md in plain Python, sharing nothing with jaxbuffer.
 
 With the damping factor of Lankarani and Nikravesh only.
 """

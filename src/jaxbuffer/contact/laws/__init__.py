@@ -55,11 +55,23 @@ def register_law(name: str, law: type[ContactLaw]) -> None:
     """Make a law of your own available to designs as ``contact.law``, at any time; registering a name again replaces
     its law at once, also for designs that exist.
 
-    **Arguments:** ``name``: letters, digits, ``-`` and ``_``; ``law``: a subclass of `ContactLaw` with ``elastic``,
-    ``energy``, ``force`` and ``time_scale``. Fields named as in `NUMBERS` get the design's numbers;
-    others need defaults.
+    **Arguments:**
+
+    - ``name``: letters, digits, ``-`` and ``_``.
+    - ``law``: a subclass of `ContactLaw` with ``elastic`` [N], ``energy`` [J], ``force`` [N] and ``time_scale`` [s].
+      Fields named as in `NUMBERS` get the design's numbers; others need defaults.
 
     **Raises:** `InputError` for a name that is taken by a built-in law, and for what is no such class.
+
+    **Example:** Hertz's law with a damping force of 14.25 % of the elastic one at the speed of touchdown.
+
+    >>> from jaxbuffer.contact.laws import Hertz
+    >>> class Damped(Hertz):
+    ...     hysteresis = 0.1425
+    >>> jb.register_law("damped", Damped)
+    >>> design = jb.replace(jb.table2(), {"contact.law": "damped"})
+    >>> f"{float(jb.first_impact(design).predicted_peak):.1f} N"
+    '143.1 N'
     """
     if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9][\w-]*", name)):
         raise InputError(f"law name {name!r}: use letters, digits, - and _")
@@ -81,7 +93,11 @@ def register_law(name: str, law: type[ContactLaw]) -> None:
 
 
 def contact_law(name: str, numbers: Mapping[str, Scalar]) -> ContactLaw:
-    """The law of a name, with those of ``numbers`` that it takes (its fields are named alike everywhere)."""
+    """A law by its name.
+
+    **Arguments:** ``name``: a key of `LAWS`; ``numbers``: values by field name, of which the law takes those that it
+    has.
+    """
     law = LAWS[name]
     fields = [field.name for field in dataclasses.fields(law) if not field.metadata.get("static", False)]
     return law(**{field: numbers[field] for field in fields if field in numbers})

@@ -9,15 +9,22 @@ from .base import ContactLaw, power, root
 
 
 def step(x: Values, start: Scalar, start_value: Scalar, end: Scalar, end_value: Scalar) -> Values:
-    """STEP(x, x0, h0, x1, h1): h0 + (h1 - h0) Δ² (3 - 2 Δ) with Δ = (x - x0)/(x1 - x0), clamped outside (seed 001)."""
+    """The function STEP, a cubic between two constants, the shape of ``x`` (M52).
+
+    **Arguments:** ``x``; ``start``, ``end``: where the cubic begins and ends, in the unit of ``x``; ``start_value``,
+    ``end_value``: the constants before and after.
+    """
     part = jnp.clip((x - start) / (end - start), 0.0, 1.0)
     return start_value + (end_value - start_value) * part * part * (3.0 - 2.0 * part)
 
 
 class AdamsImpact(ContactLaw):
-    """F = max(0, k δᵉ + c δ̇ STEP(δ, 0, 0, d, 1)): the damper comes in over the first d of penetration.
+    """The function IMPACT: the damper comes in over the first ``ramp_depth`` of penetration (M51).
 
-    **Arguments:** ``stiffness`` k [N/mᵉ]; ``exponent`` e ≥ 1 [-]; ``damping`` c [N s/m]; ``ramp_depth`` d [m].
+    - ``stiffness``: K [N/mⁿ].
+    - ``exponent``: n ≥ 1 [-].
+    - ``damping``: c [N s/m].
+    - ``ramp_depth``: d [m].
     """
 
     source: ClassVar[str] = "MSC Adams, IMPACT and STEP"

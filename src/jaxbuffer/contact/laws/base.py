@@ -14,8 +14,12 @@ METHODS = ("elastic", "energy", "force", "time_scale")  # that each law has of i
 class ContactLaw(eqx.Module):
     """Base of the laws. None of them pulls: a negative sum of spring and damper counts as zero.
 
-    ``source``: where the law was published; ``validity``: what it is good for; ``unit``: of its stiffness; ``jumps``:
-    whether the force starts from zero at touchdown or with a jump.
+    - ``source``: where the law was published.
+    - ``validity``: what it is good for.
+    - ``unit``: of its stiffness.
+    - ``jumps``: whether the force starts with a jump at touchdown instead of from zero.
+
+    Results have the shape of the arguments.
     """
 
     source: ClassVar[str] = "not given"
@@ -24,18 +28,19 @@ class ContactLaw(eqx.Module):
     jumps: ClassVar[bool] = False
 
     def elastic(self, penetration: Values) -> Values:
-        """What the spring in the contact exerts [N], zero for δ ≤ 0, with finite derivatives there."""
+        """Force of the spring in the contact [N], zero for δ ≤ 0, with finite derivatives there. ``penetration``: δ
+        [m]."""
         raise NotImplementedError
 
     def energy(self, penetration: Values) -> Values:
-        """What the spring in the contact stores [J]."""
+        """Energy stored in the spring in the contact [J] (M37). ``penetration``: δ [m]."""
         raise NotImplementedError
 
     def depth(self, force: Scalar) -> Scalar:
-        """The penetration [m] at which the spring alone exerts a force [N]; differentiable.
+        """The penetration at which the spring alone exerts a ``force`` [N], in metres; differentiable (M72).
 
-        No law's penetration exceeds that of its peak force: where it is deepest the damper exerts nothing. Found by
-        bisection, up to 10 m, unless a law says it in closed form.
+        No penetration of a run exceeds that of its peak force: at the deepest point δ̇ = 0, and the spring alone acts.
+        It is found by bisection, up to 10 m, unless a law gives it in closed form.
         """
         wanted = jnp.asarray(force, float)
 
@@ -52,28 +57,44 @@ class ContactLaw(eqx.Module):
         return jnp.where(wanted > 0.0, found - (exerted - wanted) / stiff, 0.0)  # one step of Newton's: its derivative
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
-        """F_n [N] of a closed contact from δ [m], δ̇ [m/s] and δ̇⁻ [m/s]."""
+        """F_n of a closed contact [N].
+
+        **Arguments:**
+
+        - ``penetration``: δ [m].
+        - ``approach_speed``: δ̇ [m/s].
+        - ``touchdown_speed``: δ̇⁻ [m/s] (M36).
+        """
         raise NotImplementedError
 
     def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """About a third of the duration of an impact of an effective mass [kg] at a speed [m/s], in seconds."""
+        """Time scale of an impact [s], about a third of its duration (M58).
+
+        **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
+        """
         raise NotImplementedError
 
     def delivered_restitution(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Separation over approach speed [-] that two free bodies of an effective mass [kg] get at a speed [m/s]."""
+        """Speed of separation over speed of approach of two free bodies [-], integrated or in a law's closed form.
+
+        **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
+        """
         from .impact import free_impact
 
         return free_impact(self, float(mass), float(speed)).restitution
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Deepest penetration [m] of two free bodies of an effective mass [kg] meeting at a speed [m/s]."""
+        """Deepest penetration of two free bodies [m], integrated or in a law's closed form.
+
+        **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
+        """
         from .impact import free_impact
 
         return free_impact(self, float(mass), float(speed)).max_penetration
 
 
 def power(penetration: Values, exponent: Scalar) -> Values:
-    """δⁿ, zero for δ ≤ 0; 3/2, the ball's exponent, by a square root."""
+    """δⁿ, zero for δ ≤ 0. ``penetration``: δ [m]; ``exponent``: n [-]; δ^{3/2} is taken by a square root."""
     inside = penetration > 0.0
     # A guarded argument: the untaken branch of a `where` still sends NaN into tangents.
     depth = jnp.where(inside, penetration, 1.0)
@@ -82,6 +103,6 @@ def power(penetration: Values, exponent: Scalar) -> Values:
 
 
 def root(value: Scalar, exponent: Scalar) -> Scalar:
-    """The n-th root, the inverse of `power`; zero, with no derivative, for values ≤ 0."""
+    """The n-th root of a ``value``, the inverse of `power`; zero, with no derivative, for values ≤ 0."""
     positive = jnp.asarray(value) > 0.0
     return jnp.where(positive, jnp.where(positive, value, 1.0) ** (1.0 / exponent), 0.0)

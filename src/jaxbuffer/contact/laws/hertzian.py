@@ -1,7 +1,7 @@
-"""Hertz's law and its relatives with hysteresis, F = K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻): they differ in χ̂ alone.
+"""Hertz's law and its relatives with hysteresis (M35): they differ in χ̂ alone.
 
-n = 3/2 for a ball. χ̂(e) comes from the restitution e asked for by an energy argument, each author's own; what two free
-bodies then do follows from χ̂ exactly (see `restitution`), and is not what was asked for but with `ExactRestitution`.
+χ̂(e) comes from the restitution e asked for by an energy argument, each author's own. What two free bodies then do
+follows from χ̂ exactly (M46); only `ExactRestitution` delivers what it is asked for.
 """
 
 from typing import ClassVar
@@ -15,10 +15,11 @@ from .restitution import damping_delivering, psi, restitution_delivered
 
 
 class HystereticLaw(ContactLaw):
-    """Base of the laws K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻).
+    """Base of the laws K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻) (M35).
 
-    Subclasses hold ``stiffness`` K [N/mⁿ] and give ``hysteresis`` χ̂ [-], the damping relative to the elastic force at
-    touchdown speed. ``exponent`` n [-].
+    - ``stiffness``: K [N/mⁿ].
+    - ``hysteresis``: χ̂ [-], the damping force over the elastic one at the speed of touchdown.
+    - ``exponent``: n [-], 3/2 for a ball.
     """
 
     stiffness: eqx.AbstractVar[Scalar]
@@ -34,11 +35,11 @@ class HystereticLaw(ContactLaw):
         return self.stiffness * power(penetration, self.exponent)
 
     def energy(self, penetration: Values) -> Values:
-        """K δⁿ⁺¹/(n + 1) [J]."""
+        """K δⁿ⁺¹/(n + 1) [J] (M37)."""
         return self.elastic(penetration) * penetration / (self.exponent + 1.0)
 
     def depth(self, force: Scalar) -> Scalar:
-        """(F/K)^(1/n) [m]."""
+        """(F/K)^(1/n) [m] (M72)."""
         return root(force / self.stiffness, self.exponent)
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
@@ -50,17 +51,17 @@ class HystereticLaw(ContactLaw):
         return (mass * speed ** (1.0 - self.exponent) / self.stiffness) ** (1.0 / (self.exponent + 1.0))
 
     def delivered_restitution(self, mass: Scalar = 1.0, speed: Scalar = 1.0) -> Scalar:
-        """d (1 + e) = ln[(1 + d)/(1 - d e)], d = χ̂: the same [-] for any mass and speed."""
+        """The restitution [-] that solves M46 with d = χ̂, the same for any mass [kg] and speed [m/s]."""
         return restitution_delivered(self.hysteresis)
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """δⁿ⁺¹ = (n + 1) (m v²/K) [1/d - ln(1 + d)/d²], d = χ̂ [m]."""
+        """Deepest penetration [m] of two free bodies (M48). ``mass``: effective [kg]; ``speed``: [m/s]."""
         n = self.exponent + 1.0
         return (-n * mass * speed**2 / self.stiffness * psi(self.hysteresis)) ** (1.0 / n)
 
 
 class Hertz(HystereticLaw):
-    """χ̂ = 0: no loss. **Arguments:** ``stiffness`` K [N/m^1.5]."""
+    """χ̂ = 0: no loss (M38). ``stiffness``: K [N/m^1.5]."""
 
     source: ClassVar[str] = "Hertz 1881"
     validity: ClassVar[str] = "elastic, contact small against the radii, no friction"
@@ -72,14 +73,18 @@ class Hertz(HystereticLaw):
 
 
 class RestitutionLaw(HystereticLaw):
-    """Base of those that ask for a restitution. **Arguments:** ``stiffness`` K [N/m^1.5]; ``restitution`` e (0, 1]."""
+    """Base of the laws that ask for a restitution.
+
+    - ``stiffness``: K [N/m^1.5].
+    - ``restitution``: e in (0, 1] [-].
+    """
 
     stiffness: Scalar
     restitution: Scalar
 
 
 class HuntCrossley(RestitutionLaw):
-    """χ̂ = 3 (1 - e)/2."""
+    """χ̂ = 3 (1 - e)/2 (M39)."""
 
     source: ClassVar[str] = "Hunt & Crossley 1975"
     validity: ClassVar[str] = "e near 1: first order in 1 - e"
@@ -90,7 +95,7 @@ class HuntCrossley(RestitutionLaw):
 
 
 class HerbertMcWhannell(RestitutionLaw):
-    """χ̂ = 6 (1 - e)/((2 e - 1)² + 3)."""
+    """χ̂ = 6 (1 - e)/((2 e - 1)² + 3) (M40)."""
 
     source: ClassVar[str] = "Herbert & McWhannell 1977"
     validity: ClassVar[str] = "e near 1: first order in 1 - e"
@@ -102,7 +107,7 @@ class HerbertMcWhannell(RestitutionLaw):
 
 
 class LankaraniNikravesh(RestitutionLaw):
-    """χ̂ = 3 (1 - e²)/4 (Efficient buffering mechanism, eq. 1-2)."""
+    """χ̂ = 3 (1 - e²)/4, the paper's law (M41)."""
 
     source: ClassVar[str] = "Lankarani & Nikravesh 1990"
     validity: ClassVar[str] = "e near 1: first order in 1 - e"
@@ -113,7 +118,7 @@ class LankaraniNikravesh(RestitutionLaw):
 
 
 class LeeWang(RestitutionLaw):
-    """χ̂ = 3 (1 - e)/4."""
+    """χ̂ = 3 (1 - e)/4 (M42)."""
 
     source: ClassVar[str] = "Lee & Wang 1983"
     validity: ClassVar[str] = "e = 1 only: half of the loss that is asked for"
@@ -124,7 +129,7 @@ class LeeWang(RestitutionLaw):
 
 
 class Gonthier(RestitutionLaw):
-    """χ̂ = (1 - e²)/e."""
+    """χ̂ = (1 - e²)/e (M43)."""
 
     source: ClassVar[str] = "Gonthier, McPhee, Lange & Piedbœuf 2004"
     validity: ClassVar[str] = "all e, best towards 0; at e = 0.9 a quarter too much loss"
@@ -135,7 +140,7 @@ class Gonthier(RestitutionLaw):
 
 
 class Flores(RestitutionLaw):
-    """χ̂ = 8 (1 - e)/(5 e)."""
+    """χ̂ = 8 (1 - e)/(5 e) (M44)."""
 
     source: ClassVar[str] = "Flores, Machado, Silva & Martins 2011"
     validity: ClassVar[str] = "all e; low by up to 0.046 (e = 0.24)"
@@ -146,7 +151,7 @@ class Flores(RestitutionLaw):
 
 
 class HuGuo(RestitutionLaw):
-    """χ̂ = 3 (1 - e)/(2 e)."""
+    """χ̂ = 3 (1 - e)/(2 e) (M45)."""
 
     source: ClassVar[str] = "Hu & Guo 2015"
     validity: ClassVar[str] = "all e; low by up to 0.035 (e = 0.2)"
@@ -157,9 +162,12 @@ class HuGuo(RestitutionLaw):
 
 
 class ExactRestitution(RestitutionLaw):
-    """χ̂ solves d (1 + e) = ln[(1 + d)/(1 - d e)], so that two free bodies part at exactly e times their approach speed.
+    """χ̂ solves M46, so that two free bodies part at exactly e times their approach speed.
 
-    Solved once, when the law is built.
+    - ``stiffness``: K [N/mⁿ].
+    - ``restitution``: e in (0, 1] [-].
+    - ``exponent``: n [-].
+    - ``solved``: χ̂ [-], found once, when the law is built.
     """
 
     source: ClassVar[str] = "exact relation of the damped power law"

@@ -3,18 +3,28 @@
 For laws without a closed form, and for force-penetration loops.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .base import ContactLaw
+if TYPE_CHECKING:
+    from .base import ContactLaw
 
 
 class FreeImpact(NamedTuple):
-    """An impact: ``restitution`` [-], ``max_penetration`` [m], ``peak_force`` [N], ``duration`` [s], and its course:
-    ``time`` [s], ``penetration`` [m], ``speed`` δ̇ [m/s], ``force`` [N]."""
+    """An impact of two free bodies, and its course at a number of points.
+
+    - ``restitution``: speed of separation over speed of approach [-].
+    - ``max_penetration``: [m].
+    - ``peak_force``: [N].
+    - ``duration``: [s].
+    - ``time``: (points,) since touchdown [s].
+    - ``penetration``: (points,) δ [m].
+    - ``speed``: (points,) δ̇ [m/s].
+    - ``force``: (points,) F_n [N].
+    """
 
     restitution: float
     max_penetration: float
@@ -26,8 +36,16 @@ class FreeImpact(NamedTuple):
     force: np.ndarray
 
 
-def free_impact(law: ContactLaw, mass: float, speed: float, points: int = 400) -> FreeImpact:
-    """Integrate an impact of an effective ``mass`` [kg] at a ``speed`` [m/s] to 1e-11, ``points`` on its course."""
+def free_impact(law: "ContactLaw", mass: float, speed: float, points: int = 400) -> FreeImpact:
+    """Integrate the impact of two free bodies, with tolerances of 1e-11.
+
+    **Arguments:**
+
+    - ``law``: the contact law.
+    - ``mass``: effective mass [kg].
+    - ``speed``: of approach [m/s].
+    - ``points``: how many points of the course to return.
+    """
     from scipy.integrate import solve_ivp
 
     # In units of the law's own time and of the touchdown speed all impacts look alike to the integrator.

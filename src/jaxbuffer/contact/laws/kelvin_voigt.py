@@ -9,14 +9,13 @@ from .base import ContactLaw
 
 
 class KelvinVoigt(ContactLaw):
-    """F = max(0, k δ + c δ̇): it starts with a jump to c δ̇⁻ and does not pull at the end.
+    """F = max(0, k δ + c δ̇): it starts with a jump to c δ̇⁻ and does not pull at the end (M49).
 
-    The force is the closed contact's: whether a contact is closed is the caller's to say, since the jump has no place
-    in a function of δ alone. With ω0 = √(k/m), ζ = c/(2 m ω0) and the force ending where k δ + c δ̇ = 0, not where
-    δ = 0 (Schwager & Pöschel 2007), restitution and penetration are e = g² and v g/ω0 with
-    g = exp(-ζ arccos(ζ)/√(1 - ζ²)), continued beyond ζ = 1 by arcosh.
+    The force is that of a closed contact; the caller says whether the contact is closed, since a function of δ alone
+    can't hold the jump. Restitution and penetration are those of M50.
 
-    **Arguments:** ``linear_stiffness`` k [N/m]; ``damping`` c [N s/m].
+    - ``linear_stiffness``: k [N/m].
+    - ``damping``: c [N s/m].
     """
 
     source: ClassVar[str] = "Kelvin & Voigt; without tension, Schwager & Pöschel 2007"
@@ -42,15 +41,15 @@ class KelvinVoigt(ContactLaw):
         return 1.0 / (jnp.sqrt(self.linear_stiffness / mass) + self.damping / mass)
 
     def delivered_restitution(self, mass: Scalar, speed: Scalar = 1.0) -> Scalar:
-        """g² [-], the same for any speed."""
+        """Restitution [-] of two free bodies of an effective ``mass`` [kg], the same for any ``speed`` (M50)."""
         return self._decay(mass) ** 2
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """v g/ω0 [m]."""
+        """Deepest penetration of two free bodies [m] (M50). ``mass``: effective [kg]; ``speed``: [m/s]."""
         return speed * self._decay(mass) / jnp.sqrt(self.linear_stiffness / mass)
 
     def _decay(self, mass: Scalar) -> Scalar:
-        """g, from arccos(ζ)/√(1 - ζ²), which is smooth through ζ = 1."""
+        """G of M50; arccos(ζ)/√(1 - ζ²) is smooth through ζ = 1, and is taken from its series near there."""
         zeta = self.damping / (2.0 * jnp.sqrt(self.linear_stiffness * mass))
         off = zeta - 1.0
         near = jnp.abs(off) < 1e-3

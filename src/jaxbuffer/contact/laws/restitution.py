@@ -1,7 +1,6 @@
 """Damping factor and delivered restitution of K δⁿ (1 + d δ̇/δ̇⁻): one exact relation, solved either way.
 
-For two free bodies m δ̇ dδ̇/dδ = -F separates: d (1 + e) = ln[(1 + d)/(1 - d e)], whatever n, K, mass and speed. With
-ψ(x) = (ln(1 + x) - x)/x², which is smooth at 0, it reads ψ(d) = e² ψ(-d e): no trivial root d = 0, no cancellation.
+The relation is M46, solved in the form M47, which has no trivial root d = 0 and no cancellation.
 """
 
 import jax
@@ -15,7 +14,7 @@ TERMS = 14  # of the series: its first neglected term is below 0.05^14 / 16
 
 
 def psi(x: Scalar) -> Scalar:
-    """(ln(1 + x) - x)/x² for x > -1."""
+    """(ln(1 + x) - x)/x² for x > -1 (M47)."""
     x = jnp.asarray(x, float)
     small = jnp.abs(x) < SERIES_BELOW
     far = jnp.where(small, 1.0, x)
@@ -46,7 +45,8 @@ def _root(function, low: Scalar, high: Scalar) -> Scalar:
 
 @jax.custom_jvp
 def damping_delivering(restitution: Scalar) -> Scalar:
-    """The factor d [-] with which two free bodies part at e times their approach speed, for e in (0, 1]."""
+    """The factor d [-] with which two free bodies part at ``restitution`` times their approach speed, for values in (0,
+    1]."""
     e = jnp.asarray(restitution, float)
     # The relation's imbalance is least at d = 1/e - 1 and infinite at 1/e: the root lies between.
     return jnp.where(e < 1.0, _root(lambda d: _imbalance(d, e), 1.0 / e - 1.0, 1.0 / e), 0.0)
@@ -61,7 +61,7 @@ def _damping_jvp(primals: tuple, tangents: tuple) -> tuple:
 
 @jax.custom_jvp
 def restitution_delivered(factor: Scalar) -> Scalar:
-    """The ratio e [-] at which two free bodies part when the law's factor is d ≥ 0."""
+    """The restitution e [-] at which two free bodies part when the law's ``factor`` is d ≥ 0 [-]."""
     d = jnp.asarray(factor, float)
     return _root(lambda e: _imbalance(d, e), jnp.zeros_like(d), 1.0 / jnp.maximum(d, 1.0))
 
@@ -74,7 +74,7 @@ def _restitution_jvp(primals: tuple, tangents: tuple) -> tuple:
 
 
 def _slope(d: Scalar, e: Scalar) -> tuple[Scalar, Scalar]:
-    """dd/de and de/dd along the relation: dd/de = -d e (1 + d)/((1 + e)(e - 1 + d e)), whose limit at d = 0 is -3/2."""
+    """dd/de and de/dd along the relation (M47); the limit of dd/de at d = 0 is -3/2."""
     d, e = jnp.asarray(d, float), jnp.asarray(e, float)
     small = d < 1e-7
     below = jnp.where(small, 1.0, (1.0 + e) * (e - 1.0 + d * e))

@@ -1,7 +1,7 @@
-"""Hertz's stiffness from materials and radii: F = K δ^{3/2}.
+"""Hertz's stiffness from materials and radii (M53, M54).
 
-K = 4/3 √R/(σ_1 + σ_2), σ = (1 - ν²)/E (Efficient buffering mechanism, eq. 3-4), with 1/R the sum of both curvatures.
-Valid while the contact's radius √(R δ) is small against every radius: least so in a socket that fits closely.
+It is valid while the contact's radius √(R δ) is small against every radius, which a socket that fits closely violates
+first.
 """
 
 from ..._types import Scalar
@@ -17,20 +17,32 @@ def hertz_stiffness(
     young_2: Scalar = YOUNG,
     poisson_2: Scalar = POISSON,
 ) -> Scalar:
-    """K of a ball of ``radius`` [m] on a plane [N/m^1.5]; Young's moduli [Pa] and Poisson's ratios [-] of both."""
+    """K of a ball on a plane [N/m^1.5] (M53).
+
+    **Arguments:**
+
+    - ``radius``: of the ball [m].
+    - ``young_1``, ``young_2``: Young's moduli of ball and plane [Pa].
+    - ``poisson_1``, ``poisson_2``: their Poisson's ratios [-].
+    """
     compliance = (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
     return 4.0 * radius**0.5 / (3.0 * compliance)
 
 
 def two_spheres_stiffness(radius_1: Scalar, radius_2: Scalar, *materials: Scalar) -> Scalar:
-    """K of two balls [N/m^1.5]: R = R_1 R_2/(R_1 + R_2) [m]. ``materials``: as for `hertz_stiffness`."""
+    """K of two balls [N/m^1.5] (M54).
+
+    **Arguments:** ``radius_1``, ``radius_2``: of the balls [m]; ``materials``: as for `hertz_stiffness`.
+    """
     return hertz_stiffness(radius_1 * radius_2 / (radius_1 + radius_2), *materials)
 
 
 def socket_stiffness(radius: Scalar, socket_radius: Scalar, *materials: Scalar) -> Scalar:
-    """K of a ball in a spherical socket [N/m^1.5]: R = R_1 R_2/(R_2 - R_1) [m]. ``materials``: as above.
+    """K of a ball in a spherical socket [N/m^1.5] (M54).
 
-    Raises `InputError` unless the socket is the larger.
+    **Arguments:** ``radius``, ``socket_radius``: of ball and socket [m]; ``materials``: as for `hertz_stiffness`.
+
+    **Raises:** `InputError` unless the socket is the larger.
     """
     ball, socket = concrete(radius), concrete(socket_radius)
     if ball is not None and socket is not None and not (ball < socket).all():

@@ -1,0 +1,287 @@
+"""Compiled programs stored on disk whole, so that a later process runs them without tracing them first.
+
+JAX's own cache spares the compilation alone. Tracing and lowering a capture, which lead to that cache's key, take
+longer than loading what it holds; here the key is all that a program is made from: the structure of its inputs, every
+class and contact law in it, our own source, the packages, the processor and JAX's settings.
+"""
+
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import platform
+import sys
+import threading
+from collections.abc import Callable, Hashable, Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.experimental.compilation_cache import compilation_cache
+from jax.stages import Compiled
+
+from ..contact.laws import LAWS
+from . import executable, program_files, structure
+from .backend import check_ready, one_kernel
+from .folder import made_private
+from .identity import PACKAGES, fingerprint, lasting, lasts
+from .split import compiled, run
+
+R = TypeVar("R")
+
+_log = logging.getLogger(__name__)
+_folder: Path | None = None
+_watcher: Callable[[bool], None] | None = None
+_compiling = threading.RLock()
+
+
+def store_in(folder: str | Path | None) -> str:
+    """Keep programs of functions marked `stored` in a folder from now on, or, with None, in memory only.
+
+    **Returns:** why the folder is not used, if others can write there; "" otherwise.
+    """
+    global _folder  # noqa: PLW0603 # process-wide like JAX's own cache, which is set beside it
+    _folder = None
+    if folder is None:
+        return ""
+    wrong = made_private(Path(folder).absolute())
+    if not wrong:
+        _folder = Path(folder).resolve()
+    return wrong
+
+
+@contextlib.contextmanager
+def watched(watcher: Callable[[bool], None]) -> Iterator[None]:
+    """Call ``watcher`` with True whenever a program's compilation begins, and with False when it has ended."""
+    global _watcher  # noqa: PLW0603 # one front shows what the whole process does
+    before, _watcher = _watcher, watcher
+    try:
+        yield
+    finally:
+        _watcher = before
+
+
+class Static(eqx.Module):
+    """An argument of a function marked `stored` that its program is made for, rather than given."""
+
+    value: Any = eqx.field(static=True)
+
+
+def made_from(tree: Any, *code: Any) -> Static:
+    """What may change between two calls although the structure of the arguments is the same, for functions under
+    `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
+    return Static((_changeable(jax.tree.structure(tree)), fingerprint(*code)))
+
+
+class _Program(NamedTuple):
+    """A compiled function of arrays, in its parts, and where the leaves of its result come from."""
+
+    parts: list[Compiled]
+    structure: Any
+    sources: tuple[int | None, ...]  # the argument that a leaf of the result is, or None: the next one that is computed
+
+    def __call__(self, leaves: list[Any], given: list[Any]) -> Any:
+        computed = iter(run(self.parts, given))
+        found = [next(computed) if source is None else leaves[source] for source in self.sources]
+        return jax.tree.unflatten(self.structure, found)
+
+
+class stored(Generic[R]):  # a decorator
+    """`jax.jit` for a function of trees of arrays, with compiled programs stored in the folder of `store_in`, if any.
+
+    - Python floats among the arguments are passed as one array, which takes less time per call than one by one.
+    - Arguments that the function returns unchanged are not passed through the program.
+    - Under a transformation (`grad`, `vmap`) it is `jax.jit`. Inside another program that is being traced it is a plain
+      call, because a nested `jit` would be traced twice where derivatives are asked for.
+    - A program that cannot be read or written is compiled in memory.
+    - Every call checks classes and contact laws that are not the package's own. Where one has changed, or its name
+      means another one by now, a new program is compiled.
+    """
+
+    def __init__(self, function: Callable[..., R]) -> None:
+        self.function = function
+
+        def compiled_for(*arguments: Any, made_from: Any = None) -> R:
+            return function(*arguments)
+
+        self.jitted = jax.jit(compiled_for, static_argnames="made_from")
+        self.programs: dict[Any, _Program] = {}
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *arguments: Any) -> R:
+        check_ready()
+        leaves, tree = jax.tree.flatten(arguments)
+        kinds = tuple(map(_kind, leaves))
+        if any(kind is jax.core.Tracer for kind in kinds):
+            return self.function(*arguments) if _tracing() else self.jitted(*arguments, made_from=_changeable(tree))
+        numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
+        given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
+        key = (_folder, tree, kinds, _changeable(tree))
+        if key not in self.programs:
+            with _compiling:  # of many threads that come at once, one compiles
+                if key not in self.programs:
+                    self.programs[key] = self._program(tree, kinds, given)
+        return self.programs[key](leaves, given)
+
+    def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
+        described = fingerprint(structure.outline(tree), *structure.nodes(tree), *_laws(tree))
+        if _folder is None or not lasting(described):
+            return self._compiled(tree, kinds, given)
+        file = _folder / f"{self.function.__name__}-{_digest(repr(described), str(kinds))}{program_files.SUFFIX}"
+        program = _read(file, tree, given)
+        if program is None:
+            with _without_cache():
+                program = self._compiled(tree, kinds, given)
+            _write(file, tree, program)
+        return program
+
+    def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
+        result: list[Any] = []
+
+        def flat(numbers: Any, *others: Any) -> list[Any]:
+            each, rest = iter(numbers), iter(others)
+            leaves = [next(each if kind is float else rest) for kind in kinds]
+            found, structure_found = jax.tree.flatten(self.function(*jax.tree.unflatten(tree, leaves)))
+            place = {id(leaf): k for k, leaf in enumerate(leaves)}
+            sources = tuple(place.get(id(leaf)) for leaf in found)
+            result[:] = [structure_found, sources]
+            return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
+
+        watcher = _watcher or (lambda _: None)
+        watcher(True)
+        try:
+            return _Program(compiled(flat, given), *result)
+        finally:
+            watcher(False)
+
+
+def _tracing() -> bool:
+    """Whether a larger program is being traced: then even a constant is part of it."""
+    return isinstance(jnp.zeros(()), jax.core.Tracer)
+
+
+def _kind(leaf: Any) -> Any:
+    """`float` for a number that may share an array with others, `Tracer`, or shape and type."""
+    if type(leaf) is float or (type(leaf) is np.ndarray and leaf.shape == () and leaf.dtype == float):
+        return float
+    if isinstance(leaf, jax.core.Tracer):
+        return jax.core.Tracer
+    shape, kind = np.shape(leaf), jax.dtypes.result_type(leaf)
+    return float if shape == () and kind is np.dtype(float) else (shape, kind)
+
+
+def _changeable(tree: Any) -> Hashable:
+    """What may change between two calls with arguments of one structure: contact laws, and code that is not known by
+    the version of its package."""
+    laws = _laws(tree)
+    things = [*_own(tree), *(law for law in laws if not lasts(law))]
+    return (laws, fingerprint(*things)) if things else laws
+
+
+def _laws(tree: Any) -> tuple[type, ...]:
+    """The laws whose names are in the arguments: looked up anew, since a name can be registered again."""
+    return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
+
+
+@functools.lru_cache(maxsize=1024)
+def _words(tree: Any) -> tuple[str, ...]:
+    return tuple(value for _, static in structure.nodes(tree) for value in _flat(static) if isinstance(value, str))
+
+
+@functools.lru_cache(maxsize=1024)
+def _own(tree: Any) -> tuple[Any, ...]:
+    """Types and static values of the arguments that are, or hold, code that may change."""
+    parts = [part for kind, static in structure.nodes(tree) for part in (kind, *_flat(static))]
+    return tuple(part for part in parts if not lasts(part))
+
+
+def _flat(static: Any) -> Iterator[Any]:
+    if isinstance(static, (tuple, list)):
+        for part in static:
+            yield from _flat(part)
+    else:
+        yield static
+
+
+@contextlib.contextmanager
+def _without_cache() -> Iterator[None]:
+    """Without JAX's own cache: a program that was read from there lacks parts when it is written once more."""
+    before = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    try:
+        jax.config.update("jax_compilation_cache_dir", None)
+        compilation_cache.reset_cache()
+        yield
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
+        compilation_cache.reset_cache()
+
+
+def _read(file: Path, tree: Any, given: list[Any]) -> _Program | None:
+    """The program of a file if there is one and it runs on these arguments; one that does not is deleted."""
+    try:
+        stored = program_files.read(file)
+        if stored is None:
+            return None
+        with program_files.being_loaded(file):
+            described = zip(stored.description["parts"], stored.code, strict=True)
+            parts = [executable.put_together(*part) for part in described]
+            jax.block_until_ready(run(parts, given))
+        found = structure.read(stored.description["structure"], tree)
+        return _Program(parts, found, tuple(stored.description["sources"]))
+    except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
+        _log.info("%s cannot be used: %s", file, error)
+        program_files.remove(file)
+        return None
+
+
+def _write(file: Path, tree: Any, program: _Program) -> None:
+    try:
+        parts = [executable.taken_apart(part) for part in program.parts]
+        description = {
+            "structure": structure.written(program.structure, tree),
+            "sources": program.sources,
+            "parts": [described for described, _ in parts],
+        }
+        program_files.write(file, program_files.Stored(description, [code for _, code in parts]))
+    except Exception as error:  # a full disk, a JAX whose insides are others: the program is in memory
+        _log.info("%s cannot be written: %s", file, error)
+
+
+def _digest(*parts: str) -> str:
+    """A hash of the parts and of everything else that a program depends on."""
+    content = hashlib.sha256(_made_from())
+    for part in parts:
+        content.update(part.encode() + b"\0")
+    return content.hexdigest()[:32]
+
+
+@functools.cache
+def _made_from() -> bytes:
+    """Our own source, the packages, the processor and JAX's settings."""
+    content = hashlib.sha256()
+    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
+        content.update(f"{file}\0".encode() + file.read_bytes())
+    settings = [
+        sys.version,
+        jax.default_backend(),
+        str(jax.dtypes.canonicalize_dtype(float)),
+        os.environ.get("XLA_FLAGS", ""),
+        str(one_kernel()),
+        _processor(),
+    ]
+    content.update("\0".join([*map(version, PACKAGES), *settings]).encode())
+    return content.digest()
+
+
+def _processor() -> str:
+    """What the machine's code may use."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    return next((line for line in lines if line.startswith(("flags", "Features"))), platform.platform())

@@ -1,0 +1,73 @@
+"""The address of a number: a dotted path of the design, or "scenario." and a path of the scenario."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
+
+import equinox as eqx
+import numpy as np
+
+from ..errors import InputError, check_names, check_single, suggest
+from .paths import get, paths, replace, unit
+
+SCENARIO = "scenario."
+
+D = TypeVar("D", bound=eqx.Module)
+S = TypeVar("S", bound=eqx.Module)
+
+
+def addresses(design: eqx.Module, scenario: eqx.Module) -> list[str]:
+    """The addresses of all fields of a design and a scenario, choices included."""
+    return [*paths(design), *(SCENARIO + path for path in paths(scenario))]
+
+
+def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where: str = "") -> None:
+    """Check that ``address`` is one of a design's or a scenario's.
+
+    **Raises:** `InputError` with the nearest address if it is not; the message begins with ``where``.
+    """
+    known = addresses(design, scenario)
+    if address not in known:
+        raise InputError(f"{where}{address} is unknown{suggest(address, known)}")
+
+
+def _owner(design: eqx.Module, scenario: eqx.Module, address: str) -> tuple[eqx.Module, str]:
+    of_scenario = address.startswith(SCENARIO)
+    return (scenario, address.removeprefix(SCENARIO)) if of_scenario else (design, address)
+
+
+def value_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Any:
+    """The value at ``address``. **Raises:** `InputError` with the nearest path for one that is unknown."""
+    return get(*_owner(design, scenario, address))
+
+
+def unit_at(design: eqx.Module, scenario: eqx.Module, address: str) -> str:
+    """The unit of what is at ``address``, "" for a choice."""
+    return unit(*_owner(design, scenario, address))
+
+
+def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S]:
+    """Design and scenario with the values at some addresses replaced, validated like new ones; traced values work.
+
+    **Arguments:** ``values``: by address, in the field's unit. **Raises:** `InputError` as `replace` does.
+    """
+    of_scenario = {name.removeprefix(SCENARIO): v for name, v in values.items() if name.startswith(SCENARIO)}
+    of_design = {name: v for name, v in values.items() if not name.startswith(SCENARIO)}
+    return replace(design, of_design), replace(scenario, of_scenario)
+
+
+def check_numbers(
+    design: eqx.Module, scenario: eqx.Module, wanted: Sequence[str], instead: str
+) -> tuple[tuple[str, ...], np.ndarray]:
+    """The addresses to differentiate by, checked, and the values there, (addresses,).
+
+    **Arguments:** ``wanted``: the addresses; ``instead``: what takes an array of numbers, for the message.
+
+    **Raises:** `InputError` for addresses that are unknown, no single numbers or given twice.
+    """
+    found = check_names("wrt", wanted, "buffer.k_A")
+    for address in found:
+        value = value_at(design, scenario, address)
+        if value is None or isinstance(value, (str, bool)):
+            raise InputError(f"{address} = {value!r} is not a number that can be differentiated")
+        check_single(address, value, "", instead)
+    return found, np.array([float(value_at(design, scenario, address)) for address in found])

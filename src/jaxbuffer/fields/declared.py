@@ -1,0 +1,82 @@
+"""Declared fields: numbers with unit, range and meaning, and words to choose from, checked when a part is made."""
+
+import dataclasses
+import functools
+import operator
+from collections.abc import Iterable, Iterator
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool
+
+from ..errors import as_number, check_choice, check_flag, check_number, check_type, check_whole, inside
+
+
+def number(default: float | None, unit: str, **limits: Any) -> Any:
+    """A differentiable field with its unit and allowed range; lists of numbers become arrays.
+
+    **Arguments:** ``default``: in the field's unit, None if it may be left out; ``unit``: as in messages and tables;
+    ``limits``: keywords of `check_number` that bound it (``low``, ``high``, ``low_open``, ``high_open``).
+    """
+    return eqx.field(default=default, converter=as_number, metadata={"unit": unit, "limits": limits})
+
+
+def whole(default: int, least: int) -> Any:
+    """A static field that takes whole numbers from ``least`` up."""
+    return eqx.field(default=default, static=True, metadata={"least": least})
+
+
+def choice(default: str, *options: str) -> Any:
+    """A static field that takes one of a few words. ``default``: one of them; ``options``: all."""
+    return eqx.field(default=default, static=True, metadata={"choices": options})
+
+
+POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
+NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
+
+
+class Part(eqx.Module):
+    """A group of fields, each checked against its declared range when the part is made.
+
+    - ``section``: the part's name in dotted paths.
+    """
+
+    section: ClassVar[str] = ""
+
+    def __check_init__(self) -> None:
+        prefix = f"{self.section}." if self.section else ""
+        for field in dataclasses.fields(self):
+            value, path = getattr(self, field.name), prefix + field.name
+            if "choices" in field.metadata:
+                check_choice(path, value, field.metadata["choices"])
+            elif "flag" in field.metadata:
+                check_flag(path, value)
+            elif "least" in field.metadata:
+                check_whole(path, value, field.metadata["least"])
+            elif "unit" in field.metadata:
+                if value is not None or field.default is not None:
+                    check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+            elif isinstance(field.default, Part):
+                check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
+        self.check_together()
+
+    def check_together(self) -> None:
+        """Raise `InputError` where fields, each good in itself, don't go together."""
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        """Whether each number is in its declared range, for numbers known only inside compiled code; NaN is in none.
+
+        A part with a `check_together` of its own overrides this too.
+        """
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, Part):
+                yield from value.in_range()
+            elif "unit" in field.metadata and value is not None:
+                yield inside(value, **field.metadata["limits"])
+
+
+def all_of(conditions: Iterable[Bool[Array, ""]]) -> Bool[Array, ""]:
+    """Whether all hold. ``conditions``: 0-d booleans."""
+    return functools.reduce(operator.and_, map(jnp.asarray, conditions))

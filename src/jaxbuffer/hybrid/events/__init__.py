@@ -1,0 +1,1 @@
+"""Guards, where they cross zero within a step, and bracketing a crossing."""

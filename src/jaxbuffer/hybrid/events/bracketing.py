@@ -1,0 +1,153 @@
+"""Locating an event: steps from the same start, of lengths that converge to the event, by Newton's method kept inside
+a bracket.
+
+This is root finding in one variable, the step's length, where evaluating the function means taking a step. One trial is
+made in each iteration of the loop, so the method's state, the `Bracket`, is carried from one to the next.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .crossing import Crossing
+from .guards import SignedGuards
+
+MAX_TRIES_MAXIMUM = 12  # for a maximum, which may be one of rounding only
+MAX_TRIES = 2 * MAX_TRIES_MAXIMUM  # for a guard with a rate, so that a maximum given up never costs a touchdown
+MAXIMUM_TOLERANCE = 0.01  # of the time tolerance: a maximum may be much narrower than an impact
+NEWTON_TRIES = 2  # tries by Newton's method alone, before the secant takes part
+RELEASE_BRACKET = 4.0  # times the predicted time to a release: how far it is looked for
+
+
+class Bracket(NamedTuple):
+    """The search for the step length at which a guard is zero.
+
+    ``guard`` (-1: none is being located); ``step`` [s]: the length to try next; ``low``, ``high`` [s]: lengths at which
+    the guard is below and above zero, ``low_value``, ``high_value``: its values there; ``tries`` so far;
+    ``converged``: the last try, of the state alone, ended on the event and is retaken with tangents.
+    """
+
+    guard: Int[Array, ""]
+    step: Float[Array, ""]
+    low: Float[Array, ""]
+    high: Float[Array, ""]
+    low_value: Float[Array, ""]
+    high_value: Float[Array, ""]
+    tries: Int[Array, ""]
+    converged: Bool[Array, ""]
+
+    @staticmethod
+    def none() -> "Bracket":
+        """No event is being located."""
+        zero = jnp.zeros(())
+        return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False))
+
+    @staticmethod
+    def around(
+        crossing: Crossing, before: Float[Array, " guards"], after: Float[Array, " guards"], tries: Int[Array, ""]
+    ) -> "Bracket":
+        """Of a crossing found in a step, given the signed guards ``before`` and ``after`` it, and the ``tries`` spent
+        on other events from the same start."""
+        guard, zero = crossing.guard, jnp.zeros(())
+        return Bracket(
+            guard, crossing.at, zero, crossing.far, before[guard], after[guard], tries, converged=jnp.asarray(False)
+        )
+
+    @staticmethod
+    def around_release(contact: Int[Array, ""], time: Float[Array, ""], gaps: Float[Array, " contacts"]) -> "Bracket":
+        """Of the predicted release of a closed contact in a ``time`` [s], given the ``gaps`` now [m], which are taken
+        to grow evenly."""
+        gap = jnp.sum(jnp.where(jnp.arange(gaps.shape[0]) == contact, gaps, 0.0))
+        return Bracket(
+            guard=contact,
+            step=time,
+            low=jnp.zeros(()),
+            high=RELEASE_BRACKET * time,
+            low_value=gap,
+            high_value=(1.0 - RELEASE_BRACKET) * gap,
+            tries=jnp.asarray(0),
+            converged=jnp.asarray(False),
+        )
+
+
+class Refinement(NamedTuple):
+    """What a trial step shows of the event that is being located.
+
+    ``finished``: no further try; ``converged``: the step ends on the event; ``occurred``: it does, or a little beyond,
+    and not before one that could not be found; ``offset``: time from the step's end to the event [s], zero unless
+    converged; ``guard_rate``: the guard's rate [1/s times its unit]; ``bracket``: what to try next if not finished.
+    """
+
+    finished: Bool[Array, ""]
+    converged: Bool[Array, ""]
+    occurred: Bool[Array, ""]
+    offset: Float[Array, ""]
+    guard_rate: Float[Array, ""]
+    bracket: Bracket
+
+
+def refine(
+    bracket: Bracket,
+    step: Float[Array, ""],
+    guards: SignedGuards,
+    rated: int,
+    tolerance: Float[Array, ""] | float,
+    shortfall: Float[Array, ""] | float,
+) -> Refinement:
+    """How far the end of a step is from the event, and which length to try next.
+
+    Newton's method leads, with the guard's second derivative where it is known. It does not get far where the guard's
+    rate is not how the guard changes with the step's length: the step's own error changes with that too. So after
+    `NEWTON_TRIES` tries the bracket's secant takes two tries of three. Whatever leaves the bracket is replaced by its
+    middle.
+
+    **Arguments:** ``bracket``; ``step`` tried [s]; ``guards`` at its end: the first ``rated`` have exact rates, the
+    others get theirs from the parabola through both ends of the bracket and this point; ``tolerance`` [s];
+    ``shortfall``: by how much an observable may be below its maximum where the step ends.
+    """
+    exact = bracket.guard < rated
+    z = guards.value[bracket.guard]
+    rate = jnp.where(exact, guards.rate[bracket.guard], _parabola_rate(bracket, step, z))
+    rising = (rate > 0.0) & jnp.isfinite(rate)
+    rate = jnp.where(rising, rate, 1.0)
+    offset = jnp.where(rising, _newton(z, rate, guards.acceleration[bracket.guard]), jnp.inf)
+    below = z < 0.0
+    low, low_value = jnp.where(below, step, bracket.low), jnp.where(below, z, bracket.low_value)
+    high, high_value = jnp.where(below, bracket.high, step), jnp.where(below, bracket.high_value, z)
+    secant = (low * high_value - high * low_value) / (high_value - low_value)
+    following = jnp.where((bracket.tries >= NEWTON_TRIES) & (bracket.tries % 3 > 0), secant, step + offset)
+    following = jnp.where((following > low) & (following < high), following, 0.5 * (low + high))
+    tolerance = jnp.where(exact, tolerance, MAXIMUM_TOLERANCE * tolerance)
+    close = (jnp.abs(offset) <= tolerance) | ~exact & (0.5 * jnp.abs(z * offset) <= shortfall)
+    # With tangents the same step may end a little beside: it stays on its event.
+    converged = close | bracket.converged & rising
+    out_of_tries = bracket.tries >= jnp.where(exact, MAX_TRIES, MAX_TRIES_MAXIMUM)
+    # A step of length zero is one onto a contact that closes at once.
+    finished = converged | (high - low <= tolerance) | out_of_tries | (step == 0.0)
+    return Refinement(
+        finished=finished,
+        converged=converged,
+        occurred=finished & (converged | ~below),
+        offset=jnp.where(converged, offset, 0.0),
+        guard_rate=rate,
+        bracket=bracket._replace(
+            step=following, low=low, high=high, low_value=low_value, high_value=high_value, tries=bracket.tries + 1
+        ),
+    )
+
+
+def _parabola_rate(bracket: Bracket, step: Array, value: Array) -> Float[Array, ""]:
+    """The guard's rate at a step's end, of the parabola through this point and both ends of the bracket."""
+    to_low = (value - bracket.low_value) / (step - bracket.low)
+    to_high = (bracket.high_value - value) / (bracket.high - step)
+    across = (bracket.high_value - bracket.low_value) / (bracket.high - bracket.low)
+    return to_low + to_high - across
+
+
+def _newton(value: Array, rate: Array, acceleration: Array) -> Float[Array, ""]:
+    """Time to the zero of a guard [s]: of the parabola with its first and second derivative (Newton's method if the
+    second is zero)."""
+    linear = -value / rate
+    bend = jnp.sqrt(jnp.maximum(1.0 + 2.0 * acceleration * linear / rate, 0.0))
+    return linear * 2.0 / (1.0 + bend)

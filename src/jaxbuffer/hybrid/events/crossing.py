@@ -1,0 +1,159 @@
+"""The search for the first event within a step: where a guard crosses zero, from polynomials through both ends.
+
+It gives a first guess only; the loop then takes steps that end ever closer to the event (see `bracketing`).
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from .guards import Guards, SignedGuards, signed
+
+ROUNDED = 1e-6  # of a step
+NEARLY = 0.999  # of the largest value so far: a maximum a little lower may be higher than the cubic says
+NOT_YET = -1e-300  # the value of a guard that counts as still before its event: the search needs a negative one
+
+
+class Crossing(NamedTuple):
+    """The first crossing in a step.
+
+    ``guard`` (-1: none is crossed); ``at``: time from the step's start [s]; ``far`` [s]: a time at which the guard is
+    beyond its zero; ``alone``: whether the step holds no other.
+    """
+
+    guard: Int[Array, ""]
+    at: Float[Array, ""]
+    far: Float[Array, ""]
+    alone: Bool[Array, ""]
+
+    @property
+    def found(self) -> Bool[Array, ""]:
+        """Whether there is one."""
+        return self.guard >= 0
+
+
+def first_crossing(
+    before: Guards,
+    after: Guards,
+    step: Float[Array, ""],
+    active: Float[Array, " contacts"],
+    largest: Float[Array, " observables"],
+    ignored: Int[Array, ""],
+    maxima: Bool[Array, ""],
+) -> Crossing:
+    """The earliest event in a step; most steps hold none, and are not searched.
+
+    **Arguments:** guards ``before`` and ``after`` the ``step`` [s]; ``active``: which contacts are closed;
+    ``largest``: each observable's largest value so far: only maxima that (nearly) exceed it matter; ``ignored``: a
+    guard left out (-1: none); ``maxima``: whether to look for maxima at all.
+    """
+    start, end = signed(before, active), signed(after, active)
+    crossing = slice(0, before.gap.shape[0] + before.terminal.shape[0])
+    dipping = (start.rate > 0.0) & (end.rate < 0.0)
+    possible = jnp.concatenate([((end.value > 0.0) | dipping)[crossing], _has_maximum(before, after)])
+    none = Crossing(jnp.asarray(-1), step, step, jnp.asarray(False))
+    search = lambda: _first_crossing(before, after, step, active, largest, ignored, maxima)  # noqa: E731
+    return lax.cond(jnp.any(possible), search, lambda: none)
+
+
+def _first_crossing(
+    before: Guards, after: Guards, step: Array, active: Array, largest: Array, ignored: Array, maxima: Array
+) -> Crossing:
+    root, far = _roots(before, after, step, active)
+    peak = _maxima(before, after, step, largest)
+    peak = jnp.where(maxima, peak, jnp.inf)
+    fractions = jnp.concatenate([root, peak])
+    fractions = jnp.where(jnp.arange(fractions.shape[0]) == ignored, jnp.inf, fractions)
+    guard = jnp.argmin(fractions)
+    fraction = fractions[guard]
+    reach = jnp.concatenate([far, jnp.ones_like(peak)])[guard]
+    found = jnp.isfinite(fraction)
+    alone = jnp.sum(jnp.isfinite(fractions)) == 1
+    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, alone)
+
+
+def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:
+    """Of the guards of contacts and of the run's end: the fraction of the step at which each rises through zero
+    (infinite if it does not), and a fraction at which it is above zero.
+
+    Three cases take care. A guard left at zero or a little above it by the step that ended on its last event, and on
+    its way back down, has not crossed. One that is above zero at the start and stays there has crossed already (it was
+    missed by the tolerance of an earlier location): an open contact then closes at once. And a contact may touch and
+    leave, or leave and touch, within one step: its guard is negative at both ends and has a maximum above zero inside.
+    """
+    contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
+    these = slice(0, contacts + terminals)
+    start, end = (SignedGuards(*(part[these] for part in signed(guards, active))) for guards in (before, after))
+    leaving = (start.value >= 0.0) & (start.rate < 0.0)
+    start = start._replace(value=jnp.where(leaving, NOT_YET, start.value))
+    z0, z1, m0, m1 = start.value, end.value, start.rate * step, end.rate * step
+    maximum = _stationary(z0, z1, m0, m1)
+    highest = _hermite(z0, z1, m0, m1, maximum)
+    contact = jnp.arange(contacts + terminals) < contacts
+    open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
+    dips = contact & (z0 < 0.0) & (z1 <= 0.0) & (m0 > 0.0) & (m1 < 0.0) & (highest > 0.0)
+    far = jnp.where(dips, maximum, 1.0)
+    root = _polynomial_root(start, end, step, far, contact)
+    root = jnp.where(z0 > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
+    return jnp.where((z1 > 0.0) | dips, root, jnp.inf), far
+
+
+def _maxima(before: Guards, after: Guards, step: Array, largest: Array) -> Float[Array, " observables"]:
+    """The fraction of the step at which each observable has a maximum that matters; infinite if it has none."""
+    rise, fall = before.value_rate * step, after.value_rate * step
+    peak = _stationary(before.value, after.value, rise, fall)
+    height = _hermite(before.value, after.value, rise, fall, peak)
+    matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) > NEARLY * largest)
+    return jnp.where(matters, peak, jnp.inf)
+
+
+def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:
+    """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first."""
+    return ((before.value_rate > 0.0) | (after.value > before.value)) & (after.value_rate <= 0.0)
+
+
+def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:
+    """The cubic through both ends with both rates (per step), at the fraction x of the step."""
+    jump = end - start
+    c2, c3 = 3.0 * jump - 2.0 * rate_start - rate_end, rate_start + rate_end - 2.0 * jump
+    return start + x * (rate_start + x * (c2 + x * c3))
+
+
+def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) -> Float[Array, " n"]:
+    """Where in (0, 1] the Hermite cubic has its maximum: its derivative is negative at the end, and at the start where
+    the cubic rises only in between."""
+    jump = end - start
+    a = 3.0 * (rate_start + rate_end - 2.0 * jump)
+    b = 2.0 * (3.0 * jump - 2.0 * rate_start - rate_end)
+    c = rate_start
+    root = jnp.sqrt(jnp.maximum(b * b - 4.0 * a * c, 0.0))
+    q = -0.5 * (b + jnp.where(b >= 0.0, root, -root))
+    first = c / jnp.where(q == 0.0, 1.0, q)
+    second = q / jnp.where(a == 0.0, 1e-300, a)
+    # of a maximum at the very end rounding may put the root just beyond: the other one is then far from any maximum
+    inside = (first >= 0.0) & (first <= 1.0 + ROUNDED) & (q != 0.0) & (c > 0.0)
+    return jnp.clip(jnp.where(inside, first, second), 0.0, 1.0)
+
+
+def _polynomial_root(
+    before: SignedGuards, after: SignedGuards, step: Array, far: Array, quintic: Array
+) -> Float[Array, " n"]:
+    """Root in (0, far] of the polynomials through both ends that are negative at 0 and positive at ``far``, by Newton's
+    method kept in its bracket: of degree five where second derivatives are known (``quintic``), else three."""
+    z0, m0, m1 = before.value, before.rate * step, after.rate * step
+    jump = after.value - z0
+    b0 = jnp.where(quintic, before.acceleration * step**2, 6.0 * jump - 4.0 * m0 - 2.0 * m1)
+    b1 = jnp.where(quintic, after.acceleration * step**2, 2.0 * m0 + 4.0 * m1 - 6.0 * jump)
+    c2, j, k, n = 0.5 * b0, jump - m0 - 0.5 * b0, m1 - m0 - b0, 0.5 * (b1 - b0)
+    c3, c4, c5 = 10.0 * j - 4.0 * k + n, -15.0 * j + 7.0 * k - 2.0 * n, 6.0 * j - 3.0 * k + n
+    low, high = jnp.zeros_like(far), far
+    x = jnp.clip(-z0 / jnp.where(jump == 0.0, 1.0, jump), 0.0, 1.0) * far
+    for _ in range(7):
+        z = z0 + x * (m0 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+        slope = m0 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + 5.0 * x * c5)))
+        low, high = jnp.where(z < 0.0, x, low), jnp.where(z < 0.0, high, x)
+        newton = x - z / jnp.where(slope == 0.0, 1.0, slope)
+        x = jnp.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+    return x

@@ -1,0 +1,81 @@
+"""Guards: the functions of the state whose zeros are events.
+
+There is one for each contact (its gap), one for each way in which the run may end, and one for each observable (minus
+its rate: zero where the observable is largest), numbered in this order. Signed guards go from negative to positive at
+their event.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..system import HybridSystem
+
+NEAR_LARGEST = 0.8  # of the largest value so far: from here on an observable of the state's rate is followed closely
+RISING = 1e-300  # the rate of an observable whose rate is not known: it counts as rising, not as having a maximum
+
+
+class Guards(NamedTuple):
+    """What is watched of a state, with time derivatives.
+
+    ``gap`` of each contact [m], ``gap_rate`` [m/s], ``gap_acceleration`` [m/s²]; ``terminal``: guards of the run's
+    end, and their rates; ``value`` of each observable, and its rate; ``invariant``: what the motion does not change
+    (see `HybridSystem.invariant`), and how much of it may be rounding.
+    """
+
+    gap: Float[Array, " contacts"]
+    gap_rate: Float[Array, " contacts"]
+    gap_acceleration: Float[Array, " contacts"]
+    terminal: Float[Array, " terminals"]
+    terminal_rate: Float[Array, " terminals"]
+    value: Float[Array, " observables"]
+    value_rate: Float[Array, " observables"]
+    invariant: Float[Array, ""]
+    invariant_rounding: Float[Array, ""]
+
+    def falling(self, located: Bool[Array, " observables"]) -> "Guards":
+        """With the rates of observables whose maximum has just been located here set to zero: the step that ends on a
+        maximum leaves a rate of either sign, and a small positive one would let the same maximum be found again."""
+        return self._replace(value_rate=jnp.where(located, 0.0, self.value_rate))
+
+
+class SignedGuards(NamedTuple):
+    """All guards, negative before their event, with their first and second time derivatives as far as they are known:
+    zero are both of an observable's guard, and the second one of the run's end."""
+
+    value: Float[Array, " guards"]
+    rate: Float[Array, " guards"]
+    acceleration: Float[Array, " guards"]
+
+
+def signed(guards: Guards, active: Float[Array, " contacts"]) -> SignedGuards:
+    """The guards of contacts, of the run's end and of maxima; an open contact closes where its gap falls through zero,
+    a closed one (``active``) opens where it rises through zero."""
+    sign, none = jnp.where(active > 0.5, 1.0, -1.0), jnp.zeros_like(guards.value_rate)
+    value = jnp.concatenate([sign * guards.gap, guards.terminal, -guards.value_rate])
+    rate = jnp.concatenate([sign * guards.gap_rate, guards.terminal_rate, none])
+    acceleration = jnp.concatenate([sign * guards.gap_acceleration, jnp.zeros_like(guards.terminal), none])
+    return SignedGuards(value, rate, acceleration)
+
+
+def near_largest(system: HybridSystem, state: Array, rate: Array, active: Array, largest: Array) -> Bool[Array, ""]:
+    """Whether an observable of the state's rate comes near its largest value so far: its own rate takes the state's
+    second derivative, which costs two right-hand sides."""
+    value = system.observables(state, rate, active)
+    # one by one, so that what the others take is not evaluated
+    near = [value[k] > NEAR_LARGEST * largest[k] for k, of_rate in enumerate(system.rate_observables()) if of_rate]
+    return jnp.any(jnp.stack(near))
+
+
+def observe(system: HybridSystem, state: Array, rate: Array, second: Array, active: Array) -> Guards:
+    """Guards and observables with their rates, from the state and its first and ``second`` derivative. Where the second
+    one is not known (zeros: see `near_largest`), observables of the state's rate count as rising."""
+    look = lambda y, r: system.watched(y, r, active)  # noqa: E731
+    seen, moves = jax.jvp(look, (state, rate), (rate, second))
+    of_rate = jnp.asarray(system.rate_observables(), bool)
+    value_rate = jnp.where(of_rate & ~jnp.any(second != 0.0), RISING, moves.value)
+    return Guards(
+        seen.gap, seen.gap_rate, moves.gap_rate, seen.terminal, moves.terminal, seen.value, value_rate, *seen.invariant
+    )

@@ -1,0 +1,208 @@
+"""Events of a finished solve, located between its saved steps: touchdowns, releases, the run's end, maxima.
+
+Between two steps the state is the cubic Hermite polynomial through both ends with the vector field's rates there. An
+event that begins and ends within one step is not seen.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from .diffrax_problem import closed
+from .loop.log import Kind, Log
+from .loop.state import Status
+from .system import Active, HybridSystem, State
+
+HALVINGS = 36  # of a step, to locate an event
+NEARLY = 0.999  # of the highest value so far: lower maxima are not logged
+
+
+class Path(NamedTuple):
+    """Saved steps: the time of each point [s] and the state there, ``steps`` taken in all after the start. Times of
+    unused points are infinite."""
+
+    time: Float[Array, " points"]
+    state: Float[Array, "points state"]
+    steps: Int[Array, ""]
+
+    def at(self, system: HybridSystem, time: Float[Array, ""]) -> State:
+        """The state at a time."""
+        step = jnp.clip(jnp.searchsorted(self.time, time, side="left") - 1, 0, jnp.maximum(self.steps - 1, 0))
+        return self.within(system, step, time)
+
+    def within(self, system: HybridSystem, step: Int[Array, ""], time: Float[Array, ""]) -> State:
+        """The state at a time within a step, which is known."""
+        after = jnp.minimum(step + 1, self.steps)
+        (t0, t1), (y0, y1) = (self.time[step], self.time[after]), (self.state[step], self.state[after])
+        length = jnp.where(t1 > t0, t1 - t0, 1.0)
+        x = (time - t0) / length
+        f0, f1 = (length * system.derivative(t, y, closed(system, y)) for t, y in ((t0, y0), (t1, y1)))
+        jump = y1 - y0
+        return y0 + x * (f0 + x * (3.0 * jump - 2.0 * f0 - f1 + x * (f0 + f1 - 2.0 * jump)))
+
+
+class Guards(NamedTuple):
+    """What is watched of a state: gaps [m], terminal guards, observables and the slopes of observables."""
+
+    gap: Float[Array, " contacts"]
+    terminal: Float[Array, " terminals"]
+    slope: Float[Array, " observables"]
+    value: Float[Array, " observables"]
+
+    def signed(self, active: Active) -> Float[Array, " guards"]:
+        """Gaps, terminal guards and slopes, in this order, each with the sign that makes it rise through zero at its
+        event; ``active``: closed contacts."""
+        gap = jnp.where(active > 0.5, 1.0, -1.0) * self.gap
+        return jnp.concatenate([gap, self.terminal, -self.slope])
+
+
+def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Guards:
+    """The guards of a state, which alone says what is closed."""
+    active = closed(system, state)
+
+    def observed(time: Array, state: Array) -> Array:
+        return system.observables(state, system.derivative(time, state, active), active)
+
+    rate = system.derivative(time, state, active)
+    value, slope = jax.jvp(observed, (time, state), (jnp.ones(()), rate))
+    return Guards(system.gaps(state), system.terminals(state), slope, value)
+
+
+class Search(NamedTuple):
+    """Where the search stands: the step to search next, closed contacts and guards at its start, each observable's best
+    so far, `Status`, the log."""
+
+    step: Int[Array, ""]
+    active: Active
+    guards: Guards
+    best: Float[Array, " observables"]
+    status: Int[Array, ""]
+    log: Log
+
+
+def locate_events(
+    system: HybridSystem, path: Path, active: Active, slots: int, unless_ended: Int[Array, ""]
+) -> tuple[Log, Int[Array, ""]]:
+    """The log of a solve, its rows the states alone, and the `Status` of the run.
+
+    **Arguments:** ``active``: contacts closed at the start; ``slots``: room in the log; ``unless_ended``: the status of
+    a run that no terminal guard ends.
+    """
+    start, still = path.state[0], jnp.zeros_like(path.state[0])
+    guards = guards_at(system, path.time[0], start)
+    log = Log.empty(slots, start[None], active.shape[0], guards.value.shape[0])
+    for contact in range(active.shape[0]):
+        log = log.append(
+            when=active[contact] > 0.5,
+            kind=jnp.asarray(int(Kind.TOUCHDOWN)),
+            which=jnp.asarray(contact),
+            time=path.time[0],
+            values=guards.value,
+            guard_rate=jnp.ones(()),
+            active=active,
+            rows=start[None],
+            rates=still[None],
+            touching=jnp.asarray(False),
+        )
+    running = jnp.asarray(int(Status.RUNNING))
+    search = Search(jnp.asarray(0), active, guards, guards.value, running, log)
+    search = lax.while_loop(
+        lambda s: (s.step < path.steps) & (s.status == Status.RUNNING), lambda s: _step(system, path, s), search
+    )
+    status = jnp.where(search.status == Status.RUNNING, unless_ended, search.status)
+    log = search.log.append(
+        when=status == Status.TIMEOUT,
+        kind=jnp.asarray(int(Kind.END)),
+        which=jnp.asarray(-1),
+        time=path.time[path.steps],
+        values=search.guards.value,
+        guard_rate=jnp.ones(()),
+        active=search.active,
+        rows=path.state[path.steps][None],
+        rates=still[None],
+        touching=system.touching(search.active),
+    )
+    return log, status
+
+
+def _step(system: HybridSystem, path: Path, s: Search) -> Search:
+    """Search one step: all its events, in order of time."""
+    contacts = s.active.shape[0]
+    guards = guards_at(system, path.time[s.step + 1], path.state[s.step + 1])
+    before, after = s.guards.signed(s.active), guards.signed(s.active)
+    # A contact that has just switched may be beyond zero by rounding: where it is at the end of the step counts.
+    happens = (after >= 0.0) & (before < 0.0)
+    happens = happens.at[:contacts].set(after[:contacts] > 0.0)
+
+    def located() -> Search:
+        times = lax.map(lambda which: _time(system, path, s, which, happens[which]), jnp.arange(happens.shape[0]))
+        order = jnp.argsort(times)
+
+        def append(k: Array, s: Search) -> Search:
+            still = happens[order[k]] & (s.status == Status.RUNNING)
+            return lax.cond(still, lambda: _appended(system, path, s, order[k], times[order[k]]), lambda: s)
+
+        return lax.fori_loop(0, happens.shape[0], append, s)
+
+    s = lax.cond(jnp.any(happens), located, lambda: s)
+    return s._replace(step=s.step + 1, guards=guards, best=jnp.maximum(s.best, guards.value))
+
+
+def _time(
+    system: HybridSystem, path: Path, s: Search, which: Int[Array, ""], happens: Bool[Array, ""]
+) -> Float[Array, ""]:
+    """When a guard rises through zero within a step, by halving it; infinite where it does not."""
+
+    def halve(_: int, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
+        low, high = bracket
+        middle = 0.5 * (low + high)
+        guards = guards_at(system, middle, path.within(system, s.step, middle))
+        beyond = guards.signed(s.active)[which] >= 0.0
+        return jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
+
+    bracket = (path.time[s.step], path.time[s.step + 1])
+    return lax.cond(happens, lambda: lax.fori_loop(0, HALVINGS, halve, bracket)[1], lambda: jnp.inf)
+
+
+def _appended(system: HybridSystem, path: Path, s: Search, guard: Int[Array, ""], time: Float[Array, ""]) -> Search:
+    """The search with one more event in its log."""
+    contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
+    state = path.within(system, s.step, time)
+    is_contact, is_peak = guard < contacts, guard >= contacts + terminals
+    is_end = ~is_contact & ~is_peak
+    which = guard - jnp.where(is_contact, 0, jnp.where(is_end, contacts, contacts + terminals))
+    its_own = is_contact & (jnp.arange(contacts) == which)
+    closing = jnp.any(its_own & (s.active < 0.5))
+    active = jnp.where(its_own, 1.0 - s.active, s.active)
+    rate = system.derivative(time, state, active)
+    values = system.observables(state, rate, active)
+
+    def signed(time: Array, state: Array) -> Array:
+        return guards_at(system, time, state).signed(s.active)[guard]
+
+    guard_rate = jax.jvp(signed, (time, state), (jnp.ones(()), rate))[1]
+    contact_kind = jnp.where(closing, int(Kind.TOUCHDOWN), int(Kind.RELEASE))
+    highest = jnp.arange(values.shape[0]) == which
+    log = s.log.append(
+        when=~is_peak | jnp.any(highest & (values > NEARLY * s.best)),
+        kind=jnp.where(is_contact, contact_kind, jnp.where(is_end, int(Kind.END), int(Kind.PEAK))),
+        which=which,
+        time=time,
+        values=values,
+        guard_rate=guard_rate,
+        active=active,
+        rows=state[None],
+        rates=rate[None],
+        touching=system.touching(s.active),
+    )
+    # The best force of a contact is that of its present impact, so that every impact's peak is logged.
+    best = jnp.where(closing & highest, 0.0, s.best)
+    return s._replace(
+        active=active,
+        best=jnp.maximum(best, values),
+        status=jnp.where(is_end, which, s.status),
+        log=log,
+    )

@@ -1,0 +1,1 @@
+"""The loop of error-controlled steps that ends a step on every event."""

@@ -1,0 +1,111 @@
+"""What becomes of a trial step: one `Outcome`, and what is known of the event that is being located."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinement, refine
+from ..events.crossing import Crossing, first_crossing
+from ..events.guards import Guards, SignedGuards, signed
+from ..trees import where
+from .phase import Outcome
+from .state import LoopState
+from .task import Task
+from .trial import Trial
+
+OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by that and still say where the event is
+
+
+class Decision(NamedTuple):
+    """``outcome`` of the trial step; ``bracket`` to go on with; ``refinement``: what the step showed of the event that
+    was being located, if any."""
+
+    outcome: Int[Array, ""]
+    bracket: Bracket
+    refinement: Refinement
+
+    @property
+    def accepted(self) -> Bool[Array, ""]:
+        """Whether the run goes on from the step's end at once."""
+        return self.outcome == Outcome.ACCEPT
+
+
+def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
+    """The outcome of a trial step.
+
+    A step that holds an event is taken again, shortened until it ends on the event, and the run goes on from there.
+    Only where the event is a maximum and nothing else, the step itself stands: the run looks back at the maximum and
+    then goes on from the step's end. A step whose error is too large may show a touchdown (the error of an explicit
+    step that overshoots an event is mostly what is not smooth there), but no maximum.
+
+    On arrival at an event another one may turn out to lie a little before. Then that one is located first, unless too
+    many tries have been spent.
+    """
+    options, bracket = task.options, state.bracket
+    before = state.point.guards.falling(state.located)
+    guards = signed(trial.guards, state.active)
+    maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM)
+    largest = jnp.maximum(state.largest, task.system.negligible())
+    crossing = first_crossing(before, trial.guards, trial.length, state.active, largest, bracket.guard, maxima)
+    refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
+    outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
+    return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before, guards), refinement)
+
+
+def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:
+    """The first outcome in the list whose condition holds."""
+    locating, accurate, finite = state.locating, trial.accurate, trial.finite
+    overshot = jnp.where(task.options.solver.is_implicit(trial.method), 1.0, OVERSHOT)
+    from_step = ~locating & ~state.reevaluating & (trial.state_norm <= overshot)
+    on_arrival = locating & refinement.finished & (state.bracket.tries < MAX_TRIES)
+    holds_event = (from_step | on_arrival) & finite & crossing.found
+    only_maximum = holds_event & ~locating & accurate & crossing.alone & (crossing.guard >= task.rated)
+    succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
+    lacks_tangents = ~trial.with_tangents & bool(task.tangents.count)
+    return _first(
+        (succeeds & lacks_tangents, Outcome.RETAKE),
+        (only_maximum, Outcome.LOOK_BACK),
+        (holds_event, Outcome.LOCATE),
+        (succeeds, Outcome.ACCEPT),
+        (~locating, Outcome.REJECT),
+        (finite & ~refinement.finished, Outcome.REFINE),
+        otherwise=Outcome.ABANDON,
+    )
+
+
+def _first(*cases: tuple[Bool[Array, ""], Outcome], otherwise: Outcome) -> Int[Array, ""]:
+    """The outcome of the first condition that holds."""
+    chosen = jnp.asarray(int(otherwise))
+    for condition, outcome in reversed(cases):
+        chosen = jnp.where(condition, int(outcome), chosen)
+    return chosen
+
+
+def _evaluated_once(outcome: Int[Array, ""], time: Float[Array, ""]) -> Int[Array, ""]:
+    """The outcome divided by one. XLA evaluates cheap operations anew wherever their result is used, here the whole
+    decision in most parts of the loop, but never a division by what it cannot know to be one (1 + 0 · ``time``)."""
+    return (outcome.astype(float) / (1.0 + 0.0 * time)).astype(int)
+
+
+def _next_bracket(
+    state: LoopState,
+    outcome: Int[Array, ""],
+    crossing: Crossing,
+    refinement: Refinement,
+    before: Guards,
+    guards: SignedGuards,
+) -> Bracket:
+    """The bracket to go on with: of the event that was found, of the one being located, or none."""
+    tries = jnp.where(state.locating, state.bracket.tries + 1, 0)
+    found = Bracket.around(crossing, signed(before, state.active).value, guards.value, tries)
+    located = where(outcome == Outcome.REFINE, refinement.bracket, Bracket.none())
+    located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), found, located)
+    again = state.bracket._replace(converged=refinement.converged)
+    return where(outcome == Outcome.RETAKE, again, located)
+
+
+def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
+    """By how much the observable whose maximum is being located may fall short of it."""
+    mine = task.observable_of(state.bracket.guard)
+    return task.options.shortfall * jnp.sum(jnp.where(mine, jnp.abs(trial.guards.value), 0.0))

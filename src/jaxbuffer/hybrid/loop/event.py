@@ -1,0 +1,128 @@
+"""The event on which an accepted step ends, and what it does to the state."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from ..rungekutta.stages import Step
+from ..sensitivity.augmented_state import Rows
+from .decision import Decision
+from .log import Kind, Log
+from .state import LoopState, observables_after_touchdown
+from .task import Task
+from .trial import Trial
+
+
+class Event(NamedTuple):
+    """An event, or none, at a step's end.
+
+    ``guard`` it belongs to (-1: there is none); whether it is a ``touchdown``, a ``release``, a ``terminal`` guard's
+    crossing or an observable's ``maximum``; ``timed_out``: whether the run's time is up; ``time`` of the step's end
+    [s]; ``offset`` [s]: time from there to the event; ``rows_at_event``: state and tangents at the event, after its
+    jump; ``rows``: those at the step's end with the same jump, from which the run goes on; ``active``: which contacts
+    are closed after it; ``contact_step``: how long a step next to a touchdown or its release may be [s].
+    """
+
+    guard: Int[Array, ""]
+    touchdown: Bool[Array, ""]
+    release: Bool[Array, ""]
+    terminal: Bool[Array, ""]
+    maximum: Bool[Array, ""]
+    timed_out: Bool[Array, ""]
+    time: Float[Array, ""]
+    offset: Float[Array, ""]
+    rows_at_event: Rows
+    rows: Rows
+    active: Float[Array, " contacts"]
+    contact_step: Float[Array, ""]
+
+    @property
+    def of_contact(self) -> Bool[Array, ""]:
+        """Whether a contact closes or opens."""
+        return self.touchdown | self.release
+
+    @property
+    def kind(self) -> Int[Array, ""]:
+        """What the log calls it."""
+        kind = jnp.where(self.touchdown, Kind.TOUCHDOWN, jnp.where(self.release, Kind.RELEASE, Kind.NONE))
+        return jnp.where(self.maximum, Kind.PEAK, jnp.where(self.terminal | self.timed_out, Kind.END, kind))
+
+
+def event_at_end(task: Task, state: LoopState, trial: Trial, decision: Decision) -> Event:
+    """The event at the end of a trial step; none unless the step is accepted and ends on one.
+
+    The run goes on from the step's end, a little beside the event: state, tangents and rate fit each other there. The
+    log keeps the state moved onto the event.
+    """
+    contacts, refinement = task.contacts, decision.refinement
+    here = state.locating & refinement.occurred & decision.accepted
+    guard = jnp.where(here, state.bracket.guard, -1)
+    of_contact = (guard >= 0) & (guard < contacts)
+    terminal = (guard >= contacts) & (guard < task.rated)
+    chosen = of_contact & (task.each_contact == guard)
+    touchdown = of_contact & jnp.any(chosen & (state.active < 0.5))
+    offset = jnp.where(state.locating, refinement.offset, 0.0)
+    at_event = _moved(trial.step, offset, task.system.coordinates)
+
+    def touch() -> tuple[Rows, Float[Array, ""]]:
+        return _touchdown(task, trial, at_event, guard, chosen)
+
+    jump, contact_step = lax.cond(touchdown, touch, lambda: (jnp.zeros_like(at_event), state.contact_step))
+    time = state.point.time + trial.length
+    return Event(
+        guard=guard,
+        touchdown=touchdown,
+        release=of_contact & ~touchdown,
+        terminal=terminal,
+        maximum=guard >= task.rated,
+        timed_out=decision.accepted & ~terminal & (time >= task.duration * (1.0 - 1e-15)),
+        time=time,
+        offset=offset,
+        rows_at_event=at_event + jump,
+        rows=trial.step.end + jump,
+        active=jnp.where(chosen, 1.0 - state.active, state.active),
+        contact_step=contact_step,
+    )
+
+
+def _touchdown(
+    task: Task, trial: Trial, at_event: Rows, contact: Int[Array, ""], chosen: Bool[Array, " contacts"]
+) -> tuple[Rows, Float[Array, ""]]:
+    """How state and tangents jump where a contact closes, and how long the first step after that may be [s]."""
+    approach_acceleration = -jnp.sum(jnp.where(chosen, trial.guards.gap_acceleration, 0.0))
+    jumped = lambda p, y: task.build(p).touchdown(y, approach_acceleration, contact) - y  # noqa: E731
+    jump = task.tangents.lift(jumped)(at_event)
+    first_step = task.options.tolerance.first_step(task.tangents.count)
+    return jump, first_step * task.system.impact_step(trial.step.end[0] + jump[0])
+
+
+def logged(task: Task, state: LoopState, trial: Trial, decision: Decision, event: Event) -> Log:
+    """The log with the event, if there is one."""
+    mine = task.observable_of(event.guard) & event.maximum
+    values = trial.guards.value + jnp.where(mine, 0.5 * event.offset * trial.guards.value_rate, 0.0)
+    if task.system.jumps:  # what is largest right after a touchdown has no maximum that could be located
+        after = lambda: observables_after_touchdown(task.system, event.time, event.rows[0], event.active)  # noqa: E731
+        values = lax.cond(event.touchdown, after, lambda: values)
+    first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
+    return state.log.append(
+        when=decision.accepted & (event.kind != Kind.NONE),
+        kind=event.kind,
+        which=event.guard - first,
+        time=event.time + event.offset,
+        values=values,
+        guard_rate=decision.refinement.guard_rate,
+        active=event.active,
+        rows=event.rows_at_event,
+        # near a maximum of what depends on the rate, where it matters, the second derivative is known; else it is zero
+        rates=trial.step.rate + event.offset * trial.step.second,
+        touching=task.system.touching(state.active),
+    )
+
+
+def _moved(step: Step, offset: Float[Array, ""], n: int) -> Rows:
+    """The end of a step, moved by a small time [s] to second order in its n coordinates, whose accelerations are known,
+    to first order in all else."""
+    acceleration = jnp.pad(step.rate[:, n : 2 * n], [(0, 0), (0, step.rate.shape[1] - n)])
+    return step.end + offset * (step.rate + 0.5 * offset * acceleration)

@@ -1,0 +1,97 @@
+"""One run of a hybrid system: a single loop of error-controlled steps that locates every event (docs/loop.md).
+
+Each iteration takes one trial step (`take_trial`), decides what becomes of it (`decide`), finds what event lies at its
+end (`event_at_end`) and updates the loop's state accordingly. An integer phase says what the trial step is for.
+
+The whole loop is one `while_loop` of plain array operations: no LAPACK, no scatter, no callback, so that XLA may
+compile it into one kernel (see `compiling.process`).
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from ..options import Options
+from ..sensitivity.augmented_state import Tangents
+from ..system import HybridSystem
+from ..trees import where
+from .decision import Decision, decide
+from .event import Event, event_at_end, logged
+from .log import Log, Steps
+from .state import LoopState, Status, initial_state
+from .task import Task
+from .trial import take_trial
+from .update import advance, next_phase, next_status, next_step_sizes
+
+P = TypeVar("P")
+
+
+class Result(NamedTuple):
+    """A finished run.
+
+    ``status``: how it ended (see `Status`); ``log``: located events; ``steps``: accepted steps, as many as a
+    history asks for; ``attempts``: number of trial steps; ``accepted``: number of accepted ones.
+    """
+
+    status: Int[Array, ""]
+    log: Log
+    steps: Steps
+    attempts: Int[Array, ""]
+    accepted: Int[Array, ""]
+
+
+def run(
+    build: Callable[[P], HybridSystem],
+    tangents: Tangents[P],
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> Result:
+    """Step a system from its start until a terminal guard, ``duration`` [s] or a failure.
+
+    **Arguments:** ``build``: from parameters to the system; ``tangents``: its parameters and the directions in which
+    derivatives are wanted; ``duration`` [s]; ``options``; ``allowed``: whether its parameters are in range, None for
+    yes. **Returns:** a `Result` whose log holds every located event with those tangents.
+    """
+    task = Task.of(build, tangents, jnp.asarray(duration, float), options)
+    start = initial_state(task, allowed)
+    end = lax.while_loop(lambda state: state.status == Status.RUNNING, lambda state: _iterate(task, state), start)
+    return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
+
+
+def _iterate(task: Task[P], state: LoopState) -> LoopState:
+    """One iteration of the loop."""
+    trial = take_trial(task, state)
+    decision = decide(task, state, trial)
+    event = event_at_end(task, state, trial, decision)
+    log = logged(task, state, trial, decision, event)
+    step_sizes = next_step_sizes(task, state, trial, decision, event)
+    point, step_end, largest, located = advance(task, state, trial, decision, event)
+    phase, bracket = next_phase(task, state, decision, event, point, step_sizes)
+    return LoopState(
+        point=point,
+        active=jnp.where(decision.accepted, event.active, state.active),
+        phase=phase,
+        bracket=bracket,
+        step_end=step_end,
+        largest=largest,
+        located=located,
+        step_sizes=step_sizes,
+        step_sizes_before_contact=where(event.touchdown, state.step_sizes, state.step_sizes_before_contact),
+        last_touchdown=jnp.where(event.touchdown, event.time + event.offset, state.last_touchdown),
+        contact_step=jnp.where(event.touchdown, event.contact_step, state.contact_step),
+        status=next_status(task, state, trial, decision, event, step_sizes),
+        attempts=state.attempts + 1,
+        log=log,
+        steps=_with_step(state.steps, decision, event),
+    )
+
+
+def _with_step(steps: Steps, decision: Decision, event: Event) -> Steps:
+    """The history with this step, if it is accepted. It ends on the event that ends the run, not beside it."""
+    time = event.time + event.terminal * event.offset
+    rows = jnp.where(event.terminal, event.rows_at_event, event.rows)
+    return steps.append(decision.accepted, time, event.active, rows)

@@ -1,0 +1,83 @@
+"""Phases of the loop, outcomes of a trial step, and the table of transitions between phases (docs/loop.md)."""
+
+import enum
+import functools
+import operator
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Int
+
+
+class Phase(enum.IntEnum):
+    """What the next trial step is for.
+
+    ``STEP``: to go on, as far as accuracy and stability allow. ``LOCATE``: to end on an event ahead. ``LOOK_BACK``: to
+    end on a maximum inside a step that stands; the run then returns to the end of that step. ``RETAKE_…``: the same
+    step as in the phase of that name, which was taken with the state alone and succeeded, now with tangents.
+    ``REEVALUATE``: none; only the derivative of the state is evaluated, at the start and where it jumps.
+    """
+
+    STEP = 0
+    LOCATE = 1
+    LOOK_BACK = 2
+    RETAKE_STEP = 3
+    RETAKE_LOCATE = 4
+    RETAKE_LOOK_BACK = 5
+    REEVALUATE = 6
+
+
+LOCATING = (Phase.LOCATE, Phase.LOOK_BACK, Phase.RETAKE_LOCATE, Phase.RETAKE_LOOK_BACK)
+LOOKING_BACK = (Phase.LOOK_BACK, Phase.RETAKE_LOOK_BACK)
+RETAKING = (Phase.RETAKE_STEP, Phase.RETAKE_LOCATE, Phase.RETAKE_LOOK_BACK)
+
+
+class Outcome(enum.IntEnum):
+    """What becomes of a trial step.
+
+    ``ACCEPT``: the run goes on from its end, on whatever event lies there. ``REJECT``: its error is too large; a
+    shorter step follows from the same start. ``LOCATE``: it holds an event; shorter steps follow that end on it.
+    ``LOOK_BACK``: it stands, and holds a maximum and nothing else, which is located before the run goes on from the
+    step's end. ``REFINE``: it does not yet end on the event that is being located; a better length follows.
+    ``ABANDON``: the event that was being located is given up. ``RETAKE``: it was taken with the state alone, succeeded,
+    and is taken again with tangents.
+    """
+
+    ACCEPT = 0
+    REJECT = 1
+    LOCATE = 2
+    LOOK_BACK = 3
+    REFINE = 4
+    ABANDON = 5
+    RETAKE = 6
+
+
+_OF_A_STEP = {
+    Outcome.ACCEPT: Phase.STEP,
+    Outcome.REJECT: Phase.STEP,
+    Outcome.LOCATE: Phase.LOCATE,
+    Outcome.LOOK_BACK: Phase.LOOK_BACK,
+}
+_OF_A_LOCATION = {Outcome.ACCEPT: Phase.STEP, Outcome.LOCATE: Phase.LOCATE, Outcome.ABANDON: Phase.STEP}
+
+# Pairs that are not listed cannot occur. After ACCEPT the event may ask for another phase: see `update.next_phase`.
+TRANSITIONS: dict[Phase, dict[Outcome, Phase]] = {
+    Phase.STEP: {**_OF_A_STEP, Outcome.RETAKE: Phase.RETAKE_STEP},
+    Phase.LOCATE: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOCATE, Outcome.RETAKE: Phase.RETAKE_LOCATE},
+    Phase.LOOK_BACK: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOOK_BACK, Outcome.RETAKE: Phase.RETAKE_LOOK_BACK},
+    Phase.RETAKE_STEP: _OF_A_STEP,
+    Phase.RETAKE_LOCATE: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOCATE},
+    Phase.RETAKE_LOOK_BACK: {**_OF_A_LOCATION, Outcome.REFINE: Phase.LOOK_BACK},
+    Phase.REEVALUATE: {Outcome.ACCEPT: Phase.STEP, Outcome.REJECT: Phase.STEP},
+}
+_TABLE = np.array([TRANSITIONS[phase].get(outcome, Phase.STEP) for phase in Phase for outcome in Outcome])
+
+
+def following(phase: Int[Array, ""], outcome: Int[Array, ""]) -> Int[Array, ""]:
+    """The next phase by the table of transitions."""
+    return jnp.asarray(_TABLE)[phase * len(Outcome) + outcome]
+
+
+def is_one_of(phase: Int[Array, ""], phases: tuple[Phase, ...]) -> Bool[Array, ""]:
+    """Whether the phase is one of several."""
+    return functools.reduce(operator.or_, [phase == one for one in phases])

@@ -1,0 +1,139 @@
+"""What the loop carries from one iteration to the next."""
+
+import enum
+from typing import NamedTuple, TypeVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..events.bracketing import Bracket
+from ..events.guards import Guards
+from ..rungekutta.controller import StepSizes
+from ..sensitivity.augmented_state import Rows
+from ..system import HybridSystem
+from .log import Kind, Log, Steps
+from .phase import LOCATING, LOOKING_BACK, RETAKING, Phase, is_one_of
+from .task import Task
+
+P = TypeVar("P")
+
+
+class Status(enum.IntEnum):
+    """How a run ended. Values from 0 up to ``TIMEOUT`` are the system's terminal guards, in order."""
+
+    RUNNING = -1
+    TIMEOUT = 100
+    TOO_MANY_STEPS = 101
+    STEP_TOO_SMALL = 102
+    NOT_FINITE = 103
+    INPUT = 104
+
+
+class Point(NamedTuple):
+    """A point of the motion.
+
+    ``time`` [s]; ``rows``: the state and its tangents; ``rate``: their time derivative; ``guards`` of the state.
+    """
+
+    time: Float[Array, ""]
+    rows: Rows
+    rate: Rows
+    guards: Guards
+
+
+class LoopState(NamedTuple):
+    """What the loop carries."""
+
+    # Where the run is: the point from which the next trial step starts, and which contacts are closed (1) there.
+    point: Point
+    active: Float[Array, " contacts"]
+
+    # What the next trial step is for; the event that is being located, if any; and, while the run looks back at a
+    # maximum inside a step that stands, the end of that step.
+    phase: Int[Array, ""]
+    bracket: Bracket
+    step_end: Point
+
+    # Of each observable: the largest value so far, in the present impact if it is a contact's force; and whether its
+    # maximum has just been located at `point`, so that it counts as falling whatever the sign of its rate.
+    largest: Float[Array, " observables"]
+    located: Bool[Array, " observables"]
+
+    # The controller's state, also as it was before the last touchdown; the time of that [s]; how long a step may be
+    # that starts on it, or ends on the release after it [s].
+    step_sizes: StepSizes
+    step_sizes_before_contact: StepSizes
+    last_touchdown: Float[Array, ""]
+    contact_step: Float[Array, ""]
+
+    # Results.
+    status: Int[Array, ""]
+    attempts: Int[Array, ""]
+    log: Log
+    steps: Steps
+
+    @property
+    def locating(self) -> Bool[Array, ""]:
+        """Whether the next trial step is to end on an event."""
+        return is_one_of(self.phase, LOCATING)
+
+    @property
+    def looking_back(self) -> Bool[Array, ""]:
+        """Whether that event is a maximum inside a step that stands."""
+        return is_one_of(self.phase, LOOKING_BACK)
+
+    @property
+    def retaking(self) -> Bool[Array, ""]:
+        """Whether the next trial step is the last one again, with tangents."""
+        return is_one_of(self.phase, RETAKING)
+
+    @property
+    def reevaluating(self) -> Bool[Array, ""]:
+        """Whether only the derivative of the state is evaluated."""
+        return self.phase == Phase.REEVALUATE
+
+
+def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> LoopState:
+    """The loop's first state; over at once unless ``allowed``. A run may start in contact: that is its first touchdown.
+
+    Derivatives and guards are still unknown. The loop's first iteration finds them (`Phase.REEVALUATE`), which spares
+    compiling the right-hand side a second time.
+    """
+    system, options, contacts = task.system, task.options, task.contacts
+    start, active = task.tangents.start(lambda p: task.build(p).start()[0]), system.start()[1]
+    zero, one = jnp.zeros(()), jnp.ones(())
+    none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
+    guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
+    log = Log.empty(options.max_events, start, contacts, task.observables)
+    values = observables_after_touchdown(system, zero, start[0], active) if system.jumps else value
+    contact_step = options.tolerance.first_step(task.tangents.count) * system.impact_step(start[0])
+    step_sizes = StepSizes.of(jnp.minimum(contact_step, task.duration), len(options.solver.methods))
+    point = Point(zero, start, jnp.zeros_like(start), guards)
+    status = jnp.where(jnp.all(jnp.isfinite(start)), Status.RUNNING, Status.NOT_FINITE)
+    for contact in range(contacts):
+        closed, kind = active[contact] > 0.5, jnp.asarray(Kind.TOUCHDOWN)
+        log = log.append(closed, kind, jnp.asarray(contact), zero, values, one, active, start, point.rate, closed)
+    return LoopState(
+        point=point,
+        active=active,
+        phase=jnp.asarray(int(Phase.REEVALUATE)),
+        bracket=Bracket.none(),
+        step_end=point,
+        largest=guards.value,
+        located=jnp.zeros(task.observables, bool),
+        step_sizes=step_sizes,
+        step_sizes_before_contact=step_sizes,
+        last_touchdown=zero,
+        contact_step=contact_step,
+        status=status if allowed is None else jnp.where(allowed, status, Status.INPUT),
+        attempts=jnp.asarray(0),
+        log=log,
+        steps=Steps.empty(options.keep, start, contacts),
+    )
+
+
+def observables_after_touchdown(
+    system: HybridSystem, time: Array, state: Array, active: Array
+) -> Float[Array, " observables"]:
+    """All observables of a state whose rate is not yet known."""
+    return system.observables(state, system.derivative(time, state, active), active)

@@ -1,0 +1,71 @@
+"""What one run works with and never changes."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..options import Options
+from ..sensitivity.augmented_state import Tangents
+from ..system import HybridSystem
+
+P = TypeVar("P")
+
+
+@dataclasses.dataclass(frozen=True)
+class Task(Generic[P]):
+    """What is to be stepped, and how.
+
+    ``build``: from parameters to the system; ``tangents``: the parameters and the directions in which derivatives are
+    wanted; ``system``: the one of these parameters; ``duration`` of the run [s]; ``options``; number of ``contacts``,
+    of ``terminals`` (guards of the run's end) and of ``observables``.
+    """
+
+    build: Callable[[P], HybridSystem]
+    tangents: Tangents[P]
+    system: HybridSystem
+    duration: Float[Array, ""]
+    options: Options
+    contacts: int
+    terminals: int
+    observables: int
+
+    @staticmethod
+    def of(
+        build: Callable[[P], HybridSystem], tangents: Tangents[P], duration: Float[Array, ""], options: Options
+    ) -> "Task[P]":
+        """With the system built and its guards counted."""
+        system = build(tangents.primal)
+        state, active = jax.eval_shape(system.start)
+        terminal, value = jax.eval_shape(
+            lambda y, open: (system.terminals(y), system.observables(y, y, open)), state, active
+        )
+        sizes = (active.shape[0], terminal.shape[0], value.shape[0])
+        return Task(build, tangents, system, duration, options, *sizes)
+
+    @property
+    def rated(self) -> int:
+        """How many guards have exact rates: those of contacts and of the end, which come before those of maxima."""
+        return self.contacts + self.terminals
+
+    @property
+    def each_contact(self) -> Int[Array, " contacts"]:
+        """Their numbers."""
+        return jnp.arange(self.contacts)
+
+    @property
+    def each_observable(self) -> Int[Array, " observables"]:
+        """Their numbers."""
+        return jnp.arange(self.observables)
+
+    def observable_of(self, guard: Int[Array, ""]) -> Bool[Array, " observables"]:
+        """Which observable's maxima a guard stands for, if any."""
+        return self.each_observable == guard - self.rated
+
+    @property
+    def of_rate(self) -> Bool[Array, " observables"]:
+        """Which observables depend on the state's rate."""
+        return jnp.asarray(self.system.rate_observables(), bool)

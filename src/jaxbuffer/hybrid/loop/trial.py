@@ -1,0 +1,148 @@
+"""A trial step: which method takes it, how long it is, whether with tangents, and how large its error is."""
+
+from typing import NamedTuple, TypeVar
+
+import jax.numpy as jnp
+from jax import lax
+from jaxtyping import Array, Bool, Float, Int
+
+from ..events.guards import Guards, near_largest, observe
+from ..events.prediction import next_release, next_touchdown
+from ..rungekutta.stages import SecondDerivative, Step
+from ..rungekutta.time_transform import TimeTransform
+from ..sensitivity.augmented_state import Rows, Tangents, columns
+from ..system import Linearisation
+from ..trees import where
+from .state import LoopState
+from .task import Task
+
+P = TypeVar("P")
+INVARIANT_CHANGE = 0.03  # of the tolerance: by how much a step may change what the motion does not
+PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
+BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
+SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
+
+
+class Trial(NamedTuple):
+    """A trial step and what is seen of it.
+
+    ``method`` that took it; its ``length`` [s]; whether ``with_tangents`` or with the state alone; the ``step`` itself;
+    ``guards`` at its end; ``state_norm``, ``norm``: its error over what is allowed, of the state alone and with the
+    tangents; ``finite``: whether all numbers are.
+    """
+
+    method: Int[Array, ""]
+    length: Float[Array, ""]
+    with_tangents: Bool[Array, ""]
+    step: Step
+    guards: Guards
+    state_norm: Float[Array, ""]
+    norm: Float[Array, ""]
+    finite: Bool[Array, ""]
+
+    @property
+    def accurate(self) -> Bool[Array, ""]:
+        """Whether the error is allowed."""
+        return self.norm <= 1.0
+
+
+def take_trial(task: Task[P], state: LoopState) -> Trial:
+    """Take the trial step that the phase asks for.
+
+    Tangents cost several times as much as the state alone. They take part only where the step is likely to succeed: not
+    while an event is being located, nor where a touchdown or a release is predicted within the step. A step of the
+    state alone that succeeds is taken again with tangents (`Phase.RETAKE_STEP` and the like).
+    """
+    system, tangents, tolerance, point = task.system, task.tangents, task.options.tolerance, state.point
+    stiff = system.linearisation(point.time, point.rows[0], state.active)
+    touchdown = next_touchdown(point.guards, state.active)
+    _, release = next_release(point.guards, state.active)
+    method, length = _method_and_length(task, state, stiff, touchdown, release)
+
+    def step_of(tangents: Tangents[P], rows: Rows, rate: Rows) -> Step:
+        return _step(task, state, stiff, method, length, tangents, rows, rate)
+
+    def with_all() -> Step:
+        return step_of(tangents, point.rows, point.rate)
+
+    def state_alone() -> Step:
+        return step_of(Tangents(tangents.primal), point.rows[:1], point.rate[:1]).padded(tangents.count)
+
+    with_tangents = state.retaking | ~state.locating & (length < jnp.minimum(touchdown, release))
+    step = lax.cond(with_tangents, with_all, state_alone) if tangents.count else state_alone()
+    norms = tolerance.norms(step.error, point.rows, step.end, system.scales())
+    guards = observe(system, step.end[0], step.rate[0], step.second[0], state.active)
+    # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say; the
+    # invariant shows it. Where it is evaluated anew it may have jumped.
+    change = jnp.where(state.reevaluating, 0.0, jnp.abs(guards.invariant - point.guards.invariant))
+    allowed = INVARIANT_CHANGE * tolerance.rtol + guards.invariant_rounding
+    state_norm = jnp.maximum(norms[0], change / allowed)
+    norm = jnp.maximum(state_norm, jnp.max(norms))
+    finite = jnp.isfinite(norm) & jnp.all(jnp.isfinite(step.rate))
+    return Trial(method, length, with_tangents, step, guards, state_norm, norm, finite)
+
+
+def _method_and_length(
+    task: Task[P],
+    state: LoopState,
+    stiff: Linearisation,
+    touchdown: Float[Array, ""],
+    release: Float[Array, ""],
+) -> tuple[Int[Array, ""], Float[Array, ""]]:
+    """Which method takes the step, and its length [s].
+
+    A step goes no further than some way beyond the next predicted ``touchdown`` [s], since from a step that ends far
+    beyond it the touchdown can only be guessed poorly; and it stays well before the next predicted ``release`` [s],
+    unless that is so near that a step onto it is accurate. To locate an event, the bracket says the length.
+    """
+    solver, bracket, locating = task.options.solver, state.bracket, state.locating
+    before_release = jnp.where(release > state.contact_step, BEFORE_RELEASE * release, jnp.inf)
+    method, length = solver.choose(stiff, jnp.minimum(state.step_sizes.steps, before_release))
+    method = jnp.where(locating, solver.method_for(stiff, bracket.step), method)
+    length = jnp.minimum(length, PAST_TOUCHDOWN * touchdown)
+    length = jnp.where(locating, bracket.step, jnp.minimum(length, task.duration - state.point.time))
+    return method, jnp.where(state.reevaluating, 0.0, length)
+
+
+def _time_transform(task: Task[P], state: LoopState, method: Array, length: Array) -> TimeTransform:
+    """How time passes in the step: even in the root of the time from the last touchdown, or to the release that it is
+    to end on. Implicit steps are even in time: one matrix serves all their stages."""
+    closed = jnp.any((task.each_contact == state.bracket.guard) & (state.active > 0.5))
+    elapsed = jnp.maximum(state.point.time - state.last_touchdown, 0.0)
+    onto_release, after = TimeTransform.onto_release(length), TimeTransform.after_touchdown(elapsed, length)
+    transform = where(state.locating & closed, onto_release, after)
+    return where(task.options.solver.is_implicit(method), TimeTransform.uniform(length), transform)
+
+
+def _step(
+    task: Task[P],
+    state: LoopState,
+    stiff: Linearisation,
+    method: Int[Array, ""],
+    length: Float[Array, ""],
+    tangents: Tangents[P],
+    rows: Rows,
+    rate: Rows,
+) -> Step:
+    """The step from the present point, of the ``rows`` given and their ``rate``."""
+    system, point, active = task.system, state.point, state.active
+    second = None
+    if any(system.rate_observables()):
+        near = lambda y, rate: near_largest(system, y, rate, active, state.largest)  # noqa: E731
+        second = SecondDerivative(near, SPACING * jnp.min(state.step_sizes.steps))
+    field = lambda time, at: tangents.field(lambda p, y: task.build(p).derivative(time, y, active))(at)  # noqa: E731
+    # columns that are padding are zeros: any allowance does
+    allowance = jnp.maximum(columns(task.options.tolerance.allowance(rows, system.scales())), 1e-300)
+    step = task.options.solver.step(
+        method,
+        field,
+        stiff,
+        point.time,
+        columns(rows),
+        columns(rate),
+        _time_transform(task, state, method, length),
+        allowance,
+        second,
+    )
+    back = lambda columns: columns.T[: rows.shape[0]]  # noqa: E731
+    return Step(back(step.end), back(step.rate), back(step.error), step.order, back(step.second))

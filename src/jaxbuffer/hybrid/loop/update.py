@@ -1,0 +1,112 @@
+"""The loop's next state, part by part: from the trial step, the decision about it and the event at its end."""
+
+from typing import NamedTuple, TypeVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..events.bracketing import Bracket
+from ..events.prediction import next_release
+from ..rungekutta.controller import StepSizes
+from ..trees import where
+from .decision import Decision
+from .event import Event
+from .phase import Outcome, Phase, following
+from .state import LoopState, Point, Status
+from .task import Task
+from .trial import Trial
+
+P = TypeVar("P")
+SHORTEST = 1e-14  # s: a step that would have to be shorter ends the run
+
+
+class Advance(NamedTuple):
+    """The parts of `LoopState` that say where the run is and what has been seen of its maxima."""
+
+    point: Point
+    step_end: Point
+    largest: Float[Array, " observables"]
+    located: Bool[Array, " observables"]
+
+
+def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event) -> Advance:
+    """Move to the step's end if it is accepted; to the end of the longer step that stands if a maximum has been looked
+    back at.
+
+    A maximum located here, or one of the state's rate that was given up as noise, must not be found again: it is marked
+    as ``located``. The largest force of a contact is that of its present impact, so that every impact's peak is
+    located.
+    """
+    accepted, mine = decision.accepted, task.observable_of(state.bracket.guard)
+    reached = Point(event.time, event.rows, trial.step.rate, trial.guards)
+    returns = event.maximum & state.looking_back
+    largest = jnp.maximum(state.largest, trial.guards.value)
+    largest = jnp.where(event.touchdown & (task.each_observable == event.guard), 0.0, largest)
+    largest = jnp.where(returns, jnp.maximum(largest, state.step_end.guards.value), largest)
+    located = state.locating & mine & (decision.refinement.occurred | task.of_rate) & ~returns
+    return Advance(
+        point=where(returns, state.step_end, where(accepted, reached, state.point)),
+        step_end=where(decision.outcome == Outcome.LOOK_BACK, reached, state.step_end),
+        largest=jnp.where(accepted, largest, state.largest),
+        located=jnp.where(accepted, located, state.located),
+    )
+
+
+def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event) -> StepSizes:
+    """The controller's next state.
+
+    It learns from steps whose length it chose itself: those that are accepted, refused or look back, not from those
+    that end on an event. A location given up is a step refused, and since the longer step in which the event was found
+    may be another method's, both methods' steps are cut. An impact begins with steps of its own; out of contact again,
+    steps go on as they went before.
+    """
+    outcome = decision.outcome
+    chosen = ~state.locating & ~state.reevaluating
+    looks_back, abandoned = outcome == Outcome.LOOK_BACK, outcome == Outcome.ABANDON
+    learns = (outcome == Outcome.REJECT) | looks_back | abandoned | decision.accepted & chosen
+    norm = jnp.where(trial.finite, trial.norm, jnp.inf)
+    stands = decision.accepted | looks_back
+    adapted = task.options.controller.adapt(
+        state.step_sizes, trial.method, trial.length, norm, trial.step.order, stands
+    )
+    sizes = where(learns, adapted, state.step_sizes)
+    shorter = jnp.minimum(sizes.steps, sizes.steps[trial.method])
+    sizes = sizes._replace(steps=jnp.where(abandoned, shorter, sizes.steps))
+    sizes = where(event.touchdown, StepSizes.of(event.contact_step, len(task.options.solver.methods)), sizes)
+    return where(event.release, state.step_sizes_before_contact, sizes)
+
+
+def next_phase(
+    task: Task[P], state: LoopState, decision: Decision, event: Event, point: Point, step_sizes: StepSizes
+) -> tuple[Int[Array, ""], Bracket]:
+    """What the next trial step is for, and the bracket of the event to locate.
+
+    The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated anew after
+    a touchdown at which it jumps, and, with tangents, after a release: the force's derivative goes with the root of the
+    gap there, and what rounding leaves of that gap would spoil it. And a release so near that no other step can be
+    accurate is located at once, without a longer step that finds it first.
+    """
+    reevaluate = event.touchdown & task.system.jumps | event.release & bool(task.tangents.count)
+    contact, release = next_release(point.guards, event.active)
+    near = release <= jnp.minimum(event.contact_step, step_sizes.steps[0])
+    near = decision.accepted & ~event.of_contact & near
+    phase = following(state.phase, decision.outcome)
+    phase = jnp.where(near, int(Phase.LOCATE), jnp.where(reevaluate, int(Phase.REEVALUATE), phase))
+    return phase, where(near, Bracket.around_release(contact, release, point.guards.gap), decision.bracket)
+
+
+def next_status(
+    task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event, step_sizes: StepSizes
+) -> Int[Array, ""]:
+    """Whether and how the run ends here."""
+    refused = (decision.outcome == Outcome.REJECT) | (decision.outcome == Outcome.ABANDON)
+    stuck = refused & (state.reevaluating | (jnp.min(step_sizes.steps) < SHORTEST))
+    timeout = jnp.where(event.timed_out, Status.TIMEOUT, Status.RUNNING)
+    status = jnp.where(event.terminal, event.guard - task.contacts, timeout)
+    for failed, code in (
+        (state.attempts + 1 >= task.options.max_steps, Status.TOO_MANY_STEPS),
+        (stuck & trial.finite, Status.STEP_TOO_SMALL),
+        (stuck & ~trial.finite, Status.NOT_FINITE),
+    ):
+        status = jnp.where((status == Status.RUNNING) & failed, code, status)
+    return status

@@ -1,0 +1,1 @@
+"""Runge-Kutta methods: tableaus, stages, step size control, the time transform."""

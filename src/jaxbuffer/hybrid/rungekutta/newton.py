@@ -1,0 +1,52 @@
+"""The matrix of Newton's method in an implicit stage: I - shift J, where J holds the stiff forces alone.
+
+The stiff forces are few, so J is of low rank plus q̇ = w, and solving takes the inverse of one small matrix (Woodbury's
+identity) instead of a factorisation in a library, which would split the loop's kernel.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ...plane import inverse
+from ..sensitivity.augmented_state import Columns
+from ..system import Linearisation
+
+
+class NewtonMatrix(NamedTuple):
+    """I - shift J, ready to be solved with.
+
+    ``stiff``: the stiff part of the velocities' equation, ẇ ≈ -X (K B_qᵀ δq + C Bᵀ δw) (see `Linearisation`);
+    ``shift`` [s]: the method's γ times the step; ``response`` [-]: C + shift K, how the forces answer to a change of
+    the velocities; ``mobility``: Bᵀ X; ``inner``: the inverse of I + shift · mobility · response.
+    """
+
+    stiff: Linearisation
+    shift: Float[Array, ""]
+    response: Float[Array, "rank rank"]
+    mobility: Float[Array, "rank rank"]
+    inner: Float[Array, "rank rank"]
+
+    @staticmethod
+    def of(stiff: Linearisation, shift: Float[Array, ""]) -> "NewtonMatrix":
+        """With the one small inverse that it takes."""
+        mobility = _product(stiff.directions.T, stiff.response)
+        response = stiff.damping + shift * stiff.stiffness
+        inner = inverse(jnp.eye(len(mobility)) + shift * _product(mobility, response))
+        return NewtonMatrix(stiff, shift, response, mobility, inner)
+
+    def solve(self, right: Columns) -> Columns:
+        """The solution u of (I - shift J) u = ``right``, for each column."""
+        stiff, shift, n = self.stiff, self.shift, self.stiff.coordinates
+        velocities = len(stiff.directions)
+        r_q, r_w, rest = right[:n], right[n : n + velocities], right[n + velocities :]
+        spring = _product(stiff.stiffness, _product(stiff.directions[:n].T, r_q))
+        z = _product(self.inner, _product(stiff.directions.T, r_w) - shift * _product(self.mobility, spring))
+        w = r_w - shift * _product(stiff.response, spring + _product(self.response, z))
+        return jnp.concatenate([r_q + shift * w[:n], w, rest])
+
+
+def _product(a: Array, b: Array) -> Array:
+    """A matrix product written as a sum: a call into a library would split the loop's kernel."""
+    return jnp.sum(a[:, :, None] * b[None], axis=1)

@@ -1,0 +1,138 @@
+"""What takes a step: an explicit method, an implicit one, or whichever gets further for its cost."""
+
+import diffrax
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..._types import Scalar
+from ..sensitivity.augmented_state import Columns
+from ..system import Linearisation
+from . import stages
+from . import tableaus as methods
+from .dop853 import DOP853
+from .stages import Field, SecondDerivative, Step
+from .time_transform import TimeTransform
+
+
+class Solver(eqx.Module):
+    """Base of the steppers. A stepper has one or several methods, each with its own idea of how far a step may go."""
+
+    @property
+    def methods(self) -> tuple[methods.Method, ...]:
+        """The methods to choose from."""
+        raise NotImplementedError
+
+    @property
+    def safety_factor(self) -> Scalar:
+        """How many times below the tolerance the estimated error of an implicit step must be."""
+        return 1.0
+
+    def choose(self, stiff: Linearisation, steps: Float[Array, " methods"]) -> tuple[Int[Array, ""], Float[Array, ""]]:
+        """Which method takes the next step and its length [s], where accuracy would allow ``steps``."""
+        return jnp.asarray(0), steps[0]
+
+    def is_implicit(self, which: Int[Array, ""]) -> Bool[Array, ""]:
+        """Whether a method is implicit; its steps are even in time, with one matrix for all stages."""
+        return jnp.asarray([method.gamma > 0.0 for method in self.methods])[which]
+
+    def method_for(self, stiff: Linearisation, step: Float[Array, ""]) -> Int[Array, ""]:
+        """Which method takes a step of a given length [s]."""
+        return jnp.asarray(0)
+
+    def step(
+        self,
+        which: Int[Array, ""],
+        field: Field,
+        stiff: Linearisation,
+        time: Float[Array, ""],
+        columns: Columns,
+        rate: Columns,
+        transform: TimeTransform,
+        allowance: Columns,
+        second: SecondDerivative | None = None,
+    ) -> Step:
+        """One step of a method.
+
+        **Arguments:** ``which`` method; the ``field`` (time [s], columns) → derivative; its ``stiff`` part at the
+        start; ``time`` [s], ``columns`` and their ``rate`` there; ``transform``: the step's length and how time passes
+        in it; ``allowance``: the error allowed in each number; ``second``: when the second derivative at the end is
+        wanted, None for never.
+        """
+        method = self.methods[0] if len(self.methods) == 1 else methods.one_of(self.methods, which)
+        explicit = not any(method.gamma for method in self.methods)
+        step = stages.take_step(
+            method, field, None if explicit else stiff, time, columns, rate, transform, allowance, second
+        )
+        return step._replace(error=step.error * jnp.where(self.is_implicit(which), self.safety_factor, 1.0))
+
+
+class ExplicitRungeKutta(Solver):
+    """Any explicit method of diffrax, stepped without its general machinery.
+
+    **Arguments:** ``method``: an instance such as ``DOP853()`` or ``diffrax.Tsit5()``.
+    """
+
+    method: diffrax.AbstractERK = eqx.field(static=True, default_factory=DOP853)
+
+    @property
+    def methods(self):
+        return (methods.explicit(self.method),)
+
+
+class DiagonallyImplicit(Solver):
+    """A singly diagonally implicit method of diffrax, its stages solved by Newton's method with a small matrix.
+
+    An estimate of the error that a stiffly accurate method gives is about the error itself, an explicit one's far above
+    it: so that errors add up alike, implicit steps are held to less.
+
+    **Arguments:** ``method``: ``diffrax.KenCarp3()``, ``KenCarp4()``, ``KenCarp5()``, ``Kvaerno4()``, ``Kvaerno5()``…;
+    ``safety_factor``: how many times below the tolerance its estimated error must be.
+    """
+
+    method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.KenCarp4)
+    safety_factor: float = 20.0
+
+    @property
+    def methods(self):
+        return (methods.diagonally_implicit(self.method),)
+
+
+class Automatic(Solver):
+    """Explicit steps or implicit ones, whichever get further for their cost.
+
+    Both controllers go on: the one whose method rests lets its step grow slowly, so that it has its turn again.
+
+    **Arguments:** ``explicit``, ``implicit``: the two solvers; ``limit``: the largest product of an explicit step and
+    the fastest rate of the stiff forces, which stability sets; ``worth``: how many explicit steps an implicit one must
+    replace to be preferred.
+    """
+
+    explicit: ExplicitRungeKutta = ExplicitRungeKutta()
+    implicit: DiagonallyImplicit = DiagonallyImplicit()
+    limit: float = 5.0
+    worth: float = 2.0
+
+    @property
+    def safety_factor(self):
+        return self.implicit.safety_factor
+
+    @property
+    def methods(self):
+        return (*self.explicit.methods, *self.implicit.methods)
+
+    def _longest(self, stiff: Linearisation) -> Float[Array, ""]:
+        """The longest explicit step [s]."""
+        return self.limit / jnp.maximum(stiff.fastest(), 1e-150)
+
+    def choose(self, stiff, steps):
+        if not stiff.rank:  # then Newton's method would be a mere iteration, and no step worth it
+            return super().choose(stiff, steps)
+        explicit = jnp.minimum(steps[0], self._longest(stiff))
+        which = (steps[1] > self.worth * explicit).astype(int)
+        return which, jnp.where(which == 1, steps[1], explicit)
+
+    def method_for(self, stiff, step):
+        if not stiff.rank:
+            return super().method_for(stiff, step)
+        return (step > self._longest(stiff) * (1.0 + 1e-9)).astype(int)

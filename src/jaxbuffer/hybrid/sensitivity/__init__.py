@@ -1,0 +1,1 @@
+"""Sensitivities as rows of the state, and the linear map that moves them."""

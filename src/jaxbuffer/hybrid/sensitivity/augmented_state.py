@@ -1,0 +1,126 @@
+"""Tangents as extra rows of the state: row 0 is y, row i is ∂y/∂p_i times a scale, all under one error control.
+
+AD through an adaptive loop bounds the error of the state only; carrying S = ∂y/∂p as state bounds its error too
+(docs/numerics.md). Every function of (parameters, state) is lifted to rows by one push-forward a row.
+"""
+
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax.extend.core import Literal
+from jaxtyping import Array, Float
+
+from .batched_map import on_columns
+from .linear_map import Unsupported
+
+Rows = Float[Array, "rows state"]
+Columns = Float[Array, "state columns"]  # the rows transposed and padded with columns of zeros: what steps work on
+VECTOR = 4  # the number of columns is a multiple of this, the size of a vector register
+P = TypeVar("P")
+S = TypeVar("S")
+
+
+class Tangents(eqx.Module, Generic[P]):
+    """Parameters and the directions in which derivatives are wanted: one tangent of the state for each.
+
+    ``primal``: the parameters; ``directions``: the same structure with a leading axis on each array, one entry for
+    each direction; None for no tangents.
+    """
+
+    primal: P
+    directions: P | None = None
+
+    @property
+    def count(self) -> int:
+        """Number of tangents."""
+        leaves = jax.tree.leaves(self.directions)
+        return leaves[0].shape[0] if leaves else 0
+
+    def start(self, function: Callable[[P], Float[Array, " state"]]) -> Rows:
+        """State and tangents of a function of the parameters alone."""
+        value = function(self.primal)[None]
+        if not self.count:
+            return value
+        push = jax.vmap(lambda direction: jax.jvp(function, (self.primal,), (direction,))[1])
+        return jnp.concatenate([value, push(self.directions)])
+
+    def lift(self, function: Callable[[P, Array], Float[Array, " out"]]) -> Callable[[Rows], Float[Array, "rows out"]]:
+        """Turn f(parameters, state) into a function of rows: its value, and its change along each tangent."""
+
+        def lifted(rows: Rows) -> Float[Array, "rows out"]:
+            if not self.count:
+                return function(self.primal, rows[0])[None]
+            value, push = jax.linearize(function, self.primal, rows[0])
+            return jnp.concatenate([value[None], jax.vmap(push)(self.directions, rows[1:])])
+
+        return lifted
+
+    def field(self, function: Callable[[P, Array], Float[Array, " state"]]) -> Callable[[Columns], Columns]:
+        """`lift` on columns, its linear part by `on_columns`: most of the cost of a step with tangents."""
+        if not self.count:
+            return lambda columns: function(self.primal, columns[:, 0])[:, None]
+
+        def field(columns: Columns) -> Columns:
+            state, padding = columns[:, 0], columns.shape[1] - 1 - self.count
+            value, push = jax.linearize(function, self.primal, state)
+            widen = lambda x: jnp.moveaxis(jnp.pad(x, [(1, padding)] + [(0, 0)] * (x.ndim - 1)), 0, -1)  # noqa: E731
+            directions = jax.tree.map(widen, self.directions)
+            try:
+                moved = on_columns(push, self.primal, state)(directions, columns)
+            except Unsupported:
+                moved = jax.vmap(push, in_axes=-1, out_axes=-1)(directions, columns)
+            return jnp.where(jnp.arange(columns.shape[1]) == 0, value[:, None], moved)
+
+        return field
+
+
+def columns(rows: Rows) -> Columns:
+    """Rows transposed; if there are tangents, padded with zeros to a multiple of `VECTOR` columns."""
+    count = rows.shape[0]
+    return jnp.pad(rows, [(0, -count % VECTOR if count > 1 else 0), (0, 0)]).T
+
+
+def push_through_assembly(
+    assemble: Callable[[list[Array]], S], values: list[Array], directions: list[Array]
+) -> tuple[Callable[[list[Array]], S], Tangents[list[Array]]]:
+    """Push tangents through the assembly of a system once, before the loop.
+
+    **Arguments:** ``assemble``: from parameters to a system; ``values`` of the parameters and, with a leading axis
+    each, ``directions``. **Returns:** a function that fills in those numbers of the assembled system that depend on the
+    parameters, and these numbers with their tangents. The others stay constant and cost nothing in the loop.
+    """
+    system = assemble(values)
+    arrays, rest = eqx.partition(system, eqx.is_inexact_array)
+    leaves, structure = jax.tree.flatten(arrays)
+
+    def numbers(values: list[Array]) -> list[Array]:
+        return jax.tree.leaves(eqx.filter(assemble(values), eqx.is_inexact_array))
+
+    moving = [i for i, depends in enumerate(_depending(numbers, values)) if depends]
+
+    def pick(values: list[Array]) -> list[Array]:
+        found = numbers(values)
+        return [found[i] for i in moving]
+
+    pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions)
+
+    def fill(moved: list[Array]) -> S:
+        filled = list(leaves)
+        for i, value in zip(moving, moved, strict=True):
+            filled[i] = value
+        return eqx.combine(jax.tree.unflatten(structure, filled), rest)
+
+    return fill, Tangents([leaves[i] for i in moving], pushed)
+
+
+def _depending(function: Callable[[list[Array]], list[Array]], values: list[Array]) -> list[bool]:
+    """Which outputs depend on the inputs at all, followed through the traced operations."""
+    traced = jax.make_jaxpr(function)(values).jaxpr
+    reached = set(traced.invars)
+    for equation in traced.eqns:
+        if any(not isinstance(x, Literal) and x in reached for x in equation.invars):
+            reached.update(equation.outvars)
+    return [not isinstance(x, Literal) and x in reached for x in traced.outvars]

@@ -1,0 +1,160 @@
+"""A run with the right derivative: `solve` differentiates with respect to every number in the system.
+
+The derivative rule integrates the tangents of the perturbed inputs as rows of the error-controlled state and
+returns J·ṗ with that J. It is linear in ṗ, so JAX transposes it: `jvp`, `jacfwd`, `grad`, `vmap` and `jit` all work.
+"""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax.custom_batching import sequential_vmap
+from jaxtyping import Array, Bool, Float
+
+from ..errors import InputError
+from .diffeqsolve import run_by_diffeqsolve
+from .event_times import moving
+from .loop.loop import Result, run
+from .options import Options
+from .rungekutta.diffrax_solver import Diffrax
+from .sensitivity.augmented_state import Tangents, push_through_assembly
+from .system import HybridSystem
+
+# With tangents: how closely events are located [s], and maxima, as a fraction of their height. Where a parameter moves
+# the arrival of an impact by a second, the tangent beside its peak holds that much of the force's rate, which cancels
+# at the peak only (a step of first order onto it leaves little of that: docs/numerics.md).
+EVENT_TIME = 1e-12
+SHORTFALL = 1e-12
+
+
+SECOND = (
+    "second derivatives are not offered: a run can't be differentiated twice (jax.hessian, or jax.grad of jax.grad); "
+    "take differences of first derivatives instead, of jb.sensitivity(...).gradients say"
+)
+FIXED = (
+    "a run can't be differentiated by its duration, rtol or atol, only by numbers of its design and scenario; "
+    "wrap them in jax.lax.stop_gradient where they are computed from those"
+)
+
+
+def solve(
+    build: Callable[..., HybridSystem],
+    parameters: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> Result:
+    """Run the system that ``build(*parameters)`` assembles; differentiable in the arrays of ``parameters``.
+
+    **Arguments:** ``duration`` [s]; ``options``; ``allowed``: whether the parameters are in range (default: they are);
+    where not, the run takes no step and ends with `Status.INPUT`.
+
+    **Returns:** a `Result` whose ``log.rows`` and ``log.rates`` have one row, the state at each event and its rate.
+    Events move with the parameters, and derivatives of the log go with them (`moving`). Those of ``steps`` are at
+    their fixed times.
+    """
+    result = solve_at_fixed_times(build, parameters, duration, options, allowed)
+    return result._replace(log=moving(result.log, parameters, build))
+
+
+def solve_at_fixed_times(
+    build: Callable[..., HybridSystem],
+    parameters: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> Result:
+    """`solve` whose derivatives of ``log.rows`` and ``log.rates`` are at the events' fixed times; an event's own time
+    shifts by -guard/guard_rate (see `Log`). Nothing else in the log has derivatives."""
+    return _solve(parameters, build, jnp.asarray(duration, float), options, allowed)
+
+
+@eqx.filter_custom_jvp
+def _solve(
+    parameters: Any, build: Callable[..., HybridSystem], duration: Array, options: Options, allowed: Array | None
+) -> Result:
+    by = _stepper(options)
+
+    def state_alone(parameters: Any, *others: Any) -> Result:
+        return by(lambda system: system, Tangents(build(*parameters)), *others)
+
+    return _one_by_one(state_alone, parameters, duration, options, allowed)
+
+
+@_solve.def_jvp
+def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
+    parameters, build, duration, options, allowed = primals
+    if jax.tree.leaves(tangents[2:]):
+        raise InputError(FIXED)
+    leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
+    moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
+    chosen = [i for i, move in enumerate(moves) if move is not None]
+    leaves = [_once(leaf) if eqx.is_inexact_array(leaf) else leaf for leaf in leaves]
+    options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
+    # Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a tolerance.
+    sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
+
+    by = _stepper(options)
+
+    def with_tangents(leaves: list[Array], sizes: list[Array], *others: Any) -> Result:
+        def assembled(values: list[Array]) -> HybridSystem:
+            filled = list(leaves)
+            for i, value in zip(chosen, values, strict=True):
+                filled[i] = value
+            return build(*jax.tree.unflatten(structure, filled))
+
+        directions = [jnp.zeros(len(chosen)).at[k].set(size) for k, size in enumerate(sizes)]
+        return by(*push_through_assembly(assembled, [leaves[i] for i in chosen], directions), *others)
+
+    result = _one_by_one(with_tangents, leaves, sizes, duration, options, allowed)
+    shares = [moves[i] / size for i, size in zip(chosen, sizes, strict=True)]
+
+    def moved(rows: Array) -> Array:
+        return sum(rows[:, 1 + k, None] * share for k, share in enumerate(shares))
+
+    def of(result: Result, rows: Callable[[Array], Any]) -> Result:
+        log, steps = result.log, result.steps
+        log = dataclasses.replace(log, rows=rows(log.rows), rates=rows(log.rates))
+        return result._replace(log=log, steps=dataclasses.replace(steps, rows=rows(steps.rows)))
+
+    value = of(result, lambda rows: rows[:, :1])
+    none = jax.tree.map(lambda _: None, value)
+    change = of(result, moved)
+    return value, none._replace(
+        log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
+        steps=dataclasses.replace(none.steps, rows=change.steps.rows if options.keep else None),
+    )
+
+
+def _stepper(options: Options) -> Callable[..., Result]:
+    """What steps a run: the loop with events, or, where the solver asks for it, `diffrax.diffeqsolve`."""
+    return run_by_diffeqsolve if isinstance(options.solver, Diffrax) else run
+
+
+@jax.custom_jvp
+def _once(number: Array) -> Array:
+    """The number; an error where a derivative of a derivative is taken."""
+    return number
+
+
+@_once.defjvp
+def _once_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    raise InputError(SECOND)
+
+
+def _is_none(x: Any) -> bool:
+    return x is None
+
+
+def _one_by_one(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call ``function``; under `vmap` on a CPU for one batch element after the other, so that none waits for the
+    slowest."""
+    arrays, static = eqx.partition(arguments, eqx.is_array)
+
+    def call(arrays: Any) -> Any:
+        return function(*eqx.combine(arrays, static))
+
+    return sequential_vmap(call)(arrays) if jax.default_backend() == "cpu" else call(arrays)

@@ -1,0 +1,149 @@
+"""What time stepping needs to know of a mechanism whose contacts come and go."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .._types import Scalar
+
+State = Float[Array, " state"]
+Active = Float[Array, " contacts"]
+
+
+class Linearisation(eqx.Module):
+    """The stiff part of the velocities' equation: ẇ ≈ -X (K B_qᵀ δq + C Bᵀ δw), of low rank.
+
+    ``directions`` B: how each of ``rank`` scalar forces acts on the velocities w (its first rows, B_q, on the
+    coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K
+    and ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
+    """
+
+    directions: Float[Array, "velocities rank"]
+    response: Float[Array, "velocities rank"]
+    stiffness: Float[Array, "rank rank"]
+    damping: Float[Array, "rank rank"]
+    coordinates: int = eqx.field(static=True)
+
+    @staticmethod
+    def none(velocities: int, coordinates: int) -> "Linearisation":
+        """Of a system without stiff forces, or whose stiff forces are not known."""
+        thin, nothing = jnp.zeros((velocities, 0)), jnp.zeros((0, 0))
+        return Linearisation(thin, thin, nothing, nothing, coordinates)
+
+    @property
+    def rank(self) -> int:
+        """Number of stiff forces."""
+        return self.damping.shape[0]
+
+    def fastest(self) -> Float[Array, ""]:
+        """How fast the stiff forces let anything decay or ring, at most [1/s].
+
+        The sums over the forces are traces of X C Bᵀ and X K B_qᵀ: no smaller than their largest eigenvalue, and near
+        it where one force is stiffest. Of one mode neither root of λ² + d λ + k exceeds max(d, √k).
+        """
+        n, moved = self.coordinates, self.directions * self.response
+        damping = jnp.sum(jnp.diagonal(self.damping) * jnp.sum(moved, axis=0))
+        stiffness = jnp.sum(jnp.diagonal(self.stiffness) * jnp.sum(moved[:n], axis=0))
+        return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+
+
+class Watched(NamedTuple):
+    """All that is watched of a state for events, looked at together: gaps with their rates, guards of the run's end,
+    observables, and `HybridSystem.invariant`."""
+
+    gap: Float[Array, " contacts"]
+    gap_rate: Float[Array, " contacts"]
+    terminal: Float[Array, " terminals"]
+    value: Float[Array, " observables"]
+    invariant: tuple[Float[Array, ""], Float[Array, ""]]
+
+
+class HybridSystem(eqx.Module):
+    """A mechanism in modes: each contact is open or closed, and the motion is smooth while none changes.
+
+    The state is one vector: coordinates first, then velocities, then anything else (a contact memory, dissipated
+    energies). Subclasses are pytrees of the numbers sensitivities may be asked for.
+    """
+
+    @property
+    def coordinates(self) -> int:
+        """How many coordinates the state begins with; as many velocities, their rates, follow."""
+        raise NotImplementedError
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
+        return False
+
+    def start(self) -> tuple[State, Active]:
+        """State and open (0) or closed (1) contacts at t = 0."""
+        raise NotImplementedError
+
+    def derivative(self, time: Scalar, state: State, active: Active) -> State:
+        """dy/dt within a mode."""
+        raise NotImplementedError
+
+    def gaps(self, state: State) -> Float[Array, " contacts"]:
+        """Distance of each contact [m], a function of the coordinates alone; crossing zero downwards closes it
+        (touchdown), upwards opens it (release)."""
+        raise NotImplementedError
+
+    def touchdown(self, state: State, approach_acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
+        """The state just after a contact closes, from the state at the crossing; ``approach_acceleration``: the rate of
+        its approach speed there [m/s²]."""
+        raise NotImplementedError
+
+    def touching(self, active: Active) -> Bool[Array, ""]:
+        """Whether what counts as contact time passes while these contacts are closed."""
+        return jnp.any(active > 0.5)
+
+    def terminals(self, state: State) -> Float[Array, " terminals"]:
+        """Functions whose crossing of zero upwards ends the run."""
+        raise NotImplementedError
+
+    def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
+        """Quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
+        raise NotImplementedError
+
+    def rate_observables(self) -> tuple[bool, ...]:
+        """Which observables depend on the state's rate, not only on the state."""
+        raise NotImplementedError
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """A name for each of `observables`, in order."""
+        return tuple(f"observable_{k}" for k in range(len(self.rate_observables())))
+
+    def negligible(self) -> Float[Array, "..."]:
+        """Values of the observables below which no maximum matters: what rounding makes of them where nothing acts. One
+        for each, or one for all."""
+        return jnp.zeros(())
+
+    def scales(self) -> State:
+        """Magnitude below which an error in each component of the state does not matter in itself."""
+        raise NotImplementedError
+
+    def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """What the motion within a mode does not change, of a size of the order of one, and how much of it may be
+        rounding: a step that changes it by more is wrong by that. Zeros where nothing of the kind is known."""
+        return jnp.zeros(()), jnp.zeros(())
+
+    def watched(self, state: State, rate: State, active: Active) -> Watched:
+        """`gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing needs
+        to know how the invariant changes: it may be held fixed."""
+        n = self.coordinates
+        motion = jnp.zeros_like(state).at[:n].set(state[n : 2 * n])
+        gap, gap_rate = jax.jvp(self.gaps, (state,), (motion,))
+        invariant = self.invariant(jax.lax.stop_gradient(state), active)
+        return Watched(gap, gap_rate, self.terminals(state), self.observables(state, rate, active), invariant)
+
+    def impact_step(self, state: State) -> Float[Array, ""]:
+        """A first step after a touchdown [s], a fifteenth of the impact's duration."""
+        raise NotImplementedError
+
+    def linearisation(self, time: Scalar, state: State, active: Active) -> Linearisation:
+        """The stiff part of the Jacobian at a state, for implicit solvers; an approximation is allowed."""
+        raise NotImplementedError

@@ -1,0 +1,41 @@
+"""What a mechanism's designs, scenarios and results are made of, as tables."""
+
+from typing import Any
+
+from ..errors import range_text
+from ..fields import Part, get, metadata, paths
+from ..tables import table, text
+from .mechanism import Mechanism
+
+
+def described(mechanism: Mechanism) -> str:
+    """Every field with unit, default and allowed range, and every quantity with unit and meaning."""
+    fields = table(f'{mechanism.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed"))
+    for prefix, part in (("", mechanism.design()), ("scenario.", mechanism.scenario())):
+        for path in paths(part):
+            fields.add_row(prefix + path, *_declared(part, path))
+    quantities = table("Quantities of a run", left=("quantity", "unit", "meaning", "sweep", "tune"))
+    for name, quantity in mechanism.quantities.items():
+        used = ("yes" if use else "" for use in (quantity.swept, quantity.tuned))
+        quantities.add_row(name, quantity.unit, quantity.description, *used)
+    return text(fields, quantities)
+
+
+def _declared(part: Part, path: str) -> tuple[str, str, str]:
+    """Unit, default and allowed range of a field."""
+    known, value = metadata(part, path), get(part, path)
+    default = "none" if value is None else value if isinstance(value, str) else _number(value)
+    if "choices" in known:
+        return "", default, ", ".join(known["choices"])
+    if "limits" in known:
+        return known["unit"], default, _range(known["limits"])
+    return "", default, f"whole numbers from {known['least']}" if "least" in known else "true, false"
+
+
+def _number(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else f"{float(value):.6g}"
+
+
+def _range(limits: dict[str, Any]) -> str:
+    low, high = limits.get("low", float("-inf")), limits.get("high", float("inf"))
+    return range_text(low, high, limits.get("low_open", False), limits.get("high_open", False))

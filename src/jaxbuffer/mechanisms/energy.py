@@ -1,0 +1,59 @@
+"""The energies of a run, and what numerical error did to what the motion conserves."""
+
+from typing import Any
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Float
+
+
+class Energy(eqx.Module):
+    """The energies at one instant or, with an axis, along a history.
+
+    ``stored`` [J] by name, such as "kinetic", "spring", "contact"; ``lost`` [J] so far by name, such as "friction".
+    Each is an attribute of its own too: ``energy.kinetic``.
+    """
+
+    stored: dict[str, Float[Array, "..."]]
+    lost: dict[str, Float[Array, "..."]]
+
+    def __getattr__(self, name: str) -> Any:
+        for part in ("stored", "lost"):
+            found = object.__getattribute__(self, part)
+            if name in found:
+                return found[name]
+        raise AttributeError(f"{type(self).__name__} has no {name!r}")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them, and "total"."""
+        return (*self.stored, *self.lost, "total")
+
+    @property
+    def dissipated(self) -> Float[Array, "..."]:
+        """Everything lost so far [J]."""
+        return _sum(self.lost)
+
+    @property
+    def total(self) -> Float[Array, "..."]:
+        """Stored and lost together [J]: constant in time."""
+        return _sum(self.stored) + _sum(self.lost)
+
+
+def _sum(energies: dict[str, Float[Array, "..."]]) -> Any:
+    """Their sum; that of NumPy's arrays is one, so that nothing is compiled to print a run."""
+    return sum(energies.values(), start=np.zeros(()))
+
+
+class Balance(eqx.Module):
+    """What should not change, and by how much it did over the run. These numbers have no derivatives.
+
+    ``energy`` [-]: change of the total over the initial energy (or the system's scale, if that is larger);
+    ``linear_momentum``, ``angular_momentum`` [-]: change over the system's momentum, the latter's at an arm of 1 m (NaN
+    where the ground takes part); ``drift`` [m, rad]: largest error of a constraint at any located event.
+    """
+
+    energy: Float[Array, ""]
+    linear_momentum: Float[Array, ""]
+    angular_momentum: Float[Array, ""]
+    drift: Float[Array, ""]

@@ -1,0 +1,39 @@
+"""Time histories of a run: everything one would plot, at every accepted step."""
+
+from typing import Any
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from .energy import Energy
+
+
+class History(eqx.Module):
+    """Histories along the first axis ("steps").
+
+    ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad] and ``velocity``; ``multipliers`` of the
+    joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and
+    ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the mechanism's own by name, each
+    an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. Inside `jit` the arrays have their full
+    capacity, the last state repeated.
+
+    Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
+    """
+
+    time: Float[Array, " steps"]
+    position: Float[Array, "steps bodies 3"]
+    velocity: Float[Array, "steps bodies 3"]
+    multipliers: Float[Array, "steps rows"]
+    gap: Float[Array, "steps contacts"]
+    approach_speed: Float[Array, "steps contacts"]
+    slip: Float[Array, "steps contacts"]
+    contact_force: Float[Array, "steps contacts"]
+    friction_force: Float[Array, "steps contacts"]
+    others: dict[str, Float[Array, " steps"]]
+    energy: Energy
+
+    def __getattr__(self, name: str) -> Any:
+        found = object.__getattribute__(self, "others")
+        if name in found:
+            return found[name]
+        raise AttributeError(f"{type(self).__name__} has no {name!r}")

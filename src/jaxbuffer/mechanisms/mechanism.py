@@ -1,0 +1,151 @@
+"""What a mechanism says of itself; everything else follows from that."""
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from jaxtyping import Array, Bool
+
+from ..errors import InputError
+from ..fields import Part, all_of, paths, unit
+from .outcome import RunOutcome, Simulated
+from .picture import Panel
+from .quantity import Catalogue
+from .run import Run, Solved, plain_run
+from .summary import plain_summary
+from .system import ContactSystem
+from .validity import Limit
+
+
+@dataclasses.dataclass(frozen=True)
+class Names:
+    """What parts of a mechanism are called in tables and files, in the order of their numbers.
+
+    ``bodies``; ``contacts``: those that have impacts; ``contact``: what such a contact is ("flank"); ``multipliers`` of
+    the joints' rows and ``others`` of the history, each with its unit.
+    """
+
+    bodies: tuple[str, ...] = ()
+    contacts: tuple[str, ...] = ("contact",)
+    contact: str = "contact"
+    multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    others: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+
+@dataclasses.dataclass(frozen=True)
+class Defaults:
+    """What is used where a call or a study does not say.
+
+    ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities; ``grid`` of a sweep, as TOML
+    writes it, and ``mapped``: the quantities drawn of one; ``variables`` of a tuning with their bounds, as TOML writes
+    them, and ``limits`` it keeps to.
+    """
+
+    duration: float = 1.0
+    parameters: tuple[str, ...] = ()
+    differentiated: tuple[str, ...] = ("peak_force", "end_time")
+    grid: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    mapped: tuple[str, ...] = ("peak_force", "penetration", "end_time", "contact_time")
+    variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
+
+
+@dataclasses.dataclass(frozen=True)
+class Floor:
+    """What limits a tuned peak force from below: the first impact, which the tuned parts do not soften.
+
+    ``first_impact``: its closed form from design and scenario, with ``elastic_peak`` [N], ``effective_energy`` [J] and
+    ``duration`` [s]; ``softeners``: paths of the parts that are taken away to find it.
+    """
+
+    first_impact: Callable[[Any, Any], Any]
+    softeners: tuple[str, ...]
+
+
+def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
+    """Whether every number is in its declared range, for numbers known only inside compiled code."""
+    return all_of([*design.in_range(), *scenario.in_range()])
+
+
+def no_smooth_law(design: Part) -> Part:
+    """Raise `InputError`: most mechanisms have none."""
+    raise InputError(f"{type(design).__name__} has no contact law without events, which diffrax.diffeqsolve needs")
+
+
+def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
+    """A scenario in a few words: its fields' values with their units."""
+    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
+
+
+def _shown(scenario: Part, name: str) -> str:
+    value, symbol = getattr(scenario, name), unit(scenario, name)
+    return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
+
+
+@dataclasses.dataclass(frozen=True)
+class Mechanism:
+    """A mechanism: what can be simulated, swept, differentiated and tuned.
+
+    What every mechanism says:
+
+    - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
+    - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
+    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system;
+    - ``quantities``: its one catalogue.
+
+    What has a plain default:
+
+    - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
+      of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
+    - ``run_name``: what a run is called ("capture"); ``names`` of its parts; ``defaults``;
+    - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
+    - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
+      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``record``: tables of
+      numbers that a run's record has besides, by name; ``notes``: lines below a table of a run's sensitivities;
+    - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
+      peak forces [N] and penetrations [m];
+    - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
+    - for tuning ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError`
+      where a problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``:
+      what is known of the first impact without simulating it.
+    """
+
+    name: str
+    title: str
+    design: type[Part]
+    scenario: type[Part]
+    system: Callable[..., ContactSystem]
+    quantities: Catalogue
+    outcomes: type[RunOutcome] = Simulated
+    ends: tuple[str, ...] = ("failed_penetration",)
+    time_is_up: str = "finished"
+    success: str | None = None
+    run_name: str = "run"
+    check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
+    valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
+    run: Callable[[Any, Solved], Run] = plain_run
+    summary: Callable[[Any], str] = plain_summary
+    label: Callable[..., str] = plain_label
+    approach: Callable[[Any], str] = plain_label
+    warnings: Callable[[Any], list[str]] = lambda run: []
+    validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
+    notes: Callable[[Any], list[str]] = lambda run: []
+    panels: Callable[[Any], list[Panel]] = lambda run: []
+    record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
+    names: Names = Names()
+    defaults: Defaults = Defaults()
+    always: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    check_problem: Callable[[Any], None] = lambda problem: None
+    smooth: Callable[[Any], Any] = no_smooth_law
+    margin: str | None = None
+    floor: Floor | None = None
+
+    @property
+    def swept(self) -> tuple[str, ...]:
+        """Quantities that sweeps, records and summaries have."""
+        return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
+
+    @property
+    def tuned(self) -> tuple[str, ...]:
+        """Quantities that objectives and limits may use."""
+        return tuple(name for name, quantity in self.quantities.items() if quantity.tuned)

@@ -1,0 +1,71 @@
+"""How a run ended: what every mechanism's outcomes have in common."""
+
+import enum
+from typing import TypeVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Int
+
+from ..hybrid import Status
+
+O = TypeVar("O", bound="RunOutcome")  # noqa: E741 # an outcome
+
+STEPS = "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver"
+STEP_SIZE = "failed: the step size fell below 1e-14 s; the tolerance can't be met"
+NOT_FINITE = "failed: the state stopped being finite"
+PENETRATION = "failed: a ball went deeper into a flank than its radius; the contact is too soft for this speed"
+INPUT = "failed: a number of the design, the scenario or the options is out of its allowed range"
+FAILURES = {
+    Status.TOO_MANY_STEPS: "failed_steps",
+    Status.STEP_TOO_SMALL: "failed_step_size",
+    Status.NOT_FINITE: "failed_not_finite",
+    Status.INPUT: "failed_input",
+}
+
+
+class RunOutcome(enum.IntEnum):
+    """Base of the mechanisms' outcomes. Each member is a code and a sentence for the user.
+
+    First come the ways in which a run ends well, then from ``failed_steps`` on those in which the equations were not
+    solved: then all numbers of the run are NaN and say nothing about the design. Every mechanism has the members
+    ``failed_steps``, ``failed_step_size``, ``failed_not_finite`` and ``failed_input``.
+    """
+
+    reason: str
+
+    def __new__(cls, code: int, reason: str = "") -> "RunOutcome":
+        """A member of an enumeration."""
+        member = int.__new__(cls, code)
+        member._value_ = code
+        member.reason = reason
+        return member
+
+    @property
+    def failed(self) -> bool:
+        """Whether the equations were not solved."""
+        return self >= type(self)["failed_steps"]
+
+
+class Simulated(RunOutcome):
+    """Outcomes of a mechanism whose runs end at a guard of its own, or when the duration is over."""
+
+    ended = 0, "ended: the mechanism reached its end"
+    finished = 1, "finished: the duration is over"
+    failed_steps = 2, STEPS
+    failed_step_size = 3, STEP_SIZE
+    failed_not_finite = 4, NOT_FINITE
+    failed_penetration = 5, PENETRATION
+    failed_input = 6, INPUT
+
+
+def outcome_code(outcomes: type[O], ends: tuple[str, ...], time_is_up: str, status: Int[Array, ""]) -> Int[Array, ""]:
+    """The code of a run's outcome.
+
+    **Arguments:** ``outcomes``: the mechanism's; ``ends``: the outcome's name for each guard of the run's end, in
+    order; ``time_is_up``: that for the duration being over; ``status``: a `Status` of the time stepping.
+    """
+    names = dict(enumerate(ends)) | {int(Status.TIMEOUT): time_is_up} | {int(s): name for s, name in FAILURES.items()}
+    code = jnp.asarray(int(outcomes["failed_not_finite"]))
+    for value, name in names.items():
+        code = jnp.where(status == value, int(outcomes[name]), code)
+    return code

@@ -1,0 +1,32 @@
+"""What to draw of a run over time, as data: the drawing itself is output's."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jax import Array
+
+
+class Curve(NamedTuple):
+    """Values over the history's time, with their name in the legend; ``dashed``."""
+
+    label: str
+    values: np.ndarray | Array
+    dashed: bool = False
+
+
+class Level(NamedTuple):
+    """A horizontal line at a value, with its name in the legend; ``limit``: something not to be passed."""
+
+    label: str
+    value: float
+    limit: bool = False
+
+
+class Panel(NamedTuple):
+    """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up."""
+
+    title: str
+    axis: str
+    curves: tuple[Curve, ...]
+    levels: tuple[Level, ...] = ()
+    stacked: bool = False

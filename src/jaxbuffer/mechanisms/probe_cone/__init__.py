@@ -1,0 +1,11 @@
+"""The probe-cone mechanism: a probe with a ball tip behind a buffer meets a cone; two vehicles capture each other."""
+
+from .capture import Capture as Capture
+from .closed_form import FirstImpact as FirstImpact
+from .closed_form import first_impact as first_impact
+from .design import Design as Design
+from .design import Scenario as Scenario
+from .design import rigid_probe as rigid_probe
+from .design import table2 as table2
+from .mechanism import PROBE_CONE as PROBE_CONE
+from .outcome import Outcome as Outcome

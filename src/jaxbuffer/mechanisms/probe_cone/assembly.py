@@ -1,0 +1,144 @@
+"""The probe-cone mechanism assembled from bodies, joints, spring-dampers and a ball-on-flanks contact.
+
+Four bodies in the paper's order (M4): active vehicle S, cylinder B, probe P (with the tip on its end), passive vehicle
+T.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._types import Scalar, stacked
+from ...contact import BallOnSegments, KelvinVoigt, RegularisedCoulomb, Segment, contact_law
+from ...multibody import AxialSpringDamper, Body, Prismatic, Revolute, System, TorsionalSpringDamper
+from ...plane import Vector
+from .design import Design, Scenario
+
+S, B, P, T = range(4)  # bodies, in the order of the coordinates
+N = 12  # coordinates
+LOWER, UPPER = 0, 1  # flanks
+FLANKS = 2
+SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
+
+
+class Masses(NamedTuple):
+    """The probe with its tip (M6).
+
+    - ``mass``: m_P [kg].
+    - ``inertia``: I_P about the centre of mass [kg m²].
+    - ``rear``, ``front``: l_r and l_t, from the centre of mass to the rear end and to the tip's centre [m].
+    - ``tip_inertia``: I_t of the tip about its centre [kg m²]; a welded tip's is part of ``inertia`` too.
+    """
+
+    mass: Scalar
+    inertia: Scalar
+    rear: Scalar
+    front: Scalar
+    tip_inertia: Scalar
+
+
+def probe_masses(design: Design) -> Masses:
+    """Rod and tip as one body; a free tip's spin inertia is left out of it (M6)."""
+    probe = design.probe
+    mass = probe.rod_mass + probe.tip_mass
+    shift = probe.tip_mass * (probe.length / 2) / mass
+    rear, front = probe.length / 2 + shift, probe.length / 2 - shift
+    tip = 0.4 * probe.tip_mass * probe.tip_radius**2
+    inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip)
+
+
+def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
+    """Bodies, joints and buffer of the mechanism (M15, M23, M26).
+
+    **Arguments:** ``design``; ``probe``: masses and lengths of the probe; ``stabilisation``: Baumgarte's gain [1/s].
+    """
+    half = design.buffer.cylinder_length / 2
+    cylinder = Body(design.buffer.cylinder_mass, design.buffer.cylinder_mass * design.buffer.cylinder_length**2 / 12)
+    return System(
+        bodies=(
+            Body(design.active.mass, design.active.inertia),
+            cylinder,
+            Body(probe.mass, probe.inertia),
+            Body(design.passive.mass, design.passive.inertia),
+        ),
+        joints=(
+            Revolute(S, B, first_point=(design.active.hinge_offset, 0.0), second_point=(half, 0.0)),
+            Prismatic(B, P),
+        ),
+        forces=(
+            AxialSpringDamper(
+                B,
+                P,
+                first_point=(-half, 0.0),
+                second_point=(-probe.rear, 0.0),
+                stiffness=design.buffer.k_A,
+                damping=design.buffer.c_A,
+                free_length=design.buffer.free_length,
+                guide=(1.0, 0.0),
+                published_damping=design.buffer.damping == "published",
+            ),
+            TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),
+        ),
+        stabilisation=stabilisation,
+    )
+
+
+def assemble_contact(design: Design) -> BallOnSegments:
+    """The tip against both flanks, in the axes of T (M30)."""
+    angle, side = design.cone.half_angle, jnp.asarray(SIDE)
+    flanks = Segment(
+        start_x=-design.cone.offset,
+        start_y=-side * design.cone.throat_radius,
+        direction_x=-jnp.cos(angle),
+        direction_y=-side * jnp.sin(angle),
+        length=design.cone.length,
+    )
+    contact = design.contact
+    numbers = {
+        "stiffness": design.contact_stiffness,
+        "restitution": contact.restitution,
+        "linear_stiffness": contact.linear_stiffness,
+        "damping": contact.damping,
+        "exponent": contact.exponent,
+        "ramp_depth": contact.ramp_depth,
+    }
+    return BallOnSegments(
+        radius=design.probe.tip_radius,
+        segments=flanks,
+        side=side,
+        law=contact_law(contact.law, numbers),
+        friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
+    )
+
+
+def end_stop(design: Design) -> KelvinVoigt | None:
+    """The law of the buffer's end stop (M28), which acts while the stroke exceeds s_m; None without a stop."""
+    stiffness = design.buffer.stop_stiffness
+    return None if stiffness is None else KelvinVoigt(stiffness, design.buffer.stop_damping)
+
+
+def start_motion(
+    design: Design, scenario: Scenario, masses: Masses
+) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
+    """Positions and velocities at t = 0 (M62, M63).
+
+    **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, (12,) each.
+    """
+    angle = design.cone.half_angle
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    local = Vector(
+        -design.cone.offset - scenario.contact_distance * cos - design.probe.tip_radius * sin,
+        -design.cone.throat_radius - scenario.contact_distance * sin + design.probe.tip_radius * cos,
+    )
+    turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
+    tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
+    probe = tip.x - masses.front
+    cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
+    active = cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
+    behind = [active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0]
+    q = stacked([*behind, 0.0, 0.0, scenario.misalignment])
+    v = stacked([scenario.approach_speed, 0.0, 0.0] * 3 + [0.0, 0.0, scenario.passive_rate])
+    return q, v

@@ -1,0 +1,83 @@
+"""A capture: the run of the probe-cone mechanism."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..run import Impacts, Run, Solved
+from .closed_form import FirstImpact, predict
+from .margins import stroke_margin, throat
+from .outcome import Outcome
+from .system import CaptureMechanism
+
+
+class FlankImpacts(Impacts):
+    """Impacts on the flanks: ``contact`` is 0 for the lower one and 1 for the upper one, also as ``flank``."""
+
+    @property
+    def flank(self) -> Int[Array, " slots"]:
+        """The flank of each impact: 0 lower, 1 upper, -1 in slots beyond ``count``."""
+        return self.contact
+
+
+class Capture(Run):
+    """A simulated capture. Print it for a summary.
+
+    Beside what every `Run` has (``peak_contact``: 0 lower, 1 upper flank, also as ``peak_flank``), each a 0-d array:
+
+    - ``peak_hinge_force``: largest force in the hinge [N].
+    - ``peak_buffer_force``: largest force of the axial spring and damper [N].
+    - ``peak_stop_force``: largest force of the end stop [N], 0 without one.
+    - ``stroke``: the buffer's largest [m].
+    - ``stroke_margin``: stroke left before the buffer's end, of a bottomed run minus how much is missing [m].
+    - ``hinge_angle``: the largest [rad].
+    - ``throat_distance``: of the tip from the capture plane at the end [m].
+    - ``capture_margin``: how far beyond that plane the tip would be at ``duration``, coasting on from the end of the
+      run, or ``stroke_margin`` if that is less; positive exactly for a captured run [m].
+    - ``capture_share``: that distance beyond the plane over the distance to it at the start [-].
+    - ``first_impact``: its closed form.
+
+    **Example:**
+
+    >>> capture = jb.simulate(jb.table2(), jb.Scenario())
+    >>> print(f"stroke {1e3 * float(capture.stroke):.3f} mm, hinge {float(capture.peak_hinge_force):.1f} N")
+    stroke 7.497 mm, hinge 426.4 N
+    """
+
+    peak_hinge_force: Float[Array, ""]
+    peak_buffer_force: Float[Array, ""]
+    peak_stop_force: Float[Array, ""]
+    stroke: Float[Array, ""]
+    stroke_margin: Float[Array, ""]
+    hinge_angle: Float[Array, ""]
+    throat_distance: Float[Array, ""]
+    capture_margin: Float[Array, ""]
+    capture_share: Float[Array, ""]
+    first_impact: FirstImpact
+
+    @property
+    def peak_flank(self) -> Int[Array, ""]:
+        """The flank with the largest contact force: 0 lower, 1 upper."""
+        return self.peak_contact
+
+
+def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
+    """What was solved, as a capture."""
+    largest, known, log = solved.common["maxima"], solved.known, solved.log
+    stroke = solved.maxima.others["stroke"]
+    throat_distance, beyond = throat(mechanism, log, solved.duration)
+    before = mechanism.throat(solved.start.kin, solved.start.tip)[0]
+    margin = stroke_margin(mechanism, log, stroke, solved.code == Outcome.bottomed)
+    common = {**solved.common, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
+    return Capture(
+        **common,
+        peak_hinge_force=largest["hinge_force"],
+        peak_buffer_force=largest["buffer_force"],
+        peak_stop_force=largest.get("stop_force", 0.0 * known),
+        stroke=largest["stroke"],
+        stroke_margin=margin * known,
+        hinge_angle=largest["hinge_angle"],
+        throat_distance=throat_distance * known,
+        capture_margin=jnp.minimum(beyond, margin) * known,
+        capture_share=beyond / before * known,
+        first_impact=predict(mechanism, solved.start),
+    )

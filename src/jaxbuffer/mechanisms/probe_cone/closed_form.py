@@ -1,0 +1,122 @@
+"""The first impact's peak force in closed form, from the effective kinetic energy just before it (M79).
+
+Without friction, loss and the buffer's answer the peak is Hertz's (M80). Springs and dampers are slow against an impact
+of a tenth of a millisecond and only add to it: no buffer lowers the first peak, less effective mass does.
+"""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._types import Scalar
+from ...compiling.programs import stored
+from ...contact.laws import HystereticLaw
+from .assembly import LOWER, N
+from .design import Design, Scenario, check_fit
+from .linearisation import flank_directions
+from .posture import Posture
+from .system import CaptureMechanism
+
+HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
+
+
+class FirstImpact(eqx.Module):
+    """What the start of a run says of its first impact; scalars, differentiable.
+
+    - ``effective_mass``: m_c that the contact normal meets through the joints [kg] (M79).
+    - ``effective_energy``: T_c⁻ [J] (M79).
+    - ``elastic_peak``: without loss [N] (M80).
+    - ``predicted_peak``: with the law's loss [N] (M81); NaN for laws that are not Hertz's with hysteresis.
+    - ``duration``: of the impact without loss [s] (M80).
+
+    **Example:**
+
+    >>> first = jb.first_impact(jb.table2())
+    >>> print(f"{float(first.effective_mass):.4f} kg, {1e3 * float(first.effective_energy):.4f} mJ")
+    0.1956 kg, 0.4891 mJ
+    """
+
+    effective_mass: Float[Array, ""]
+    effective_energy: Float[Array, ""]
+    elastic_peak: Float[Array, ""]
+    predicted_peak: Float[Array, ""]
+    duration: Float[Array, ""]
+
+
+def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:
+    """The first impact of a capture, without simulating it: a starting guess, and what no buffer goes below
+    (M79 to M81).
+
+    **Arguments:**
+
+    - ``design``.
+    - ``scenario`` (default: Table 2's).
+
+    **Returns:** a `FirstImpact`.
+
+    **Raises:** `InputError` where scenario and design don't fit.
+
+    **Example:**
+
+    >>> first = jb.first_impact(jb.table2(), jb.Scenario(approach_speed=0.1))
+    >>> print(f"{float(first.predicted_peak):.1f} N, {float(first.elastic_peak):.1f} N without loss")
+    143.1 N, 149.9 N without loss
+    """
+    scenario = Scenario() if scenario is None else scenario
+    check_fit(design, scenario)
+    return _first_impact(
+        jax.tree.map(lambda x: x if isinstance(x, jax.Array) else np.asarray(x, float), (design, scenario))
+    )
+
+
+@stored
+def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
+    mechanism = CaptureMechanism(*parameters)
+    return predict(mechanism, mechanism.first_posture()[0])
+
+
+def predict(mechanism: CaptureMechanism, at: Posture) -> FirstImpact:
+    """The first impact of a mechanism's run, which starts there with the tip on the lower flank."""
+    closing, speed = flank_directions(mechanism, at)[0][:N, LOWER], mechanism.memory(at.state)[LOWER]
+    mass = mechanism.system.effective_mass(at.kin, closing)
+    energy = 0.5 * mass * speed**2
+    law = mechanism.pair.law
+    stiffness = jnp.asarray(mechanism.design.contact_stiffness)
+    peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
+    factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
+    return FirstImpact(mass, energy, peak, peak * factor, HERTZ_DURATION * depth / speed)
+
+
+def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:
+    """Peak force of a Hertz contact that takes up an energy [N] (M80).
+
+    **Arguments:** ``stiffness``: K [N/m^1.5]; ``energy``: T [J].
+    """
+    return jnp.asarray(stiffness) ** 0.4 * (2.5 * jnp.asarray(energy)) ** 0.6
+
+
+def loss_factor(hysteresis: Scalar) -> Float[Array, ""]:
+    """Peak force of two free bodies with hysteresis over that without [-] (M81).
+
+    The equation for w, the share of the speed that is left at the peak, is solved by bisection.
+
+    **Arguments:** ``hysteresis``: χ̂ [-].
+    """
+    damping = jnp.maximum(jnp.asarray(hysteresis, float), 1e-4)  # below, G loses its digits and the factor is 1 - 0.4 χ̂
+
+    def taken_up(w: Array, damping: Array) -> Array:
+        return ((1.0 - w) - jnp.log((1.0 + damping) / (1.0 + damping * w)) / damping) / damping
+
+    still = jax.lax.stop_gradient(damping)
+
+    def halved(_: Array, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
+        low, high = bracket
+        middle = 0.5 * (low + high)
+        early = 0.6 * middle > still * taken_up(middle, still)
+        return jnp.where(early, low, middle), jnp.where(early, middle, high)
+
+    w, _ = jax.lax.fori_loop(0, 50, halved, (jnp.zeros(()), jnp.ones(())))  # the factor is stationary there
+    factor = (2.0 * taken_up(w, damping)) ** 0.6 * (1.0 + damping * w)
+    return jnp.where(hysteresis < 1e-4, 1.0 - 0.4 * hysteresis, factor)

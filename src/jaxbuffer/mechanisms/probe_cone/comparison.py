@@ -1,0 +1,121 @@
+"""Contact laws side by side: what restitution each delivers, and one impact under each."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from ..._types import Scalar
+from ...compiling.backend import check_ready
+from ...contact.laws import LAWS, ContactLaw, FreeImpact, free_impact
+from ...errors import check_number, check_type
+from ...fields import POSITIVE, Part, replace
+from ...tables import table, text
+from .assembly import LOWER, assemble_contact
+from .design import Design, Scenario
+from .system import CaptureMechanism
+
+ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)  # restitutions, as in the published comparisons
+CURVE = tuple(np.round(np.linspace(0.02, 1.0, 50), 2))
+
+
+class ComparedLaw(NamedTuple):
+    """One law: its ``delivered`` restitutions for those `ASKED` and along `CURVE` [-], and the ``impact`` under it.
+
+    ``law`` is the one of the impact, as the design sets it.
+    """
+
+    name: str
+    law: ContactLaw
+    delivered: np.ndarray
+    curve: np.ndarray
+    impact: FreeImpact
+
+
+class Comparison(NamedTuple):
+    """All laws in one impact of an effective ``mass`` [kg] at ``speed`` [m/s]. Print it for a table."""
+
+    mass: float
+    speed: float
+    restitution: float
+    laws: tuple[ComparedLaw, ...]
+
+    def __repr__(self) -> str:
+        return laws_table(self)
+
+
+def first_contact(design: Design, scenario: Scenario) -> tuple[float, float]:
+    """Effective mass [kg] and approach speed [m/s] of the first impact, the joints holding and the springs soft.
+
+    1/m = A M_c⁻¹ Aᵀ, where A q̇ is the approach speed and M_c⁻¹ the mobility that the joints leave.
+    """
+    mechanism = CaptureMechanism(design, scenario)
+    state, touching = mechanism.start()
+    part = mechanism.linearisation(jnp.zeros(()), state, jnp.ones_like(touching))
+    normal = 2 + LOWER  # after the axial and the torsional spring-damper
+    mobility = jnp.sum(part.directions[:, normal] * part.response[:, normal])
+    return float(1.0 / mobility), float(mechanism.memory(state)[LOWER])
+
+
+def compare_laws(
+    design: Part, scenario: Part | None = None, *, mass: float | None = None, speed: float | None = None
+) -> Comparison:
+    """Every law with the design's contact numbers.
+
+    **Arguments:** ``mass`` [kg], ``speed`` [m/s]: of the impact; default: those of the design's first contact.
+    """
+    check_ready()
+    check_type("design", design, Design, "a capture's design, such as jb.table2()")
+    assert isinstance(design, Design)
+    for name, value, unit in (("mass", mass, "kg"), ("speed", speed, "m/s")):
+        if value is not None:
+            check_number(name, value, unit, **POSITIVE)
+    meeting = Scenario() if scenario is None else scenario
+    assert isinstance(meeting, Scenario)
+    first = first_contact(design, meeting)
+    mass, speed = (given if given is not None else own for given, own in zip((mass, speed), first, strict=True))
+
+    def law(name: str, restitution: Scalar) -> ContactLaw:
+        # Only Adams' law may have an exponent of its own; the others keep Hertz's.
+        own = {} if name == "adams" else {"contact.exponent": 1.5}
+        chosen = {"contact.law": name, "contact.restitution": restitution, "contact.memory": "event"} | own
+        return assemble_contact(replace(design, chosen)).law
+
+    def delivered(name: str, values: np.ndarray) -> np.ndarray:
+        def one(restitution: Scalar) -> Array:
+            return jnp.asarray(law(name, restitution).delivered_restitution(mass, speed), float)
+
+        if not hasattr(law(name, 1.0), "restitution"):
+            return np.full(len(values), one(1.0))
+        if LAWS[name].delivered_restitution is ContactLaw.delivered_restitution:  # from an impact that SciPy solves
+            return np.array([one(float(value)) for value in values])
+        return np.asarray(jax.jit(jax.vmap(one))(values))
+
+    def compared(name: str) -> ComparedLaw:
+        here, found = law(name, float(design.contact.restitution)), delivered(name, np.array([*ASKED, *CURVE]))
+        return ComparedLaw(name, here, found[: len(ASKED)], found[len(ASKED) :], free_impact(here, mass, speed))
+
+    return Comparison(mass, speed, float(design.contact.restitution), tuple(compared(name) for name in LAWS))
+
+
+def laws_table(comparison: Comparison) -> str:
+    """Each law's source, delivered restitutions and impact."""
+    asked = comparison.restitution
+    restitution = table("Restitution delivered to two free bodies, for the one asked for")
+    impact = table(f"Impact of {comparison.mass:.5g} kg at {comparison.speed:.5g} m/s, restitution {asked:g} asked for")
+    for filled, right, last in (
+        (restitution, [f"{e:g}" for e in ASKED], "source"),
+        (impact, ["restitution", "penetration [µm]", "peak force [N]", "duration [ms]"], "validity"),
+    ):
+        filled.add_column("law")
+        for heading in right:
+            filled.add_column(heading, justify="right")
+        filled.add_column(last)
+    for entry in comparison.laws:
+        restitution.add_row(entry.name, *(f"{e:.4f}" for e in entry.delivered), entry.law.source)
+        found = entry.impact
+        figures = (found.restitution, 1e6 * found.max_penetration, found.peak_force, 1e3 * found.duration)
+        impact.add_row(entry.name, *(f"{x:.5g}" for x in figures), entry.law.validity)
+    return text(restitution, impact)

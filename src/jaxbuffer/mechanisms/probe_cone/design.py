@@ -1,0 +1,172 @@
+"""The probe-cone mechanism's design, made of its parts, and its scenario; whether they fit each other."""
+
+import math
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...contact import hertz_stiffness
+from ...errors import check_entries, check_type, concrete, inside, same_shape
+from ...fields import POSITIVE, Part, all_of, number
+from .parts import Active, Buffer, Cone, Contact, Passive, Probe
+
+
+class Design(Part):
+    """The whole mechanism; the defaults are the paper's Table 2, and what it leaves open is assumed (docs/model.md).
+
+    - ``active``, ``passive``: the vehicles.
+    - ``buffer``: springs, dampers and cylinder.
+    - ``probe``: rod and tip.
+    - ``cone``: on the passive vehicle.
+    - ``contact``: tip against flank.
+
+    **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
+
+    **Example:** `replace` changes any of its numbers.
+
+    >>> design = jb.replace(jb.Design(), {"buffer.k_A": 800.0, "probe.free_tip": True})
+    >>> design.buffer.k_A, design.probe.free_tip, design.contact.law
+    (800.0, True, 'lankarani-nikravesh')
+    """
+
+    active: Active = Active()
+    passive: Passive = Passive()
+    buffer: Buffer = Buffer()
+    probe: Probe = Probe()
+    cone: Cone = Cone()
+    contact: Contact = Contact()
+
+    def check_together(self) -> None:
+        # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
+        cone = _known("cone", self.cone.throat_radius, self.cone.length, self.cone.half_angle)
+        if cone is not None:
+            throat, length, angle = cone
+            check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        mouth = self.cone.throat_radius + self.cone.length * jnp.sin(self.cone.half_angle)
+        yield inside(self.probe.tip_radius, high=mouth, high_open=True, **POSITIVE)
+
+    @property
+    def contact_stiffness(self) -> Scalar:
+        """K [N/m^1.5], as given or from the materials (M53)."""
+        if self.contact.stiffness is not None:
+            return self.contact.stiffness
+        modulus, ratio = self.contact.young_modulus, self.contact.poisson_ratio
+        return hertz_stiffness(self.probe.tip_radius, modulus, ratio, modulus, ratio)
+
+
+class Scenario(Part):
+    """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63).
+
+    - ``approach_speed``: v0 of S, B and P [m/s].
+    - ``contact_distance``: b, slant distance of the first contact from the throat edge [m].
+    - ``misalignment``: θ_T0, angle of T [rad].
+    - ``passive_rate``: θ̇_T0, spin of T [rad/s].
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> capture = jb.simulate(jb.table2(), jb.Scenario(approach_speed=0.2))
+    >>> f"{float(capture.peak_force):.2f} N"
+    '325.18 N'
+    """
+
+    section: ClassVar[str] = "scenario"
+    approach_speed: Scalar = number(0.1, "m/s", **POSITIVE)
+    contact_distance: Scalar = number(0.0435, "m", **POSITIVE)
+    misalignment: Scalar = number(0.0, "rad", low=-math.pi / 2, high=math.pi / 2, low_open=True, high_open=True)
+    passive_rate: Scalar = number(0.0, "rad/s")
+
+
+def check_fit(design: Design, scenario: Scenario) -> None:
+    """Check that scenario and design fit (M64). Where numbers are arrays, each scenario meets its own design.
+
+    **Raises:** `InputError` for a first contact off the flank, a tip in the other flank at the start, and a tip that
+    does not face the flank.
+    """
+    check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
+    check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
+    cone, tip = design.cone, design.probe.tip_radius
+    start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
+    least = 0.0 if start is None else least_contact_distance(*start)
+    too_low = "; nearer to the throat the tip would be in the other flank at the start"
+    distance = scenario.contact_distance
+    check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
+    if (angle := _known("cone", cone.half_angle)) is not None:
+        limit = np.minimum(angle[0], math.pi / 2 - angle[0])
+        check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
+
+
+def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
+    """Whether every number is in its range and they fit (M64), for numbers known only inside compiled code; NaN is in
+    no range."""
+    cone, angle = design.cone, design.cone.half_angle
+    least = least_contact_distance(design.probe.tip_radius, cone.throat_radius, angle, jnp)
+    limit = jnp.minimum(angle, np.pi / 2 - angle)
+    fit = [
+        inside(scenario.contact_distance, low=least, high=cone.length, low_open=True),
+        inside(scenario.misalignment, low=-limit, high=limit, low_open=True, high_open=True),
+    ]
+    return all_of([*design.in_range(), *scenario.in_range(), *fit])
+
+
+def _known(path: str, *values: Scalar) -> list[Any] | None:
+    """Numbers as they are, or as arrays of one shape if some are arrays; None if some are traced."""
+    if all(type(value) is float for value in values):
+        return list(values)
+    arrays = [concrete(value) for value in values]
+    return None if any(array is None for array in arrays) else same_shape(path, arrays)
+
+
+def least_contact_distance(tip_radius: Any, throat_radius: Any, half_angle: Any, xp: Any = np) -> Any:
+    """How far from the throat edge the tip must touch the lower flank so as not to reach into the upper one [m] (M64).
+
+    The flanks are mirror images, rims included, and the tip's centre is its radius away from the lower one: it is
+    farther from the upper one exactly where it is below the axis, R cos β - R_c - b sin β < 0.
+
+    **Arguments:** ``tip_radius`` R, ``throat_radius`` R_c [m]; ``half_angle`` β [rad]; ``xp``: NumPy, or jax.numpy for
+    traced numbers.
+    """
+    return xp.maximum((tip_radius * xp.cos(half_angle) - throat_radius) / xp.sin(half_angle), 0.0)
+
+
+def table2() -> Design:
+    """The mechanism of the paper's Table 2 and section 7, with the assumptions its text leaves open.
+
+    **Example:**
+
+    >>> design = jb.table2()
+    >>> print(f"{design.buffer.k_A:g} N/m, {design.buffer.c_A:g} N s/m, tip {1e3 * design.probe.tip_mass:.2f} g")
+    500 N/m, 5 N s/m, tip 38.74 g
+    """
+    return Design()
+
+
+def rigid_probe(design: Design | None = None) -> Design:
+    """The paper's "traditional rigid probe" as a baseline: the buffer made stiff enough to act as a weld.
+
+    1e10 N/m and 1e8 N m/rad: the first impact of Table 2 is then 1037.8 N, 0.4 % below its value for springs ten times
+    stiffer (1042.0 N), while 1e8 N/m and 1e6 N m/rad, stiff as they look, still take a third of it (712.6 N). Damping
+    of 1e5 N s/m and 1e3 N m s/rad keeps the stiff modes from ringing. The paper states no value ("high enough").
+
+    **Arguments:**
+
+    - ``design`` (default: Table 2's): whose other numbers are kept.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.rigid_probe(), jb.Scenario())
+    >>> f"first impact {float(run.quantity('impact.1.peak_force')):.1f} N"
+    'first impact 1037.8 N'
+    """
+    from ...fields import replace
+
+    stiff = {"buffer.k_A": 1e10, "buffer.c_A": 1e5, "buffer.k_T": 1e8, "buffer.c_T": 1e3}
+    return replace(design if design is not None else table2(), stiff)

@@ -1,0 +1,18 @@
+"""A scenario in a few words."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...fields import unit
+from .design import Scenario
+
+
+def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
+    """What people call a scenario: "0.1 m/s, 3°", its approach speed and misalignment; its contact distance and the
+    passive rate too where those differ ``among`` several."""
+    label = f"{float(scenario.approach_speed):g} m/s, {np.degrees(float(scenario.misalignment)) + 0.0:.4g}°"
+    for name in ("contact_distance", "passive_rate"):
+        if len({float(getattr(other, name)) for other in among}) > 1:
+            label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
+    return label

@@ -1,0 +1,83 @@
+"""Whether an answer lies within what the contact law is good for: small penetrations, materials that do not yield."""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Array, Float
+
+from ...contact.laws import hertz_pressure, yield_pressure
+from ..validity import Limit
+from .assembly import assemble_contact
+from .design import Design
+
+if TYPE_CHECKING:
+    from .capture import Capture
+
+DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
+
+
+class Validity(NamedTuple):
+    """Of one capture or of many (shape ...): ``depth`` [-]: penetration over the largest that the law is good for;
+    ``pressure`` [-]: Hertz's largest pressure over the one at which yield begins, 0 without a yield stress. An answer
+    is valid up to 1 of both."""
+
+    depth: Float[np.ndarray, "..."]
+    pressure: Float[np.ndarray, "..."]
+
+    @property
+    def too_deep(self) -> np.ndarray:
+        """Which captures penetrate deeper than the law is good for."""
+        return self.depth > 1.0
+
+    @property
+    def yields(self) -> np.ndarray:
+        """In which captures the materials yield."""
+        return self.pressure > 1.0
+
+
+def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) -> Validity:
+    """How near captures come to the limits, from their ``penetration`` [m] and ``peak_force`` [N] (NaN: unknown, and
+    not beyond them); the design's numbers may be arrays of the same shape."""
+    depth = np.asarray(penetration) / (DEEP * np.asarray(design.probe.tip_radius))
+    contact = design.contact
+    if contact.yield_stress is None:
+        return Validity(depth, np.zeros_like(depth))
+    limit = yield_pressure(contact.yield_stress, contact.poisson_ratio)
+    return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
+
+
+def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Limit]:
+    """Both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it is not
+    given."""
+    if penetration is None:
+        penetration = assemble_contact(design).law.depth(peak_force)
+    found = validity(design, np.asarray(penetration), np.asarray(peak_force))
+    return [
+        Limit("the tip goes deeper into a flank than a tenth of its radius", found.depth),
+        Limit("the materials yield", found.pressure),
+    ]
+
+
+def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
+    """Hertz's largest pressure [Pa] at a contact force [N], from the design's materials and tip radius."""
+    contact = design.contact
+    return hertz_pressure(peak_force, design.probe.tip_radius, contact.young_modulus, contact.poisson_ratio)
+
+
+def warnings(capture: "Capture") -> list[str]:
+    """What the answer of a capture lies beyond, a line each; empty for a valid one."""
+    design, depth, force = capture.design, float(capture.penetration), float(capture.peak_force)
+    found, lines = validity(design, np.asarray(depth), np.asarray(force)), []
+    if found.too_deep:
+        radius = float(design.probe.tip_radius)
+        lines.append(
+            f"outside the contact law's validity: the tip goes up to {1e3 * depth:.3g} mm deep into a flank, more than"
+            f" a tenth of its radius of {1e3 * radius:.3g} mm"
+        )
+    if found.yields:
+        stress, reached = float(np.asarray(design.contact.yield_stress)), float(pressure(design, np.asarray(force)))
+        lines.append(
+            f"outside the contact law's validity: the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
+            f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
+        )
+    return lines

@@ -1,0 +1,37 @@
+"""How far a capture is from failing: the way left beyond the capture plane, and the stroke left."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ...hybrid import Log
+from .system import CaptureMechanism
+
+
+def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) -> tuple[Array, Array]:
+    """How far the tip centre is before the capture plane at the end of the run [m], and how far beyond that plane it
+    would be at ``duration``, going on from the end as fast as it goes there [m]: positive exactly if it crosses the
+    plane until then.
+
+    Its value and slope are continuous where capture, or escape, happens just at ``duration``; grazing the plane without
+    crossing it is a jump.
+    """
+    last = jnp.maximum(log.count - 1, 0)
+    before, receding = mechanism.throat_of(log.rows[last, 0])
+    return before, -(before + receding * (duration - log.time[last]))
+
+
+def stroke_margin(
+    mechanism: CaptureMechanism, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
+) -> Float[Array, ""]:
+    """How much stroke is left before the buffer's end [m]; of a bottomed run minus how much is missing.
+
+    What is missing is ½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
+    through the joints. So the margin is continuous, and zero, where a run just reaches the end.
+    """
+    last = jnp.maximum(log.count - 1, 0)
+    at = mechanism.posture(log.rows[last, 0])
+    axial, buffer = mechanism.axial.springs(at.kin)[0], mechanism.design.buffer
+    mass = mechanism.system.effective_mass(at.kin, mechanism.system.direction(axial.blocks))
+    speed = jnp.maximum(at.stroke_rate, 0.0)
+    force = buffer.k_A * buffer.longest_stroke + buffer.c_A * speed + mechanism.stop_force(at, log.active[last])
+    return jnp.where(bottomed, -0.5 * mass * speed**2 / force, buffer.longest_stroke - stroke)

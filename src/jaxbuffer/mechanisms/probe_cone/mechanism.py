@@ -1,0 +1,81 @@
+"""The probe-cone mechanism, as everything else knows it."""
+
+from ...fields import replace
+from ..mechanism import Defaults, Floor, Mechanism, Names
+from ..registry import register
+from .capture import capture
+from .closed_form import first_impact
+from .design import Design, Scenario, check_fit, valid
+from .label import scenario_label
+from .law_validity import limits, warnings
+from .outcome import Outcome
+from .panels import panels
+from .problem import check_problem
+from .quantities import QUANTITIES
+from .summary import first_impact_line, first_impact_record, summary
+from .system import CONTACTS, ENDS, CaptureMechanism
+
+PROBE_CONE = register(
+    Mechanism(
+        name="probe_cone",
+        title="Capture",
+        design=Design,
+        scenario=Scenario,
+        system=CaptureMechanism,
+        quantities=QUANTITIES,
+        outcomes=Outcome,
+        ends=ENDS,
+        time_is_up="timeout",
+        success="captured",
+        run_name="capture",
+        check_fit=check_fit,
+        valid=valid,
+        run=capture,
+        summary=summary,
+        label=scenario_label,
+        approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+        warnings=warnings,
+        validity=limits,
+        notes=lambda run: [first_impact_line(run)],
+        panels=panels,
+        record=lambda run: {"first_impact": first_impact_record(run)},
+        names=Names(
+            bodies=("active", "cylinder", "probe", "passive"),
+            contacts=CONTACTS,
+            contact="flank",
+            multipliers={"hinge x": "N", "hinge y": "N", "prismatic moment": "N m", "prismatic force": "N"},
+            others={
+                "tip_spin": "rad/s",
+                "hinge_force": "N",
+                "buffer_force": "N",
+                "stop_force": "N",
+                "stroke": "m",
+                "hinge_angle": "rad",
+                "throat_distance": "m",
+            },
+        ),
+        defaults=Defaults(
+            duration=8.0,
+            parameters=("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "probe.tip_mass"),
+            differentiated=("peak_force", "peak_hinge_force", "stroke", "hinge_angle", "end_time"),
+            grid={
+                "scenario.approach_speed": {"from": 0.05, "to": 0.25, "count": 11},  # m/s
+                "scenario.misalignment": {"from": -0.1, "to": 0.1, "count": 11},  # rad
+            },
+            mapped=("peak_force", "peak_hinge_force", "stroke", "hinge_angle"),
+            variables={
+                "buffer.k_A": [100.0, 2000.0],  # N/m
+                "buffer.c_A": [1.0, 60.0],  # N s/m
+                "buffer.k_T": [50.0, 1500.0],  # N m/rad
+                "buffer.c_T": [0.2, 20.0],  # N m s/rad
+                "probe.tip_mass": [0.02, 0.2],  # kg
+            },
+            limits={"stroke": 0.025},  # m, what fits into Table 2's cylinder
+        ),
+        always={"stroke_share": 1.0},  # no buffer may come to its end
+        check_problem=check_problem,
+        smooth=lambda design: replace(design, {"contact.memory": "smooth"}),
+        margin="capture_share",
+        floor=Floor(first_impact, ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")),
+    )
+)

@@ -1,0 +1,199 @@
+"""The parts of the probe-cone mechanism: every number of its design, checked when a part is made.
+
+Each number is a scalar, or an array where many designs are handled together; its unit stands in its declaration. The
+table "symbols and fields" of docs/model.md has them all, with symbols and where the defaults come from.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...contact import LAWS
+from ...errors import (
+    InputError,
+    check_entries,
+    concrete,
+    inside,
+)
+from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number
+
+ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
+ROD_RADIUS = 0.009  # m, r_p of Table 2
+TIP_RADIUS = 0.015  # m, R_tip of Table 2
+PROBE_LENGTH = 0.2  # m, L_P of Table 2
+HERTZ_EXPONENT = 1.5  # -
+
+
+class Active(Part):
+    """The active vehicle S, which carries the probe.
+
+    - ``mass``: m_S [kg].
+    - ``inertia``: I_S about its centre of mass [kg m²].
+    - ``hinge_offset``: a, from its centre of mass forward to the hinge [m].
+    """
+
+    section: ClassVar[str] = "active"
+    mass: Scalar = number(21.9706, "kg", **POSITIVE)
+    inertia: Scalar = number(0.445, "kg m²", **POSITIVE)
+    hinge_offset: Scalar = number(0.1365, "m", **NON_NEGATIVE)
+
+
+class Passive(Part):
+    """The passive vehicle T, which carries the cone.
+
+    - ``mass``: m_T [kg].
+    - ``inertia``: I_T about its centre of mass [kg m²].
+    """
+
+    section: ClassVar[str] = "passive"
+    mass: Scalar = number(23.5731, "kg", **POSITIVE)
+    inertia: Scalar = number(0.5206, "kg m²", **POSITIVE)
+
+
+class Buffer(Part):
+    """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
+
+    - ``k_A`` [N/m], ``c_A`` [N s/m]: stiffness and damping along the cylinder (M23).
+    - ``k_T`` [N m/rad], ``c_T`` [N m s/rad]: stiffness and damping about the hinge (M26).
+    - ``free_length``: l_0 of the axial spring [m].
+    - ``cylinder_mass`` m_B [kg], ``cylinder_length`` L_C [m]: a slender rod (M5).
+    - ``max_stroke``: stroke s_m at which the buffer is at its end [m]; None: ``free_length``, where the spring's ends
+      meet. Without an end stop a run that gets there ends as "bottomed" (M66).
+    - ``stop_stiffness`` k_s [N/m], ``stop_damping`` c_s [N s/m]: an end stop that pushes the probe out again while the
+      stroke exceeds s_m (M28). Only ``free_length`` ends that run. None: no end stop.
+    - ``damping``: "physical" damps L̇ (M23); "published" damps the whole rate of the separation (M24), which does not
+      conserve angular momentum.
+    """
+
+    section: ClassVar[str] = "buffer"
+    k_A: Scalar = number(500.0, "N/m", **POSITIVE)
+    c_A: Scalar = number(5.0, "N s/m", **NON_NEGATIVE)
+    k_T: Scalar = number(300.0, "N m/rad", **POSITIVE)
+    c_T: Scalar = number(2.0, "N m s/rad", **NON_NEGATIVE)
+    free_length: Scalar = number(0.1365, "m", **POSITIVE)
+    cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE)
+    cylinder_length: Scalar = number(0.1365, "m", **POSITIVE)
+    max_stroke: Scalar | None = number(None, "m", **POSITIVE)
+    stop_stiffness: Scalar | None = number(None, "N/m", **POSITIVE)
+    stop_damping: Scalar = number(0.0, "N s/m", **NON_NEGATIVE)
+    damping: str = choice("physical", "physical", "published")
+
+    def check_together(self) -> None:
+        if self.max_stroke is not None:
+            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, self.free_length, high_open=False)
+        damping = concrete(self.stop_damping)
+        if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
+            shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+            raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.max_stroke is not None:
+            yield inside(self.max_stroke, high=self.free_length, **POSITIVE)
+        if self.stop_stiffness is None:
+            yield inside(self.stop_damping, low=0.0, high=0.0)
+
+    @property
+    def end(self) -> Scalar:
+        """The stroke at which the buffer is at its end or its end stop, if there is one, begins to push [m] (M28)."""
+        return self.free_length if self.max_stroke is None else self.max_stroke
+
+    @property
+    def longest_stroke(self) -> Scalar:
+        """The stroke that ends a run as "bottomed" [m] (M66): with an end stop that is where the spring's ends meet."""
+        return self.end if self.stop_stiffness is None else self.free_length
+
+
+class Probe(Part):
+    """The rod and its ball tip, welded to the rod or spinning freely about its centre (M6).
+
+    - ``length``: L_P, from the rod's rear end to the tip's centre [m].
+    - ``rod_mass``: m_r [kg] (default: M7).
+    - ``tip_radius``: R [m].
+    - ``tip_mass``: m_t [kg] (default: M7).
+    - ``free_tip``: whether the tip spins freely (M8).
+    """
+
+    section: ClassVar[str] = "probe"
+    length: Scalar = number(PROBE_LENGTH, "m", **POSITIVE)
+    rod_mass: Scalar = number(ALUMINIUM_DENSITY * math.pi * ROD_RADIUS**2 * PROBE_LENGTH, "kg", **POSITIVE)
+    tip_radius: Scalar = number(TIP_RADIUS, "m", **POSITIVE)
+    tip_mass: Scalar = number(ALUMINIUM_DENSITY * 4.0 / 3.0 * math.pi * TIP_RADIUS**3, "kg", **POSITIVE)
+    free_tip: bool = eqx.field(default=False, static=True, metadata={"flag": True})
+
+
+class Cone(Part):
+    """The cone on the passive vehicle (M30).
+
+    - ``half_angle``: β [rad].
+    - ``offset``: L_T, from the throat plane to the centre of mass of T [m].
+    - ``throat_radius``: R_c [m].
+    - ``length``: L_c, along the flank [m].
+    """
+
+    section: ClassVar[str] = "cone"
+    half_angle: Scalar = number(math.pi / 4, "rad", low=0.0, high=math.pi / 2, low_open=True, high_open=True)
+    offset: Scalar = number(0.096, "m", **NON_NEGATIVE)
+    throat_radius: Scalar = number(0.015, "m", **POSITIVE)
+    length: Scalar = number(0.0735, "m", **POSITIVE)
+
+
+class Contact(Part):
+    """Tip against flank: a normal law and regularised Coulomb friction.
+
+    - ``law``: a name of `contact.laws.LAWS`; each law takes those of the following fields that it has. The defaults of
+      "kelvin-voigt" and "adams" are as stiff and as lossy as Table 2's law at the depth of its first impact.
+    - ``stiffness``: K [N/m^1.5], of "adams" [N/m^exponent]; None: computed from the materials and the tip's radius
+      (M53).
+    - ``restitution``: e in (0, 1] that is asked of the laws with hysteresis [-].
+    - ``friction`` μ [-], ``slip_speed`` v_s [m/s]: M59.
+    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of both sides.
+    - ``yield_stress``: of the softer side [Pa]; if given, the answer says where the materials yield (M57).
+    - ``linear_stiffness`` k [N/m] of "kelvin-voigt"; ``damping`` c [N s/m] of "kelvin-voigt" and "adams".
+    - ``exponent`` n [-], ``ramp_depth`` d [m]: of "adams".
+    - ``onset_length`` ε [m], ``memory_time`` τ_m [s]: of the smooth contact (M60, M61).
+    - ``memory``: "event" holds the speed of the last touchdown, located as an event (M36); "smooth" lets it follow the
+      approach speed while out of contact (M61) and rounds the onset (M60).
+    - ``arms``: "moving" acts at the foot (M33); "published" freezes the arm on T where the first contact was (M34).
+    """
+
+    section: ClassVar[str] = "contact"
+    law: str = eqx.field(default="lankarani-nikravesh", static=True, metadata={"choices": LAWS})
+    stiffness: Scalar | None = number(None, "N/m^1.5", **POSITIVE)
+    restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
+    friction: Scalar = number(0.33, "-", **NON_NEGATIVE)
+    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
+    young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    yield_stress: Scalar | None = number(None, "Pa", **POSITIVE)
+    linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE)
+    damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE)
+    exponent: Scalar = number(1.5, "-", low=1.0)
+    ramp_depth: Scalar = number(1e-6, "m", **POSITIVE)
+    onset_length: Scalar = number(1e-8, "m", **POSITIVE)
+    memory_time: Scalar = number(2e-4, "s", **POSITIVE)
+    memory: str = choice("event", "event", "smooth")
+    arms: str = choice("moving", "moving", "published")
+
+    def check_together(self) -> None:
+        exponent = concrete(self.exponent)
+        if exponent is not None and np.any(exponent != HERTZ_EXPONENT):
+            shown = f"contact.exponent = {float(exponent.flat[0]):g}"
+            if self.law != "adams":
+                raise InputError(f"{shown}: only contact.law = 'adams' has an exponent other than {HERTZ_EXPONENT}")
+            if self.stiffness is None:
+                raise InputError(f"{shown} needs contact.stiffness in N/m^exponent: Hertz's is in N/m^{HERTZ_EXPONENT}")
+        if self.memory == "smooth" and LAWS[self.law].jumps:
+            raise InputError(
+                f"contact.law = {self.law!r}: its force jumps at touchdown; contact.memory must be 'event'"
+            )
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.law != "adams" or self.stiffness is None:
+            yield inside(self.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)

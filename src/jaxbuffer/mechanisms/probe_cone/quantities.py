@@ -1,0 +1,122 @@
+"""The catalogue of a capture's quantities."""
+
+import math
+
+from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from .law_validity import pressure
+
+MILLIMETRES = ("mm", 1e3)
+DEGREES = ("deg", 180.0 / math.pi)
+
+QUANTITIES: dict[str, Quantity] = {
+    "peak_force": PEAK_FORCE._replace(description="largest contact force of either flank"),
+    "peak_time": PEAK_TIME,
+    "peak_hinge_force": Quantity(
+        "N", lambda c: c.peak_hinge_force, "largest reaction in the hinge", "peak hinge force", swept=True, tuned=True
+    ),
+    "peak_buffer_force": Quantity(
+        "N",
+        lambda c: c.peak_buffer_force,
+        "largest force of the axial spring-damper",
+        "peak buffer force",
+        swept=True,
+        tuned=True,
+    ),
+    "stroke": Quantity(
+        "m",
+        lambda c: c.stroke,
+        "largest shortening of the buffer",
+        "buffer stroke",
+        swept=True,
+        tuned=True,
+        shown=MILLIMETRES,
+    ),
+    "hinge_angle": Quantity(
+        "rad",
+        lambda c: c.hinge_angle,
+        "largest angle between cylinder and active vehicle",
+        "hinge angle",
+        swept=True,
+        tuned=True,
+        shown=DEGREES,
+    ),
+    "end_time": Quantity(
+        "s",
+        lambda c: c.end_time,
+        "end of the run: of a captured one, the capture time",
+        "end time",
+        swept=True,
+        tuned=True,
+    ),
+    "peak_stop_force": Quantity(
+        "N",
+        lambda c: c.peak_stop_force,
+        "largest force of the buffer's end stop",
+        "peak force of the end stop",
+        swept=True,
+        tuned=True,
+    ),
+    "stroke_share": Quantity(
+        "-",
+        lambda c: 1.0 - c.stroke_margin / c.design.buffer.longest_stroke,
+        "share of the buffer's stroke that is used; of a bottomed run above 1",
+        "share of the stroke",
+        tuned=True,
+    ),
+    "stroke_margin": Quantity(
+        "m",
+        lambda c: c.stroke_margin,
+        "stroke left before the buffer's end; of a bottomed run minus what is missing",
+        "stroke margin",
+        signed=True,
+        swept=True,
+        shown=MILLIMETRES,
+    ),
+    "penetration": PENETRATION._replace(description="depth that the tip's deepest penetration does not exceed"),
+    "contact_time": CONTACT_TIME._replace(description="time during which a flank is touched"),
+    "throat_distance": Quantity(
+        "m",
+        lambda c: c.throat_distance,
+        "tip before the capture plane at the run's end; at any time, as duration",
+        "distance to the capture plane",
+        signed=True,
+        swept=True,
+        shown=MILLIMETRES,
+    ),
+    "capture_margin": Quantity(
+        "m",
+        lambda c: c.capture_margin,
+        "tip beyond the capture plane at the duration, coasting on, or stroke_margin",
+        "capture margin",
+        signed=True,
+        swept=True,
+        shown=MILLIMETRES,
+    ),
+    "capture_share": Quantity(
+        "-",
+        lambda c: c.capture_share,
+        "tip beyond the capture plane at the duration, coasting on, over its distance at the start",
+        "capture share",
+        signed=True,
+    ),
+    "contact_pressure": Quantity(
+        "Pa",
+        lambda c: pressure(c.design, c.peak_force),
+        "Hertz's largest pressure at the peak contact force",
+        "contact pressure",
+    ),
+    "axial_loss": Quantity("J", lambda c: c.energy.axial_damper, "energy lost in the axial damper by the run's end"),
+    "torsional_loss": Quantity("J", lambda c: c.energy.torsional_damper, "energy lost in the torsional damper"),
+    "contact_loss": Quantity("J", lambda c: c.energy.hysteresis, "energy lost in the contact's hysteresis"),
+    "friction_loss": Quantity("J", lambda c: c.energy.friction, "energy lost in friction"),
+    "stop_loss": Quantity("J", lambda c: c.energy.stop_damper, "energy lost in the buffer's end stop"),
+    "dissipated": DISSIPATED,
+    "effective_mass": Quantity("kg", lambda c: c.first_impact.effective_mass, "mass the first impact meets"),
+    "effective_energy": Quantity("J", lambda c: c.first_impact.effective_energy, "T_c just before the first impact"),
+    "elastic_first_peak": Quantity(
+        "N", lambda c: c.first_impact.elastic_peak, "closed form of the first peak: no friction, loss, buffer"
+    ),
+    "predicted_first_peak": Quantity(
+        "N", lambda c: c.first_impact.predicted_peak, "closed form of the first peak with the contact's loss"
+    ),
+}

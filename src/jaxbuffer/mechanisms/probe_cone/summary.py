@@ -1,0 +1,107 @@
+"""A capture in a dozen lines, for people."""
+
+from typing import TYPE_CHECKING
+
+import jax
+import numpy as np
+
+from .label import scenario_label
+from .law_validity import warnings
+from .outcome import Outcome
+from .system import CONTACTS
+
+if TYPE_CHECKING:
+    from .capture import Capture
+
+
+def summary(capture: "Capture") -> str:
+    """A capture in a dozen lines, units included."""
+    outcome = capture.outcome
+    if outcome.failed:
+        where = scenario_label(capture.scenario)
+        return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
+    flank = CONTACTS[int(capture.peak_contact)]
+    first = capture.first_impact
+    e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
+    lines = [
+        f"Capture: {outcome.reason}",
+        f"  scenario             {scenario_label(capture.scenario)}",
+        f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
+        f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
+        f" {flank} flank, {_which_impact(capture)}",
+        f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
+        f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
+        f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
+        f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
+        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}",
+        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
+        f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
+        f"  capture margin       {_margin(capture)}",
+        f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
+        f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
+        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}"
+        + (")" if capture.design.buffer.stop_stiffness is None else f", end stop {float(e.stop_damper):.3g})"),
+        f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
+        f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
+        f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
+    ]
+    return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _which_impact(capture: "Capture") -> str:
+    count, listed = int(capture.impact_count), int(capture.impacts.count)
+    which = int(capture.peak_impact) + 1
+    if count == listed:
+        return f"impact {which} of {count}"
+    return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
+
+
+def _stop(capture: "Capture") -> str:
+    if capture.design.buffer.stop_stiffness is None:
+        return ""
+    return f", end stop {float(capture.peak_stop_force):.6g} N"
+
+
+def _stroke_limits(capture: "Capture") -> str:
+    buffer = capture.design.buffer
+    whole = f" of {1e3 * float(buffer.longest_stroke):.6g} mm"
+    return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
+
+
+def _margin(capture: "Capture") -> str:
+    """The capture margin with what it is a distance of."""
+    margin = float(capture.capture_margin)
+    if capture.outcome == Outcome.bottomed:
+        return f"{1e3 * margin:.4g} mm: about so much stroke is missing"
+    if margin == float(capture.stroke_margin):
+        return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
+    return (
+        f"{1e3 * margin:.6g} mm beyond the capture plane at the duration,"
+        f" coasting on from {1e3 * float(capture.throat_distance):.4g} mm before it at the end time"
+    )
+
+
+def _predicted(capture: "Capture") -> str:
+    peak = float(capture.first_impact.predicted_peak)
+    return f"{peak:.4g} N" if np.isfinite(peak) else f"unknown for the law {capture.design.contact.law}"
+
+
+def first_impact_line(capture: "Capture") -> str:
+    """The simulated first peak beside its closed form."""
+    first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
+    return (
+        f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
+        f"{float(first.elastic_peak):.6g} N without loss (T_c {float(first.effective_energy):.5g} J)"
+    )
+
+
+def first_impact_record(capture: "Capture") -> dict[str, float]:
+    """The closed form of the first impact, units in the names."""
+    first = capture.first_impact
+    return {
+        "effective_mass [kg]": float(first.effective_mass),
+        "effective_energy [J]": float(first.effective_energy),
+        "elastic_peak [N]": float(first.elastic_peak),
+        "predicted_peak [N]": float(first.predicted_peak),
+    }

@@ -1,0 +1,110 @@
+"""A quantity of a run: what it is called, its unit, how it is read off, what it may be used for."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from jaxtyping import Array, Float
+
+from ..errors import InputError, check_names, suggest
+
+if TYPE_CHECKING:
+    from .run import Run
+
+
+class Quantity(NamedTuple):
+    """A scalar of a run, differentiable: events move with the parameters, maxima are taken at their located times.
+
+    ``unit``; ``of``: its value from the `Run`; ``description``: what it is, in a line of help; ``title``: its name in
+    figures; ``signed``: whether it can change sign, when a relative change of it means little and derivatives are shown
+    instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
+    or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself).
+    """
+
+    unit: str
+    of: Callable[[Any], Float[Array, ""]]
+    description: str
+    title: str = ""
+    signed: bool = False
+    swept: bool = False
+    tuned: bool = False
+    shown: tuple[str, float] | None = None
+
+
+Catalogue = Mapping[str, Quantity]
+
+# what every mechanism with impacts has
+PEAK_FORCE = Quantity(
+    "N", lambda run: run.peak_force, "largest contact force", "peak contact force", swept=True, tuned=True
+)
+PEAK_TIME = Quantity(
+    "s", lambda run: run.peak_time, "when the contact force is largest", "time of the peak", swept=True
+)
+PENETRATION = Quantity(
+    "m",
+    lambda run: run.penetration,
+    "depth that the deepest penetration does not exceed",
+    "penetration",
+    swept=True,
+    shown=("µm", 1e6),
+)
+END_TIME = Quantity("s", lambda run: run.end_time, "end of the run", "end time", swept=True, tuned=True)
+CONTACT_TIME = Quantity("s", lambda run: run.contact_time, "time in contact", "contact time", swept=True)
+DISSIPATED = Quantity("J", lambda run: run.energy.dissipated, "energy lost altogether", "energy lost")
+
+IMPACT_UNITS = {"peak_force": "N", "approach_speed": "m/s", "time": "s", "release_time": "s"}
+"""What can be asked of each impact, as in "impact.3.peak_force"; impacts count from 1."""
+
+
+class OfImpact(NamedTuple):
+    """One number of one impact: ``slot`` in the run's `Impacts` (from 0) and the field's name."""
+
+    slot: int
+    field: str
+
+    def of(self, run: "Run") -> Float[Array, ""]:
+        """Its value; in a slot beyond the last impact it means nothing."""
+        return getattr(run.impacts, self.field)[self.slot]
+
+
+def of_impact(name: str) -> OfImpact | None:
+    """The impact and field that "impact.3.peak_force" asks for; None for names of the whole run.
+
+    **Raises:** `InputError` for an impact's quantity that does not exist.
+    """
+    if not name.startswith("impact."):
+        return None
+    number, _, field = name.removeprefix("impact.").partition(".")
+    if not (number.isdecimal() and number.isascii() and int(number) >= 1):
+        raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in impact.1.peak_force")
+    if field not in IMPACT_UNITS:
+        raise InputError(f"{name} is unknown; an impact has {', '.join(IMPACT_UNITS)}{suggest(field, IMPACT_UNITS)}")
+    return OfImpact(int(number) - 1, field)
+
+
+def unit_of(catalogue: Catalogue, name: str) -> str:
+    """The unit of a quantity."""
+    asked = of_impact(name)
+    return IMPACT_UNITS[asked.field] if asked else catalogue[name].unit
+
+
+def is_signed(catalogue: Catalogue, name: str) -> bool:
+    """Whether a quantity can change sign."""
+    return name in catalogue and catalogue[name].signed
+
+
+def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
+    """The names, once it is sure that all exist. **Raises:** `InputError` with the nearest name otherwise."""
+    names = check_names("quantities", names, "peak_force")
+    for name in names:
+        if name not in catalogue and of_impact(name) is None:
+            raise InputError(f"quantity {name} is unknown{suggest(name, [*catalogue, 'impact.1.peak_force'])}")
+    return names
+
+
+def value_of(run: "Run", name: str) -> float:
+    """A quantity of a finished run; NaN if it failed or has no such impact."""
+    asked = of_impact(name)
+    if asked is None:
+        return float(run.mechanism.quantities[name].of(run))
+    present = asked.slot < int(run.impacts.count) and not run.outcome.failed
+    return float(asked.of(run)) if present else float("nan")

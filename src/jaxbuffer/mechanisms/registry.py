@@ -1,0 +1,54 @@
+"""Which mechanisms there are, found by a design's type or by name."""
+
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError, nearest, shown
+
+if TYPE_CHECKING:
+    from .mechanism import Mechanism
+
+_BY_DESIGN: "dict[type, Mechanism]" = {}
+
+
+def register(mechanism: "Mechanism") -> "Mechanism":
+    """Make a mechanism known: from then on `simulate` and all else serve its designs. Registering a name again
+    replaces the mechanism."""
+    for design, other in list(_BY_DESIGN.items()):
+        if other.name == mechanism.name:
+            del _BY_DESIGN[design]
+    _BY_DESIGN[mechanism.design] = mechanism
+    return mechanism
+
+
+def mechanism_of(design: Any) -> "Mechanism":
+    """The mechanism of a design. **Raises:** `InputError` for what is no design of any."""
+    for kind in type(design).__mro__:
+        if kind in _BY_DESIGN:
+            return _BY_DESIGN[kind]
+    known = ", ".join(f"{m.design.__name__} of {m.name}" for m in _BY_DESIGN.values())
+    hint = "write the design first, then the scenario"
+    raise InputError(f"design = {shown(design)} is not a design of a mechanism; {hint}; known are {known or 'none'}")
+
+
+def mechanism_of_scenario(scenario: Any) -> "Mechanism":
+    """The mechanism of a scenario. **Raises:** `InputError` for what is no scenario of any."""
+    for mechanism in _BY_DESIGN.values():
+        if isinstance(scenario, mechanism.scenario):
+            return mechanism
+    raise InputError(f"scenario = {shown(scenario)} is not a scenario of a mechanism")
+
+
+def registered(name: Any) -> "Mechanism":
+    """The mechanism of a name. **Raises:** `InputError` that lists those there are."""
+    for mechanism in _BY_DESIGN.values():
+        if mechanism.name == name:
+            return mechanism
+    names = sorted(mechanism.name for mechanism in _BY_DESIGN.values())
+    near = nearest(name, names)
+    hint = f"; did you mean {near}?" if near else ""
+    raise InputError(f"kind = {shown(name)} is unknown; choose one of {', '.join(names)}{hint}")
+
+
+def all_registered() -> "tuple[Mechanism, ...]":
+    """All that are registered by now."""
+    return tuple(_BY_DESIGN.values())

@@ -1,0 +1,34 @@
+"""A run of any mechanism in a dozen lines."""
+
+from typing import TYPE_CHECKING
+
+import jax
+import numpy as np
+
+if TYPE_CHECKING:
+    from .run import Run
+
+
+def plain_summary(run: "Run") -> str:
+    """Outcome, the quantities that sweeps have, energy and what numerical error did; units included."""
+    mechanism, outcome = run.mechanism, run.outcome
+    if outcome.failed:
+        return f"{mechanism.title}: {outcome.reason} (after {int(run.attempts)} steps; {mechanism.label(run.scenario)})"
+    lines = [
+        f"{mechanism.title}: {outcome.reason}",
+        f"  {'scenario':24} {mechanism.label(run.scenario)}",
+        f"  {'impacts':24} {int(run.impact_count)}",
+    ]
+    for name in mechanism.swept:
+        quantity = mechanism.quantities[name]
+        symbol, factor = quantity.shown or (quantity.unit, 1.0)
+        value = factor * float(np.asarray(quantity.of(run)))
+        lines.append(f"  {quantity.title or name:24} {value:.6g} {symbol}".rstrip(" -"))
+    energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
+    lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())
+    lines += [
+        f"  {'energy':24} {float(energy.total):.6g} J, of which dissipated {float(energy.dissipated):.6g} J ({lost})",
+        f"  {'numerical balance':24} energy {float(balance.energy):.1e}, constraint drift {float(balance.drift):.1e} m",
+        f"  {'steps':24} {int(run.accepted)} accepted of {int(run.attempts)}",
+    ]
+    return "\n".join([*lines, *(f"  {line}" for line in mechanism.warnings(run))])

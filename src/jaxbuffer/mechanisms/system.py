@@ -1,0 +1,182 @@
+"""What every mechanism with contacts shares as a hybrid system: touchdown, saltation, guards, conservation."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .._types import Scalar
+from ..hybrid import HybridSystem, Watched
+from ..multibody import Kinematics
+from .energy import Energy
+from .snapshot import Snapshot
+
+SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ (M36)
+ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
+
+State = Float[Array, " state"]
+Active = Float[Array, " contacts"]
+
+
+class ContactSystem(HybridSystem):
+    """A multibody mechanism with contacts.
+
+    The state begins with coordinates and velocities and ends with the memory: the approach speed δ̇⁻ [m/s] at the last
+    touchdown of each contact that has impacts; those contacts come first. A mechanism looks at a state once, by
+    `posture`; what is named ``…_at`` takes that.
+    """
+
+    # --- what a mechanism says of itself ------------------------------------------------------------------------------
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """What `observables` are; the first ones are the contact forces of the contacts that have impacts."""
+        raise NotImplementedError
+
+    @property
+    def contact_count(self) -> int:
+        """How many contacts there are."""
+        raise NotImplementedError
+
+    @property
+    def impact_contacts(self) -> int:
+        """How many contacts have impacts, the first ones."""
+        raise NotImplementedError
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
+        return True
+
+    def posture(self, state: State) -> Any:
+        """A state looked at once: has ``state`` and ``kin``, the bodies' `Kinematics`."""
+        raise NotImplementedError
+
+    def gaps_at(self, at: Any) -> tuple[Active, Active]:
+        """Distance of each contact [m], and how fast it closes [m/s]."""
+        raise NotImplementedError
+
+    def normal_force_at(self, at: Any, active: Active) -> Float[Array, " contacts"]:
+        """F_n [N] of the contacts that have impacts."""
+        raise NotImplementedError
+
+    def terminals_at(self, at: Any) -> Float[Array, " terminals"]:
+        """`terminals` of a posture."""
+        raise NotImplementedError
+
+    def observables_at(self, at: Any, rate: State, active: Active) -> Float[Array, " observables"]:
+        """`observables` of a posture."""
+        raise NotImplementedError
+
+    def snapshot_at(self, at: Any, active: Active) -> Snapshot:
+        """All that a history shows of a posture."""
+        raise NotImplementedError
+
+    def energy_at(self, at: Any, active: Active) -> Energy:
+        """The energies of a posture, stored and lost."""
+        raise NotImplementedError
+
+    @property
+    def energy_scale(self) -> Scalar:
+        """The energy [J] that changes of the total energy are compared with."""
+        raise NotImplementedError
+
+    @property
+    def balance_complete(self) -> bool:
+        """Whether `energy_at` holds the work of all forces."""
+        return True
+
+    def other_forces_at(self, at: Any, active: Active) -> Scalar:
+        """Sum of the sizes of stiff forces beside the contacts' [N], for the rounding in `invariant`."""
+        return 0.0
+
+    @property
+    def momentum_scale(self) -> Scalar | None:
+        """The momentum [kg m/s] that changes are compared with; None where the ground takes part."""
+        return None
+
+    def momentum(self, state: State) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
+        """Linear [kg m/s] and angular momentum about the origin [kg m²/s]."""
+        raise NotImplementedError
+
+    def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
+        """How far the joints are from holding [m, rad]."""
+        raise NotImplementedError
+
+    def penetration(self, force: Float[Array, ""]) -> Float[Array, ""]:
+        """The depth [m] at which the contact's spring alone exerts a force [N]."""
+        raise NotImplementedError
+
+    def first_posture(self) -> tuple[Any, Active]:
+        """`start`, looked at."""
+        state, active = self.start()
+        return self.posture(state), active
+
+    # --- what follows -------------------------------------------------------------------------------------------------
+
+    def memory(self, state: State) -> Float[Array, " contacts"]:
+        """δ̇⁻ of each contact that has impacts [m/s]."""
+        return state[len(state) - self.impact_contacts :]
+
+    def gaps(self, state: State) -> Active:
+        return self.gaps_at(self.posture(state))[0]
+
+    def touching(self, active: Active) -> Bool[Array, ""]:
+        return jnp.any(active[: self.impact_contacts] > 0.5)
+
+    def touchdown(self, state: State, acceleration: Float[Array, ""], contact: Int[Array, ""]) -> State:
+        """δ̇⁻ takes the approach speed at the crossing itself, a first-order step away from the located state."""
+        if self.remembers:
+            late, speed = self._until_contact(state, contact)
+            mine = jnp.arange(self.impact_contacts) == contact
+            memory = jnp.where(mine, jnp.maximum(speed + acceleration * late, SLOWEST_TOUCHDOWN), self.memory(state))
+            state = jnp.concatenate([state[: len(state) - self.impact_contacts], memory])
+        return state + self.saltation(state, contact) if self.jumps else state
+
+    def saltation(self, closed: State, contact: Int[Array, ""]) -> State:
+        """How sensitivities at fixed time jump where a force jumps: (f⁻ - f⁺) dt_c; its value is next to nothing."""
+        none, time = jnp.zeros(self.contact_count), jnp.zeros(())
+        alone = jnp.where(jnp.arange(self.contact_count) == contact, 1.0, none)
+        onset = self.derivative(time, closed, alone) - self.derivative(time, closed, none)
+        return -onset * self.time_to_contact(closed, contact)
+
+    def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:
+        """gap / δ̇ of one contact [s]."""
+        return self._until_contact(state, contact)[0]
+
+    def _until_contact(self, state: State, contact: Int[Array, ""]) -> tuple[Array, Array]:
+        """Of one contact: gap / δ̇ [s], and δ̇ [m/s]."""
+        gaps, closing = self.gaps_at(self.posture(state))
+        mine = jnp.arange(gaps.shape[0]) == contact
+        gap, speed = (jnp.sum(jnp.where(mine, x, 0.0)) for x in (gaps, closing))
+        return gap / jnp.where(speed == 0.0, 1.0, speed), speed
+
+    def terminals(self, state: State) -> Float[Array, " terminals"]:
+        return self.terminals_at(self.posture(state))
+
+    def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
+        return self.observables_at(self.posture(state), rate, active)
+
+    def watched(self, state: State, rate: State, active: Active) -> Watched:
+        at = self.posture(state)
+        gap, closing = self.gaps_at(at)
+        return Watched(
+            gap=gap,
+            gap_rate=-closing,
+            terminal=self.terminals_at(at),
+            value=self.observables_at(at, rate, active),
+            invariant=self.invariant_at(jax.lax.stop_gradient(at), active),
+        )
+
+    def invariant(self, state: State, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        return self.invariant_at(self.posture(state), active)
+
+    def invariant_at(self, at: Any, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        """Energy, losses included, over its scale, and how much of that may be rounding, mostly the positions'. Zeros
+        where forces do work that `energy_at` does not hold."""
+        if not self.balance_complete:
+            return jnp.zeros(()), jnp.zeros(())
+        scale = self.energy_scale
+        forces = jnp.sum(self.normal_force_at(at, active)) + self.other_forces_at(at, active)
+        return self.energy_at(at, active).total / scale, ROUNDED * (1.0 + forces / scale)

@@ -1,0 +1,298 @@
+"""Results as rows and records, each number with its unit in the name, as in ``"stroke [m]"``."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from ..fields import get, paths, unit, unit_at
+from ..mechanisms.quantity import unit_of
+from ..mechanisms.run import Run
+from ..sensitivities.summary import per
+from ..tuning.summary import SHOWN, tuned_warnings
+from ..version import version
+
+if TYPE_CHECKING:
+    from ..sensitivities.sensitivity import Sensitivity
+    from ..tuning.evaluation import Evaluation
+    from ..tuning.tuned import Tuned
+
+Table = tuple[list[str], list[Sequence[Any]]]
+
+CONTACT_UNITS = {
+    "gap": "m",
+    "approach_speed": "m/s",
+    "slip": "m/s",
+    "contact_force": "N",
+    "friction_force": "N",
+}
+COORDINATES = {
+    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
+    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
+}
+
+
+def run_record(run: Run) -> dict[str, Any]:
+    """Everything but the history. Impacts count from 1."""
+    mechanism, names = run.mechanism, run.mechanism.names
+    hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
+    peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
+    return {
+        "kind": mechanism.name,
+        "outcome": run.outcome.name,
+        **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
+        "outside_validity": mechanism.warnings(run),
+        f"peak_{names.contact}": names.contacts[int(run.peak_contact)],
+        "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
+        "impacts": [
+            {
+                "number": k + 1,
+                names.contact: names.contacts[int(hits.contact[k])],
+                "time [s]": _number(hits.time[k]),
+                "approach_speed [m/s]": _number(hits.approach_speed[k]),
+                "peak_force [N]": _number(hits.peak_force[k]),
+                "release_time [s]": _number(hits.release_time[k]),
+            }
+            for k in range(int(hits.count))
+        ],
+        "energy_at_end": {f"{name} [J]": _number(getattr(energy, name)) for name in energy.names},
+        "numerical_balance": {
+            "energy [-]": _number(balance.energy),
+            "linear_momentum [-]": _number(balance.linear_momentum),
+            "angular_momentum [-]": _number(balance.angular_momentum),
+            "constraint_drift [m]": _number(balance.drift),
+        },
+        **{name: _numbers(values) for name, values in mechanism.record(run).items()},
+        "steps_accepted": int(run.accepted),
+        "steps_attempted": int(run.attempts),
+        "design": _fields(run.design),
+        "scenario": _fields(run.scenario),
+        "jaxbuffer": version(),
+    }
+
+
+def run_history(run: Run) -> Table:
+    """The history, a row for each accepted step."""
+    seen: Any = jax.tree.map(np.asarray, run.history)
+    names = run.mechanism.names
+    columns: dict[str, Any] = {"time [s]": seen.time}
+    for name, symbol in CONTACT_UNITS.items():
+        value = getattr(seen, name)
+        columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
+    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items()}
+    for name, axes in COORDINATES.items():
+        for k, body in enumerate(names.bodies):
+            columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
+    for k, (name, symbol) in enumerate(names.multipliers.items()):
+        columns[f"multiplier {name} [{symbol}]"] = seen.multipliers[:, k]
+    columns |= {f"energy {name} [J]": getattr(seen.energy, name) for name in seen.energy.names}
+    return list(columns), np.column_stack([np.asarray(column) for column in columns.values()]).tolist()
+
+
+def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
+    """Quantities, for each parameter its gradients and elasticities, and the certificate."""
+    header, rows = sensitivity_rows(result)
+    run, catalogue = result.run, result.run.mechanism.quantities
+    units = [unit_of(catalogue, name) for name in result.quantities]
+    return {
+        "kind": run.mechanism.name,
+        "outcome": run.outcome.name,
+        **{f"{n} [{u}]": _number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
+        "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
+        "certificate": None if result.certificate is None else certificate_record(result),
+        "design": _fields(run.design),
+        "scenario": _fields(run.scenario),
+        "jaxbuffer": version(),
+    }
+
+
+def certificate_record(result: "Sensitivity") -> dict[str, Any]:
+    """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
+    certificate: Any = result.certificate
+    peaks, names = certificate.peaks, result.run.mechanism.names
+    evidence = {
+        name: {
+            quantity: dict(zip(result.paths, map(_number, getattr(certificate, field)[k]), strict=True))
+            for k, quantity in enumerate(result.quantities)
+        }
+        for name, field in (
+            ("estimated_error [-]", "error"),
+            ("change_with_tolerance [-]", "by_tolerance"),
+            ("distance_from_differences [-]", "by_differences"),
+            ("differences_own_uncertainty [-]", "uncertainty"),
+        )
+    }
+    return {
+        "verdict": certificate.verdict.name,
+        "reason": certificate.reason,
+        "verdicts": {n: v.name for n, v in zip(result.quantities, certificate.verdicts, strict=True)},
+        "thorough": certificate.thorough,
+        "tight_solves": certificate.solves,
+        **evidence,
+        "active_peak": None
+        if peaks is None
+        else {
+            "force [N]": peaks.force,
+            "time [s]": peaks.time,
+            names.contact: names.contacts[peaks.contact],
+            "impact": peaks.impact + 1,
+        },
+        "runner_up": None
+        if peaks is None or peaks.runner_up_impact < 0
+        else {
+            "force [N]": peaks.runner_up_force,
+            "impact": peaks.runner_up_impact + 1,
+            "margin [-]": peaks.margin,
+            "swapped_by": peaks.swap_path or None,
+            "swapped_by_change [-]": _number(peaks.swap_change),
+        },
+    }
+
+
+def sensitivity_rows(result: "Sensitivity") -> Table:
+    """A row for each pair of quantity and parameter."""
+    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
+    certificate = result.certificate
+    rows: list[Sequence[Any]] = []
+    for i, quantity in enumerate(result.quantities):
+        for k, path in enumerate(result.paths):
+            symbol = unit_at(result.run.design, result.run.scenario, path)
+            rows.append(
+                [
+                    quantity,
+                    path,
+                    _number(result.values[k]),
+                    symbol,
+                    _number(result.gradients[i, k]),
+                    per(unit_of(result.run.mechanism.quantities, quantity), symbol),
+                    _number(result.elasticities[i, k]),
+                    None if certificate is None else _number(certificate.error[i, k]),
+                    None if certificate is None else certificate.verdicts[i].name,
+                ]
+            )
+    return [*header, "estimated_error [-]", "verdict"], rows
+
+
+def tuning_history(tuned: "Tuned") -> Table:
+    """A row for each evaluated design; worst values over the scenarios."""
+    problem = tuned.problem
+    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
+    numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
+    catalogue = problem.mechanism.quantities
+    worst = {name: catalogue[name].unit for name in problem.quantities}
+    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
+    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for it in tuned.records:
+        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
+        rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
+    return header, rows
+
+
+def tuned_record(tuned: "Tuned") -> dict[str, Any]:
+    """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
+    floors = _floors(tuned)
+    return {
+        "message": tuned.message,
+        "converged": tuned.converged,
+        "feasible": tuned.feasible,
+        "broken": tuned.goal.broken(tuned.after),
+        "outside_validity": tuned_warnings(tuned),
+        "objective": str(problem.objective),
+        "objective_before [N]": _number(start),
+        "objective_after [N]": _number(end),
+        "first_order_residual [-]": _number(tuned.residual),
+        "gradient_error [-]": _number(tuned.gradient_error),
+        "above_floor [-]": _number(tuned.above_floor),
+        "lowest_first_impact_within_bounds [N]": None if tuned.floor is None else _number(tuned.floor.lowest),
+        "captures": tuned.captures,
+        "settings": dataclasses.asdict(tuned.settings),
+        "variables": [
+            {"path": v.path, "low": v.low, "high": v.high, "scale": v.scale, "value": get(tuned.design, v.path)}
+            for v in problem.variables
+        ],
+        "limits": {name: limit for name, limit in problem.limits.at_most.items()},
+        "scenarios": [
+            {
+                **_fields(case.scenario),
+                "factors": dict(case.factors),
+                **floor,
+                "before": before,
+                "after": after,
+            }
+            for (case, before, after), floor in zip(scenarios, floors, strict=True)
+        ],
+        "design": _fields(tuned.design),
+        "jaxbuffer": version(),
+    }
+
+
+def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
+    """What is known of each case's first impact."""
+    floor = tuned.floor
+    if floor is None:
+        return [{} for _ in tuned.problem.cases]
+    names = ("floor [N]", "closed_form_first_peak [N]", "T_c [J]")
+    rows = zip(floor.simulated, floor.closed_form, floor.energy, strict=True)
+    return [dict(zip(names, map(_number, row), strict=True)) for row in rows]
+
+
+def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
+    problem = tuned.problem
+    units = {name: problem.mechanism.quantities[name].unit for name in problem.quantities}
+    return [
+        {
+            "outcome": problem.mechanism.outcomes(int(code)).name,
+            "impacts": int(impacts),
+            "first_peak [N]": _number(first),
+            **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
+        }
+        for code, impacts, first, row in zip(point.code, point.impacts, point.first, point.quantities, strict=True)
+    ]
+
+
+def tuned_comment(tuned: "Tuned") -> str:
+    """What the tuned design's file says of its origin."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    limits = [
+        f"{name} ≤ {limit:g} {problem.mechanism.quantities[name].unit}"
+        for name, limit in problem.limits.at_most.items()
+    ]
+    lines = [
+        f"Tuned by jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s: {tuned.message}.",
+        f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
+        f"{problem.objective}, before and after: {start:.6g} N, {end:.6g} N.",
+    ]
+    for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
+        peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"
+        lines.append(f"  peak at {problem.mechanism.label(scenario, problem.scenarios_met)}: {peaks}")
+    return "\n".join(lines)
+
+
+def _fields(module: eqx.Module) -> dict[str, Any]:
+    record: dict[str, Any] = {}
+    for path in paths(module):
+        value: Any = module
+        for name in path.split("."):
+            value = getattr(value, name)
+        symbol = unit(module, path)
+        record[f"{path} [{symbol}]" if symbol else path] = _number(value) if symbol else value
+    return record
+
+
+def _number(value: Any) -> float | None:
+    if value is None:
+        return None
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def _numbers(values: Any) -> Any:
+    return {name: _number(value) for name, value in values.items()}

@@ -1,0 +1,182 @@
+"""Figures of sweeps: lines over one field, heat maps over two, slices of heat maps over more."""
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..sweeps.grid import Axis
+from ..sweeps.swept import Swept
+from .style import BLUE, COLUMNS, GREEN, GREY, ORANGE, PURPLE, RED, SKY, label, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
+ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
+FAILED, UNDONE = "failed", "not computed"
+SLICES = 9
+
+
+@styled
+def sweep_figure(swept: Swept) -> "Figure":
+    """Over one field lines, over two heat maps of four quantities, over more the peak contact force in slices."""
+    moving = [k for k, axis in enumerate(swept.grid.axes) if len(axis) > 1]
+    if len(moving) < 2:
+        return _lines(swept, moving[0] if moving else 0)
+    if len(moving) == 2:
+        return _maps(swept, moving[0], moving[1])
+    return _slices(swept, moving)
+
+
+def _lines(swept: Swept, along: int) -> "Figure":
+    figure, grid = panels(9.0, 6.5, 2, 2)
+    axis = swept.grid.axes[along]
+    order = np.argsort(axis.values)
+    x, outcomes = axis.values[order], _outcomes(swept).ravel()[order]
+    marks = _marks(swept)
+    for axes, name in zip(grid.flat, swept.found.mechanism.defaults.mapped, strict=True):
+        title, y, factor = _drawn(swept, name)
+        values = factor * swept.shaped(name).ravel()[order]
+        axes.plot(x, values, color=BLUE, marker=".")
+        for outcome, (marker, colour, _) in marks.items():
+            here = outcomes == outcome
+            # one that failed has no value: its mark stands on the horizontal axis
+            places = np.where(np.isfinite(values), values, 0.0)[here]
+            if here.any():
+                axes.plot(x[here], places, marker, color=colour, markersize=7, label=outcome)
+        axes.set_ylim(bottom=0.0)
+        axes.set_xscale(axis.scale)
+        label(axes, title, _name(axis), y, legend=bool(axes.get_legend_handles_labels()[0]))
+    figure.suptitle(_title(swept))
+    return figure
+
+
+def _maps(swept: Swept, across: int, up: int) -> "Figure":
+    figure, grid = panels(11.0, 8.0, 2, 2)
+    for axes, name in zip(grid.flat, swept.found.mechanism.defaults.mapped, strict=True):
+        title, unit, factor = _drawn(swept, name)
+        values = factor * swept.shaped(name)
+        image = _map(axes, swept, (across, up), values, (slice(None),) * values.ndim)
+        label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
+        figure.colorbar(image, ax=axes, label=unit)
+    _legend(figure, swept)
+    figure.suptitle(_title(swept))
+    return figure
+
+
+def _slices(swept: Swept, moving: list[int]) -> "Figure":
+    """The two longest fields span the maps; the values of the others are spread over the panels."""
+    across, up = sorted(sorted(moving, key=lambda k: -len(swept.grid.axes[k]))[:2])
+    others = [k for k in moving if k not in (across, up)]
+    every = list(itertools.product(*(range(len(swept.grid.axes[k])) for k in others)))
+    places = np.unique(np.linspace(0, len(every) - 1, min(SLICES, len(every))).round().astype(int))
+    rows = math.ceil(len(places) / COLUMNS)
+    figure, grid = panels(11.0, 3.4 * rows + 0.8, rows, COLUMNS)
+    values = swept.shaped("peak_force")
+    finite = values[np.isfinite(values)]
+    limits = {"vmin": finite.min(), "vmax": finite.max()} if finite.size else {}
+    shown = list(grid.flat)
+    for axes, place in zip(shown, places.tolist(), strict=False):
+        cut: list[Any] = [slice(None)] * values.ndim
+        for k, index in zip(others, every[place], strict=True):
+            cut[k] = slice(index, index + 1)
+        image = _map(axes, swept, (across, up), values, tuple(cut), **limits)
+        fixed = ((swept.grid.axes[k], index) for k, index in zip(others, every[place], strict=True))
+        title = ", ".join(f"{axis.name} {axis.values[index]:.4g} {axis.unit}" for axis, index in fixed)
+        label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
+    for axes in shown[len(places) :]:
+        axes.remove()
+    figure.colorbar(image, ax=shown[: len(places)], label=_drawn(swept, "peak_force")[1])
+    _legend(figure, swept)
+    some = f"; {len(places)} of {len(every)} slices" if len(places) < len(every) else ""
+    figure.suptitle(f"{_drawn(swept, 'peak_force')[0]}. {_title(swept)}{some}")
+    return figure
+
+
+def _map(
+    axes: "Axes", swept: Swept, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
+) -> Any:
+    """A heat map of a cut through the grid, every run that did not succeed marked."""
+    first, second = (swept.grid.axes[k] for k in plane)
+    right, upwards = np.argsort(first.values), np.argsort(second.values)
+
+    def flat(array: np.ndarray) -> np.ndarray:
+        face = array[cut].reshape([len(swept.grid.axes[k]) for k in sorted(plane)])
+        return face[np.ix_(right, upwards)].T
+
+    x, y = first.values[right], second.values[upwards]
+    cells = np.ma.masked_invalid(flat(values))
+    image = axes.pcolormesh(_edges(x, first), _edges(y, second), cells, cmap="viridis", **limits)
+    outcomes = flat(_outcomes(swept))
+    size = min(40.0, 6e3 / outcomes.size)
+    for outcome, (marker, _, colour) in _marks(swept).items():
+        rows, columns = np.nonzero(outcomes == outcome)
+        if rows.size:
+            axes.scatter(x[columns], y[rows], s=size, marker=marker, color=colour, edgecolors="black", linewidths=0.4)
+    axes.grid(False)
+    axes.set_xscale(first.scale)
+    axes.set_yscale(second.scale)
+    return image
+
+
+def _edges(values: np.ndarray, axis: Axis) -> np.ndarray:
+    """Borders of the cells around sorted values, halfway between them on the axis' scale."""
+    places = np.log(values) if axis.scale == "log" else values
+    middles = 0.5 * (places[1:] + places[:-1])
+    borders = np.concatenate([[2.0 * places[0] - middles[0]], middles, [2.0 * places[-1] - middles[-1]]])
+    return np.exp(borders) if axis.scale == "log" else borders
+
+
+def _legend(figure: "Figure", swept: Swept) -> None:
+    from matplotlib.lines import Line2D
+
+    present = set(_outcomes(swept).ravel())
+    handles = [
+        Line2D([], [], linestyle="", marker=marker, color=colour, markeredgecolor="black", label=outcome)
+        for outcome, (marker, _, colour) in _marks(swept).items()
+        if outcome in present
+    ]
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+
+
+def _drawn(swept: Swept, name: str) -> tuple[str, str, float]:
+    """A quantity's title, its axis with the unit, and how many of those a unit of it is."""
+    quantity = swept.found.mechanism.quantities[name]
+    unit, factor = quantity.shown or (quantity.unit, 1.0)
+    return quantity.title[:1].upper() + quantity.title[1:], f"{quantity.title} [{unit}]", factor
+
+
+def _marks(swept: Swept) -> dict[str, tuple[str, str, str]]:
+    """Marker, colour in lines and colour in maps of each outcome that is not what should be."""
+    mechanism = swept.found.mechanism
+    ended = [
+        o.name for o in mechanism.outcomes if not o.failed and o.name != (mechanism.success or mechanism.time_is_up)
+    ]
+    marks = {name: (m, colour, "white") for name, m, colour in zip(ended, MARKERS, ENDED, strict=False)}
+    return marks | {FAILED: ("s", RED, RED), UNDONE: (".", GREY, GREY)}
+
+
+def _outcomes(swept: Swept) -> np.ndarray:
+    """Words in the grid's shape: an outcome's name, "failed" for all that failed, or "not computed"."""
+    names = [FAILED if outcome.failed else outcome.name for outcome in swept.found.outcomes]
+    words = [name if done else UNDONE for name, done in zip(names, swept.done, strict=True)]
+    return np.array(words).reshape(swept.grid.shape)
+
+
+def _name(axis: Axis) -> str:
+    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
+    return f"{words} [{axis.unit}]"
+
+
+def _title(swept: Swept) -> str:
+    mechanism = swept.found.mechanism
+    fixed = [f"{axis.name} {axis.values[0]:.4g} {axis.unit}" for axis in swept.grid.axes if len(axis) == 1]
+    parts = [f"Sweep of {len(swept.grid)} {mechanism.run_name}s"]
+    if mechanism.success is not None:
+        code = mechanism.outcomes[mechanism.success]
+        parts.append(f"{int(np.sum(swept.done & (swept.found.code == code)))} {mechanism.success}")
+    return ", ".join([*parts, *fixed])

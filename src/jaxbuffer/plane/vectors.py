@@ -1,0 +1,71 @@
+"""Vectors and frames of the plane, of scalars: cheaper in compiled loops than small arrays."""
+
+from typing import NamedTuple
+
+from .._types import Scalar
+
+
+class Vector(NamedTuple):
+    """A plane vector of two scalars, which in compiled loops is cheaper than a small array.
+
+    - ``x``, ``y``: components.
+    """
+
+    x: Scalar
+    y: Scalar
+
+    def __add__(self, other: "Vector") -> "Vector":  # type: ignore[override]
+        return Vector(self.x + other.x, self.y + other.y)
+
+    def __sub__(self, other: "Vector") -> "Vector":
+        return Vector(self.x - other.x, self.y - other.y)
+
+    def __neg__(self) -> "Vector":
+        return Vector(-self.x, -self.y)
+
+    def __mul__(self, factor: Scalar) -> "Vector":  # type: ignore[override]
+        return Vector(self.x * factor, self.y * factor)
+
+    def dot(self, other: "Vector") -> Scalar:
+        """The scalar product with ``other``."""
+        return self.x * other.x + self.y * other.y
+
+    def cross(self, other: "Vector") -> Scalar:
+        """The out-of-plane component of the vector product with ``other`` (M2)."""
+        return self.x * other.y - self.y * other.x
+
+    def perp(self) -> "Vector":
+        """This vector turned by +90° (M2)."""
+        return Vector(-self.y, self.x)
+
+
+class Frame(NamedTuple):
+    """Pose and motion of one body (M1, M3).
+
+    - ``origin``: its centre of mass, in inertial axes [m].
+    - ``angle``: [rad], with its ``cos`` and ``sin`` [-].
+    - ``velocity``: of the centre of mass, in inertial axes [m/s].
+    - ``spin``: rate of the angle [rad/s].
+    """
+
+    origin: Vector
+    angle: Scalar
+    cos: Scalar
+    sin: Scalar
+    velocity: Vector
+    spin: Scalar
+
+    def turn(self, local: Vector) -> Vector:
+        """A direction or arm in inertial axes, A(θ) s (M1). ``local``: the same in the body's axes, s."""
+        return Vector(self.cos * local.x - self.sin * local.y, self.sin * local.x + self.cos * local.y)
+
+    def unturn(self, inertial: Vector) -> Vector:
+        """A direction or arm in the body's axes, A(θ)ᵀ a (M1). ``inertial``: the same in inertial axes, a."""
+        return Vector(
+            self.cos * inertial.x + self.sin * inertial.y,
+            self.cos * inertial.y - self.sin * inertial.x,
+        )
+
+    def velocity_at(self, arm: Vector) -> Vector:
+        """Velocity of the body's material point at ``arm`` (inertial axes, from the centre of mass) [m/s] (M3)."""
+        return self.velocity + arm.perp() * self.spin

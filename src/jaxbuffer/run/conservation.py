@@ -1,0 +1,42 @@
+"""The energies at the end of a run, and what numerical error did to what the motion conserves."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..hybrid import Log
+from ..mechanisms.energy import Balance, Energy
+from ..mechanisms.system import ContactSystem
+
+
+def balance(
+    system: ContactSystem, start: tuple[Any, Array], log: Log, drift: Float[Array, " slots"]
+) -> tuple[Energy, Balance]:
+    """The energies at the end of a run, and conservation from its start (posture, closed contacts) to its last state.
+
+    **Arguments:** ``drift``: the constraints' error at each entry of the log [m, rad].
+    """
+    last = jnp.maximum(log.count - 1, 0)
+    states, closed = jnp.stack([start[0].state, log.rows[last, 0]]), jnp.stack([start[1], log.active[last]])
+    energies = jax.vmap(lambda state, active: system.energy_at(system.posture(state), active))(states, closed)
+    held = jax.lax.stop_gradient
+    total = held(energies.total)
+    used = jnp.arange(log.kind.shape[0]) < log.count
+    linear, angular = _momentum_change(held(system), held(states))
+    return jax.tree.map(lambda both: both[1], energies), Balance(
+        energy=(total[1] - total[0]) / jnp.maximum(jnp.abs(total[0]), held(jnp.asarray(system.energy_scale))),
+        linear_momentum=linear,
+        angular_momentum=angular,
+        drift=jnp.max(jnp.where(used, held(drift), 0.0)),
+    )
+
+
+def _momentum_change(system: ContactSystem, states: Float[Array, "2 state"]) -> tuple[Array, Array]:
+    """From first to last, over the system's momentum; NaN where the ground takes part."""
+    scale = system.momentum_scale
+    if scale is None:
+        return jnp.full((), jnp.nan), jnp.full((), jnp.nan)
+    linear, angular = jax.vmap(system.momentum)(states)
+    return jnp.max(jnp.abs(linear[1] - linear[0])) / scale, jnp.abs(angular[1] - angular[0]) / scale

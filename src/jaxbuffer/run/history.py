@@ -1,0 +1,41 @@
+"""The history of a run from the steps that were kept."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array
+
+from ..hybrid import Steps
+from ..mechanisms.history import History
+from ..mechanisms.system import ContactSystem
+
+
+def history(system: ContactSystem, steps: Steps) -> History:
+    """Evaluate the mechanism at kept steps."""
+
+    def at(time: Array, active: Array, state: Array) -> History:
+        posture = system.posture(state)
+        seen, kin = system.snapshot_at(posture, active), posture.kin
+        return History(
+            time=time,
+            position=kin.q.reshape(-1, 3),
+            velocity=kin.v.reshape(-1, 3),
+            multipliers=seen.multipliers,
+            gap=seen.gap,
+            approach_speed=seen.approach_speed,
+            slip=seen.slip,
+            contact_force=seen.normal,
+            friction_force=seen.friction,
+            others={name: jnp.asarray(value) for name, value in seen.others.items()},
+            energy=system.energy_at(posture, active),
+        )
+
+    slots = steps.time.shape[0] - 1
+    last = jnp.clip(steps.count - 1, 0, slots - 1)
+    index = jnp.minimum(jnp.arange(slots), last)
+    return jax.vmap(at)(steps.time[index], steps.active[index], steps.rows[index, 0])
+
+
+def trimmed(full: History, count: int) -> History:
+    """The first ``count`` steps; those without derivatives as NumPy arrays: cutting them compiles nothing."""
+    return jax.tree.map(lambda x: (x if isinstance(x, jax.core.Tracer) else np.asarray(x))[:count], full)

@@ -1,0 +1,52 @@
+"""Largest values over a run, each at its located time."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from ..hybrid import Kind, Log
+from ..mechanisms.run import Maxima
+from ..mechanisms.system import ContactSystem
+from .moving import shifted
+from .survey import state_at, state_of_maximum
+
+
+def maxima(system: ContactSystem, log: Log) -> Maxima:
+    """The largest values over all located events and the end.
+
+    By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.
+    """
+    contacts = system.impact_contacts
+
+    def observe(slot: Array) -> tuple[Array, Array]:
+        state, active = state_of_maximum(system, log, slot), log.active[slot]
+        # After a touchdown with a jump the rate is another than before it.
+        rate = system.derivative(log.time[slot], state, active) if system.jumps else log.rates[slot, 0]
+        return system.observables(state, rate, active), rate
+
+    # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
+    # largest at the end.
+    used = jnp.arange(log.kind.shape[0]) < log.count
+    force = jnp.max(log.values[:, :contacts], axis=1, keepdims=True)
+    candidates = jnp.concatenate([force, log.values[:, contacts:]], axis=1)
+    slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
+    contact = jnp.argmax(log.values[slots[0], :contacts])
+    columns = jnp.concatenate([contact[None], jnp.arange(contacts, len(system.observed))])
+    seen, rates = jax.vmap(observe)(slots)
+    peak, *values = seen[jnp.arange(len(slots)), columns]
+    others = dict(zip(system.observed[contacts:], values, strict=True))
+    return Maxima(peak, _peak_time(system, log, slots[0], contact, rates[0]), contact, others)
+
+
+def _peak_time(
+    system: ContactSystem, log: Log, slot: Int[Array, ""], contact: Int[Array, ""], rate: Float[Array, " state"]
+) -> Float[Array, ""]:
+    """When a contact force is largest, with the derivative -(∂slope/∂p)/(dslope/dt)."""
+    state, active = state_at(log, slot), log.active[slot]
+    slope = jax.jvp(lambda y: system.normal_force_at(system.posture(y), active), (state,), (rate,))[1]
+    its_own = (log.kind[slot] == Kind.PEAK) & (log.which[slot] == contact)
+    if system.jumps:
+        touchdown = (log.kind[slot] == Kind.TOUCHDOWN) & (log.which[slot] == contact) & (log.time[slot] > 0.0)
+        slope = jnp.where(touchdown, system.gaps(state)[: system.impact_contacts], slope)
+        its_own = its_own | touchdown
+    return shifted(log.time[slot], -slope[contact], jnp.where(its_own, log.guard_rate[slot], jnp.inf))

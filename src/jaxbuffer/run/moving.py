@@ -1,0 +1,54 @@
+"""A run's log with derivatives as its events move with the parameters (docs/model.md, events)."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..hybrid import Kind, Log
+from ..mechanisms.system import ContactSystem
+from .survey import Survey, state_at
+
+
+def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Log:
+    """The same log, whose end by a guard moves with the parameters: to the time at which the guard crosses zero, and
+    the last state with it. Values stay as they are."""
+    last = jnp.maximum(log.count - 1, 0)
+    end = state_at(log, last)
+    terminals = system.terminals(end)
+    terminal = terminals[jnp.clip(log.which[last], 0, len(terminals) - 1)]
+    time = shifted(log.time[last], jnp.where(by_guard, terminal, 0.0), log.guard_rate[last])
+    rows = log.rows.at[last, 0].set(_carried(end, jax.lax.stop_gradient(log.rates[last, 0]), time))
+    return dataclasses.replace(log, time=log.time.at[last].set(time), rows=rows)
+
+
+def moving_events(log: Log, seen: Survey) -> Log:
+    """The same log, whose touchdowns and releases move with the parameters: to the time at which the gap is zero."""
+    gap = jnp.take_along_axis(seen.gap, (log.which % seen.gap.shape[1])[:, None], axis=1)[:, 0]
+    touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
+    guard = jnp.where(touch, -gap, jnp.where(log.kind == Kind.RELEASE, gap, 0.0))
+    return dataclasses.replace(log, time=jax.vmap(shifted)(log.time, guard, log.guard_rate))
+
+
+@jax.custom_jvp
+def shifted(time: Array, guard: Array, rate: Array) -> Float[Array, ""]:
+    """An event's time [s]: the located one, with the derivative -(∂g/∂p)/ġ of where the guard g crosses zero."""
+    return time
+
+
+@shifted.defjvp
+def _shifted_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    (time, _, rate), (time_moves, guard_moves, _) = primals, tangents
+    return time, time_moves - guard_moves / rate
+
+
+@jax.custom_jvp
+def _carried(state: Array, rate: Array, time: Array) -> Float[Array, " state"]:
+    """A state whose time moves: the same one, with the derivative at the moving time."""
+    return state
+
+
+@_carried.defjvp
+def _carried_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
+    return primals[0], tangents[0] + primals[1] * tangents[2]

@@ -1,0 +1,78 @@
+"""The gradient program: a run with first derivatives of all its quantities, shared by `sensitivity` and `tune`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from ..compiling.programs import Static, stored
+from ..fields import Part, with_values
+from ..hybrid import Solver
+from ..mechanisms.quantity import IMPACT_UNITS, of_impact
+from ..mechanisms.registry import mechanism_of
+from ..mechanisms.run import Run
+from ..run.simulate import DEFAULT_TOLERANCE, simulate
+
+
+class Gradients(eqx.Module):
+    """A run with first derivatives by the numbers at some addresses.
+
+    ``run``; ``results`` and ``gradients`` (quantities, addresses) of all quantities in the mechanism's catalogue, in
+    its order, in units of quantity over parameter; ``by_impact`` (slots, addresses): those of each number of every
+    impact, by the names in `Impacts`.
+    """
+
+    run: Run
+    results: Float[Array, " quantities"]
+    gradients: Float[Array, "quantities addresses"]
+    by_impact: dict[str, Float[Array, "slots addresses"]]
+
+    def of(self, name: str) -> np.ndarray:
+        """The gradient of one quantity (addresses,); NaN for an impact that the run does not have."""
+        asked = of_impact(name)
+        if asked is None:
+            return np.asarray(self.gradients[list(self.run.mechanism.quantities).index(name)])
+        present = asked.slot < int(self.run.impacts.count)
+        return np.asarray(self.by_impact[asked.field][asked.slot]) * (1.0 if present else np.nan)
+
+
+def gradients(
+    design: Part,
+    scenario: Part,
+    addresses: Sequence[str],
+    values: Sequence[float] | np.ndarray,
+    duration: Scalar,
+    *,
+    rtol: Scalar = DEFAULT_TOLERANCE,
+    solver: Solver | None = None,
+) -> Gradients:
+    """A run of the design and scenario with ``addresses`` set to ``values``, and its derivatives by those.
+
+    One compiled program serves all designs, scenarios, durations, tolerances and quantities of a mechanism.
+    """
+    inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
+    return _gradients(inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
+
+
+@stored
+def _gradients(
+    inputs: tuple[Any, Any, Array, Array], values: Float[Array, " addresses"], asked: Static, solver: Solver | None
+) -> Gradients:
+    design, scenario, duration, rtol = inputs
+    catalogue = mechanism_of(design).quantities
+
+    def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
+        moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
+        run = simulate(*moved, duration, rtol=rtol, solver=solver)
+        results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
+        return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
+
+    separate = [values[k] for k in range(len(asked.value))]
+    (slopes, by_impact), (run, results) = jax.jacfwd(outputs, has_aux=True)(separate)
+    by_impact = {name: jnp.stack(columns, axis=1) for name, columns in by_impact.items()}
+    return Gradients(run, results, jnp.stack(slopes, axis=1), by_impact)

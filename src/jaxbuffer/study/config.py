@@ -1,0 +1,277 @@
+"""Studies as TOML: read into a `Config`, override fields by dotted path, write a design back."""
+
+import dataclasses
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import equinox as eqx
+import tomli_w
+
+from ..errors import InputError, as_number, check_number, check_whole, shown, suggest
+from ..fields import (
+    POSITIVE,
+    SCENARIO,
+    Part,
+    by_path,
+    check_address,
+    choice,
+    metadata,
+    number,
+    paths,
+    replace,
+    unit,
+)
+from ..files import write
+from ..hybrid import SOLVER_NAMES, Solver, solver_named
+from ..mechanisms import mechanism_named
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.registry import mechanism_of
+from ..run.simulate import DEFAULT_TOLERANCE, check_pair
+from ..sweeps.grid import SPAN, grid
+from ..tuning.settings import Settings
+
+if TYPE_CHECKING:
+    from ..tuning.problem import Problem
+
+T = TypeVar("T", bound=eqx.Module)
+
+DEFAULT_KIND = "probe_cone"
+KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep")  # beside the design's own
+
+
+class Options(Part):
+    """How to simulate: ``duration`` [s] (default: the mechanism's), ``rtol`` [-], ``solver``: a name in `SOLVERS`."""
+
+    section = "options"
+    duration: float | None = number(None, "s", **POSITIVE)
+    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2)
+    solver: str = choice("automatic", *SOLVER_NAMES)
+
+    def stepper(self) -> Solver:
+        """The solver that ``solver`` names."""
+        return solver_named(self.solver)
+
+
+@dataclasses.dataclass(frozen=True)
+class Config:
+    """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings.
+
+    ``table``: the ``[problem]`` section as read, checked when the `problem` is made.
+    """
+
+    design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
+    scenario: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).scenario())
+    scenarios: tuple[Part, ...] = ()
+    options: Options = dataclasses.field(default_factory=Options)
+    tuning: Settings = dataclasses.field(default_factory=Settings)
+    table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
+
+    def __post_init__(self) -> None:
+        mechanism = self.mechanism
+        check_pair(mechanism, self.design, self.scenario)
+        if self.options.duration is None:
+            filled = dataclasses.replace(self.options, duration=mechanism.defaults.duration)
+            object.__setattr__(self, "options", filled)
+        for i, scenario in enumerate(self.scenarios, 1):
+            try:
+                check_pair(mechanism, self.design, scenario)
+            except InputError as error:
+                raise InputError(f"[[scenarios]] number {i} ({mechanism.label(scenario)}): {error}") from None
+        if not self.scenarios:
+            object.__setattr__(self, "scenarios", (self.scenario,))
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Whose design it is."""
+        return mechanism_of(self.design)
+
+    def problem(self) -> "Problem":
+        """The design problem; its start must lie within the bounds."""
+        from .problem_toml import read_problem
+
+        options = self.options
+        if options.solver != Options.solver:
+            raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
+        listed = self.scenarios
+        return read_problem(self.table, self.design, self.scenario, listed, options.duration, options.rtol)
+
+
+def load(path: str | Path | None) -> Config:
+    """Read a study; without a file, Table 2's. Raises `InputError` with one line that starts with the file's name."""
+    if path is None:
+        return Config()
+    try:
+        content = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    return loads(content, path)
+
+
+def loads(content: bytes, name: str | Path) -> Config:
+    """Read a study from a file's content; ``name`` starts an error's line."""
+    try:
+        data = tomllib.loads(content.decode("utf-8-sig"))
+    except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
+        raise InputError(f"{name} is not valid TOML: {error}") from None
+    try:
+        return _config(data)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
+    """A copy with fields replaced, as typed on a command line: ``{"buffer.k_A": "800"}``.
+
+    A scenario's field holds for every scenario of the study; scenarios that thereby become equal count once.
+    """
+    for path in values:
+        check_address(config.design, config.scenario, path)
+    fields = {path: _literal(text) for path, text in values.items()}
+    meeting = {path.removeprefix(SCENARIO): v for path, v in fields.items() if path.startswith(SCENARIO)}
+    design = {path: value for path, value in fields.items() if not path.startswith(SCENARIO)}
+    scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
+    return dataclasses.replace(
+        config,
+        design=_replaced(config.design, design),
+        scenario=_replaced(config.scenario, meeting, "scenario."),
+        scenarios=tuple(dict.fromkeys(scenarios)),
+    )
+
+
+def apply_options(settings: T, typed: Mapping[str, str]) -> T:
+    """`Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol 1e-8."""
+    values = {name: _literal(text) for name, text in typed.items()}
+    for name, value in values.items():
+        if (least := metadata(settings, name).get("least")) is not None:
+            values[name] = int(value) if isinstance(value, float) and value.is_integer() else value
+            check_whole(f"--{name}", values[name], least)
+    return _replaced(settings, values, "--")
+
+
+def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
+    """The study with one scenario to simulate, and what to say of the choice.
+
+    **Arguments:** ``number``: as typed, which of ``config.scenarios``, counted from 1; None: ``config.scenario``.
+    """
+    count = len(config.scenarios)
+    if number is not None:
+        if not (number.isdecimal() and 1 <= int(number) <= count):
+            raise InputError(
+                f"--scenario-number {number} must be a whole number from 1 to {count}, as many as the study has"
+            )
+        return dataclasses.replace(config, scenario=config.scenarios[int(number) - 1]), ""
+    if count == 1:
+        return config, ""
+    which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
+    return (
+        config,
+        f"running {which}, {config.mechanism.label(config.scenario)}; --scenario-number N takes another, 1 to {count}",
+    )
+
+
+def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "") -> str:
+    """A study that `load` reads back to exactly the same numbers, units as comments."""
+    blocks = [f"# {line}".rstrip() for line in comment.splitlines()]
+    mechanism = mechanism_of(design)
+    if mechanism.name != DEFAULT_KIND:
+        blocks += ["", f'kind = "{mechanism.name}"']
+    for section in _sections(mechanism):
+        blocks += ["", f"[{section}]", *_lines(getattr(design, section))]
+    for scenario in scenarios:
+        blocks += ["", "[[scenarios]]", *_lines(scenario)]
+    return "\n".join(blocks).lstrip("\n") + "\n"
+
+
+def write_design(design: Part, path: str | Path, comment: str = "", scenarios: Iterable[Part] = ()) -> None:
+    """Write `design_toml` to a file, over any that is there."""
+    write(Path(path), design_toml(design, scenarios, comment))
+
+
+def _lines(part: eqx.Module) -> list[str]:
+    lines = []
+    for name in (field.name for field in dataclasses.fields(part)):
+        value, symbol = getattr(part, name), unit(part, name)
+        if value is None:  # a stiffness to be computed: TOML has no word for it, leaving it out says it
+            continue
+        entry = tomli_w.dumps({name: float(value) if symbol else value}).rstrip()
+        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") else entry)
+    return lines
+
+
+def _config(data: dict[str, Any]) -> Config:
+    mechanism = mechanism_named(data.get("kind", DEFAULT_KIND))
+    sections = _sections(mechanism)
+    known = (*sections, *KINDS)
+    for name in data:
+        if name not in known:
+            raise InputError(f"[{name}] is unknown{suggest(name.split('.')[0], known)}")
+    fields = {f"{section}.{key}": value for section in sections for key, value in _table(data, section).items()}
+    design = _replaced(mechanism.design(), fields)
+    scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
+    listed = data.get("scenarios", [])
+    if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
+        raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
+    scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
+    if scenarios and "scenario" not in data:
+        scenario = scenarios[0]
+    options = _replaced(Options(), _table(data, "options"), "options.")
+    sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
+    if sweep:
+        grid(sweep, design, scenario)  # checks it
+    tuning = _replaced(Settings(), _table(data, "tune"), "tune.")
+    if table := _table(data, "problem"):
+        from .problem_toml import check_table
+
+        check_table(table, design, scenario)
+        for name in ("grid", "sample"):
+            if scenarios and name in table:
+                raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
+    return Config(design, scenario, scenarios, options, tuning, table, sweep)
+
+
+def _sections(mechanism: Mechanism) -> tuple[str, ...]:
+    """The parts of its designs."""
+    return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
+
+
+def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
+    """`replace` with values from TOML or the command line, ``prefix`` completing the paths shown to the user."""
+    known = [prefix + path for path in paths(module)]
+    checked = {}
+    for path, value in values.items():
+        if prefix + path not in known:
+            raise InputError(f"{prefix}{path} is unknown{suggest(prefix + path, known)}")
+        symbol = unit(module, path)
+        checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
+    return replace(module, checked)
+
+
+def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
+    """A float from an integer or float in range; everything else TOML knows is an error."""
+    number = as_number(value)
+    if type(number) is not float:
+        number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
+    check_number(path, number, unit, **limits)
+    return number
+
+
+def _literal(text: str) -> bool | float | str:
+    """What a word on the command line would be in TOML."""
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _table(data: Mapping[str, Any], name: str, path: str = "") -> dict[str, Any]:
+    table, path = data.get(name, {}), path or name
+    if not isinstance(table, dict):
+        raise InputError(f"{path} = {shown(table)} is not a table; write [{path}] and its fields below it")
+    return table

@@ -1,0 +1,169 @@
+"""The ``[problem]`` section of a study: from TOML tables to a `Problem`."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..fields import Part, by_path, check_path, limits_of, paths, unit
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.registry import mechanism_of
+from ..tuning.cases import KINDS, Distribution, grid, sample
+from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
+
+SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then")
+SAMPLE = ("count", "seed", "scenario", "factors")
+
+
+def read_problem(
+    table: Mapping[str, Any],
+    design: Part,
+    base: Part,
+    listed: tuple[Part, ...],
+    duration: float | None,
+    rtol: float,
+) -> Problem:
+    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces."""
+    _known(table, SECTIONS, "problem")
+    mechanism = mechanism_of(design)
+    return Problem(
+        design=design,
+        scenarios=_cases(table, design, base, listed),
+        variables=_variables(
+            by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
+        ),
+        objective=_objective(_table(table, "objective", {}), "objective", mechanism),
+        limits=_limits(_table(table, "constraints", mechanism.defaults.limits), mechanism),
+        then=_then(_table(table, "then", {}), mechanism) if "then" in table else None,
+        duration=duration,
+        rtol=rtol,
+    )
+
+
+def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
+    """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
+    _known(table, SECTIONS, "problem")
+    mechanism = mechanism_of(design)
+    _variables(by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design)
+    _cases(table, design, base, ())
+    _objective(_table(table, "objective", {}), "objective", mechanism)
+    _limits(_table(table, "constraints", mechanism.defaults.limits), mechanism)
+    if "then" in table:
+        _then(_table(table, "then", {}), mechanism)
+
+
+def _variables(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
+    if not table:
+        raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
+    return tuple(_variable(path, given, design) for path, given in table.items())
+
+
+def _variable(path: str, given: Any, design: Part) -> Variable:
+    check_path(design, path)
+    where, symbol = f"problem.variables.{path}", unit(design, path)
+    if not symbol:
+        raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
+    parts = [as_number(x) for x in given] if isinstance(given, list) else []
+    scale = parts.pop() if len(parts) == 3 else SCALES[0]
+    if len(parts) != 2 or not all(_is_number(x) for x in parts):
+        raise InputError(f'{where} = {shown(given)} must be [low, high] in {symbol}, or [low, high, "linear"]')
+    check_choice(f"{where}: scale", scale, SCALES)
+    low, high = parts
+    for bound in (low, high):
+        check_number(where, bound, symbol, **limits_of(design, path))
+    if not low < high:
+        raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
+    return Variable(path, low, high, scale)
+
+
+def _cases(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
+    if "grid" in table and "sample" in table:
+        raise InputError("problem.grid and problem.sample are both given; choose one")
+    if "grid" in table:
+        fields = _table(table, "grid", {})
+        _known(fields, tuple(paths(base)), "problem.grid")
+        for name, values in fields.items():
+            if not isinstance(values, list) or not values or not all(_is_number(x) for x in values):
+                raise InputError(
+                    f"problem.grid.{name} = {shown(values)} must be a list of numbers in {unit(base, name)}"
+                )
+        return grid(fields, base)
+    if "sample" in table:
+        return _sampled(_table(table, "sample", {}), design, base)
+    return tuple(Case(scenario) for scenario in listed)
+
+
+def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, ...]:
+    _known(table, SAMPLE, "problem.sample")
+    fields, factors = (
+        by_path(_table(table, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
+    )
+    _known(fields, tuple(paths(base)), "problem.sample.scenario")
+    _known(factors, tuple(paths(design)), "problem.sample.factors")
+    seed = table.get("seed", 0)
+    check_whole("problem.sample.seed", seed, 0)
+    read = lambda name, given: _distribution(f"problem.sample.{name}", given)  # noqa: E731
+    return sample(
+        table.get("count", 16),
+        {name: read(f"scenario.{name}", given) for name, given in fields.items()},
+        {path: read(f"factors.{path}", given) for path, given in factors.items()},
+        seed=seed,
+        base=base,
+        design=design,
+    )
+
+
+def _distribution(where: str, given: Any) -> Distribution:
+    if isinstance(given, dict) and len(given) == 1:
+        ((kind, numbers),) = given.items()
+        if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
+            try:
+                return Distribution(kind, *map(as_number, numbers))
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from None
+    raise InputError(
+        f"{where} = {shown(given)} must be {{ uniform = [low, high] }} or {{ normal = [mean, deviation] }}"
+    )
+
+
+def _objective(table: Mapping[str, Any], where: str, mechanism: Mechanism) -> Objective:
+    options = {name: table[name] for name in ("over", "level") if name in table}
+    weights = {name: weight for name, weight in table.items() if name not in options}
+    for name, weight in weights.items():
+        _known({name: weight}, mechanism.tuned, f"problem.{where}")
+        unit = f"N/{mechanism.quantities[name].unit}"
+        check_number(f"problem.{where}.{name}", weight, unit, low=0.0, low_open=True)
+    return Objective(weights, **options) if weights else Objective(**options)
+
+
+def _limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
+    _known(table, ("captured", "impacts", *mechanism.tuned), "problem.constraints")
+    limits = {name: value for name, value in table.items() if name in mechanism.tuned}
+    for name, value in limits.items():
+        check_number(f"problem.constraints.{name}", value, mechanism.quantities[name].unit, low=0.0, low_open=True)
+    return Limits(table.get("captured", True), limits, table.get("impacts"))
+
+
+def _then(table: Mapping[str, Any], mechanism: Mechanism) -> Then:
+    if not set(table) & set(mechanism.tuned):
+        raise InputError(f"problem.then names no quantity; choose some of {', '.join(mechanism.tuned)}")
+    objective = {name: value for name, value in table.items() if name != "slack"}
+    return Then(_objective(objective, "then", mechanism), table.get("slack", Then.slack))
+
+
+def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    for name in table:
+        if name not in known:
+            raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
+
+
+def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:
+    table = data.get(name, default)
+    if not isinstance(table, dict):
+        raise InputError(
+            f"problem.{name} = {shown(table)} is not a table; write [problem.{name}] and its fields below it"
+        )
+    return table
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,204 @@
+"""Grids to sweep: every combination of the values of some fields of design and scenario."""
+
+import dataclasses
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..fields import Part, check_address, unit_at, with_values
+from ..mechanisms.registry import mechanism_of
+from ..run.simulate import check_pair
+
+SPAN = ("from", "to", "count", "scale")
+SCALES = ("linear", "log")
+BYTES = 2000  # for each run: inputs, results, its row of text while files are written
+EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Span:
+    """``count`` values from ``start`` to ``stop``, both included, in equal steps or (``scale`` "log") equal ratios."""
+
+    start: float
+    stop: float
+    count: int
+    scale: str = "linear"
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        spaced = np.geomspace if self.scale == "log" else np.linspace
+        return spaced(self.start, self.stop, self.count, dtype=dtype)
+
+
+@dataclasses.dataclass(frozen=True)
+class Axis:
+    """One field's values: its dotted ``path``, ``unit``, and the values asked for [unit]."""
+
+    path: str
+    unit: str
+    asked: Span | tuple[float, ...]
+    scale: str = SCALES[0]  # on which it is drawn
+
+    def __len__(self) -> int:
+        return len(self.asked)
+
+    @property
+    def name(self) -> str:
+        """The field without its section: "approach_speed"."""
+        return self.path.rsplit(".", 1)[-1]
+
+    @property
+    def values(self) -> np.ndarray:
+        """The values, shape (len,), in the axis' unit."""
+        return np.asarray(self.asked, float)
+
+
+@dataclasses.dataclass(frozen=True)
+class Grid:
+    """The product of its axes, the last one changing fastest."""
+
+    axes: tuple[Axis, ...]
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise InputError("nothing to sweep; name a field and its values")
+        need, have = BYTES * len(self), _free_memory()
+        if need > have:
+            counts = " × ".join(str(count) for count in self.shape)
+            raise InputError(
+                f"the grid has {counts} = {len(self):.4g} runs, which need {_size(need)} of memory;"
+                f" {_size(have)} are free"
+            )
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
+        return tuple(len(axis) for axis in self.axes)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Each path's value in every run, shape (n,)."""
+        meshed = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij")
+        return {axis.path: values.ravel() for axis, values in zip(self.axes, meshed, strict=True)}
+
+    def point(self, index: int) -> str:
+        """One run's values in words: "approach_speed 0.1 m/s, misalignment 0 rad"."""
+        places = np.unravel_index(index, self.shape)
+        values = (axis.values[place] for axis, place in zip(self.axes, places, strict=True))
+        return ", ".join(f"{a.name} {v:.6g} {a.unit}".rstrip(" -") for a, v in zip(self.axes, values, strict=True))
+
+    def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
+        """Design and scenario with an array (n,) for each field of the grid, the others as they are."""
+        swept = with_values(design, scenario, self.columns())
+        check_pair(mechanism_of(design), *swept)
+        return swept
+
+
+def grid(asked: Mapping[str, Any], design: Part, scenario: Part) -> Grid:
+    """A grid from values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
+
+    **Arguments:** ``asked``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
+    fields they are. **Raises:** `InputError` for paths that are unknown or choices, empty lists, values out of range,
+    and for a grid that does not fit into memory.
+    """
+    return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()))
+
+
+def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
+    """One axis, checked against the field's range."""
+    check_address(design, scenario, path, "sweep: ")
+    symbol = unit_at(design, scenario, path)
+    if not symbol:
+        raise InputError(f"sweep: {path} is a choice; only numbers can be swept")
+    values = _span(path, asked) if isinstance(asked, Mapping) else _listed(path, asked)
+    ends = (values.start, values.stop) if isinstance(values, Span) else values
+    with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
+    return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
+
+
+def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
+    """Raise `InputError` for a field set on the command line that takes several values anyway, which are ``where``."""
+    for path in swept:
+        if path in fields:
+            raise InputError(f"--{path} {fields[path]} and the values of {path} in {where} contradict; keep one")
+
+
+def typed(text: str) -> tuple[str, Any]:
+    """A path and its values as typed on a command line: PATH=FROM:TO:COUNT[:log] or PATH=VALUE,VALUE,…"""
+    path, equals, values = text.partition("=")
+    if not equals or not values or not path:
+        raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
+    if ":" not in values:
+        return path, [_literal(value) for value in values.split(",")]
+    words = values.split(":")
+    if len(words) not in (3, 4):
+        raise InputError(f"--over {text}: expected {path}=FROM:TO:COUNT or {path}=FROM:TO:COUNT:log")
+    return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
+
+
+def _span(path: str, table: Mapping[str, Any]) -> Span:
+    for name in table:
+        if name not in SPAN:
+            raise InputError(f"sweep.{path}: {name} is unknown{suggest(name, SPAN)}; expected {EXAMPLE}")
+    for name in SPAN[:3]:
+        if name not in table:
+            raise InputError(f"sweep.{path}: {name} is missing; expected {EXAMPLE}")
+    count, scale = table["count"], table.get("scale", SCALES[0])
+    count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
+    check_whole(f"sweep.{path}: count", count, 1)
+    check_choice(f"sweep.{path}: scale", scale, SCALES)
+    start, stop = (_number(f"sweep.{path}: {name}", table[name]) for name in ("from", "to"))
+    if count == 1 and start != stop:
+        raise InputError(f"sweep.{path}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
+    if scale == "log" and not (start > 0.0 and stop > 0.0):
+        raise InputError(f"sweep.{path}: a logarithmic scale needs positive ends; found {start:g} and {stop:g}")
+    return Span(start, stop, count, scale)
+
+
+def _listed(path: str, asked: Any) -> tuple[float, ...]:
+    asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
+    values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, (str, bytes)) else [asked]
+    if not values:
+        raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
+    return tuple(_number(f"sweep.{path}", value) for value in values)
+
+
+def _number(path: str, value: Any) -> float:
+    number = as_number(value)
+    if type(number) is not float:
+        raise InputError(f"{path}: {shown(value)} is not a number; expected {EXAMPLE}")
+    check_number(path, number, "-")
+    return number
+
+
+def _literal(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _free_memory() -> int:
+    """Bytes that can still be had."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
+    except (OSError, StopIteration):
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
+def _size(count: float) -> str:
+    for symbol in ("B", "KiB", "MiB", "GiB"):
+        if count < 1024:
+            return f"{count:.3g} {symbol}"
+        count /= 1024
+    return f"{count:.4g} TiB"

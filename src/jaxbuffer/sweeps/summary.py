@@ -1,0 +1,27 @@
+"""A sweep as a table, for people."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..tables import table, text
+
+if TYPE_CHECKING:
+    from .sweep import Sweep
+
+
+def sweep_summary(result: "Sweep") -> str:
+    """How many runs ended how, and the range of what they found."""
+    codes, counts = np.unique(result.code, return_counts=True)
+    ends = ", ".join(
+        f"{count} {result.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
+    )
+    shown = table(f"Sweep of {len(result)} {result.mechanism.run_name}s: {ends}")
+    for heading in ("quantity", "least", "median", "greatest"):
+        shown.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for name in result.mechanism.swept:
+        values = result.columns[name]
+        known = values[np.isfinite(values)]
+        figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
+        shown.add_row(f"{name} [{result.mechanism.quantities[name].unit}]", *figures)
+    return text(shown)

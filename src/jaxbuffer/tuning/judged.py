@@ -1,0 +1,70 @@
+"""The best design of a search, judged at tight tolerance."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from .evaluation import Evaluation, Evaluator
+from .floor import floor
+from .goal import Goal, Tangent
+from .model_step import residual
+from .settings import Settings
+from .store import Record
+from .tuned import Tuned
+
+TIGHT = 1e-9  # rtol at which the result is judged
+
+
+def judged(
+    goal: Goal,
+    settings: Settings,
+    evaluator: Evaluator,
+    first: Float[np.ndarray, " variables"],
+    best: Evaluation,
+    scale: float,
+    penalty: float,
+    converged: bool,
+    message: Callable[[Evaluation], str],
+    records: Sequence[Record],
+) -> Tuned:
+    """The result of a tuning.
+
+    **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
+    tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
+    ``message``: what to say of the end, from the best design at tight tolerance; ``records``: every evaluation.
+    """
+    problem, scaled = goal.problem, best.scaled
+    before, after = evaluator([first, scaled], rtol=TIGHT)
+    return Tuned(
+        problem=problem,
+        settings=settings,
+        goal=goal,
+        design=problem.built(scaled),
+        before=before,
+        after=after,
+        residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
+        gradient_error=disagreement(goal, best, after),
+        converged=converged,
+        message=message(after),
+        floor=floor(problem, scaled),
+        records=tuple(records),
+        captures=evaluator.captures,
+    )
+
+
+def objective_slope(
+    goal: Goal, point: Evaluation, cases: Float[np.ndarray, " cases"]
+) -> Float[np.ndarray, " variables"]:
+    """The objective's slope by the scaled variables, with given weights of the cases."""
+    weights = goal.weights(goal.objective)
+    by_case = weights[0] * point.peaks_slope[:, 0] + np.einsum("q,cqn->cn", weights[1:], point.rest_slope)
+    return np.asarray(cases @ by_case)
+
+
+def disagreement(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
+    """Difference of the objective's slopes between the search's tolerance and the tight one, relative [-]."""
+    cases = goal.objective.case_weights(tight.quantities @ goal.weights(goal.objective))
+    exact = objective_slope(goal, tight, cases)
+    apart = np.abs(objective_slope(goal, usual, cases) - exact)
+    return float(np.max(apart) / max(float(np.max(np.abs(exact))), 1e-300))

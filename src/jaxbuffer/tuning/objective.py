@@ -1,0 +1,154 @@
+"""What to lower and what to keep to: objective, limits, and what decides beyond them."""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, check_choice, check_flag, check_number, check_single, check_type, check_whole, suggest
+from ..mechanisms import all_mechanisms
+
+AGGREGATES = ("worst", "mean", "cvar")
+ONE_LIMIT = "it holds for all cases"
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """What to lower: a weighted sum of quantities in each case, put together over the cases.
+
+    **Arguments:**
+
+    - ``weights``: by quantity, in N per unit of it: ``{"peak_force": 1, "stroke": 1e4}`` trades a millimetre of stroke
+      for 10 N.
+    - ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value at risk).
+    - ``level``: that share is 1 - ``level`` [-].
+
+    **Raises:** `InputError` for quantities that are unknown and numbers out of range.
+
+    **Example:**
+
+    >>> scenarios, variables = [jb.Scenario(approach_speed=0.2)], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
+    >>> both = jb.Objective({"peak_force": 1.0, "stroke": 1e4}, over="mean")
+    >>> problem = jb.Problem(jb.table2(), scenarios, variables, both)
+    >>> print(problem.objective)
+    peak_force + 10000 stroke, mean over the cases
+    """
+
+    weights: Mapping[str, float] = dataclasses.field(default_factory=lambda: {"peak_force": 1.0})
+    over: str = "worst"
+    level: float = 0.9
+
+    def __post_init__(self) -> None:
+        check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
+        if not self.weights:
+            raise InputError("objective: no quantity is given; name one of " + ", ".join(tunable()))
+        for name, weight in self.weights.items():
+            unit = check_quantity("objective", name)
+            check_single(f"objective.{name}", weight, f"N/{unit}", ONE_LIMIT, low=0.0, low_open=True)
+        check_choice("objective.over", self.over, AGGREGATES)
+        check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
+
+    def cap(self, cases: int) -> float:
+        """The largest weight of a case: each aggregate is max w·f over weights that sum to 1 and stay below it."""
+        if self.over == "mean":
+            return 1.0 / cases
+        return 1.0 if self.over == "worst" else min(1.0, 1.0 / ((1.0 - self.level) * cases))
+
+    def vector(self, names: Iterable[str]) -> Float[np.ndarray, " quantities"]:
+        """The weights of the named quantities, in their order."""
+        return np.array([float(self.weights.get(name, 0.0)) for name in names])
+
+    def aggregate(self, values: Float[np.ndarray, " cases"]) -> float:
+        """The cases' values as one."""
+        return float(self.case_weights(values) @ values)
+
+    def case_weights(self, values: Float[np.ndarray, " cases"]) -> Float[np.ndarray, " cases"]:
+        """How much each case counts; they sum to 1."""
+        cap = self.cap(len(values))
+        left = 1.0 - cap * np.arange(len(values))
+        weights = np.empty(len(values))
+        weights[np.argsort(-values, kind="stable")] = np.clip(left, 0.0, cap)
+        return weights
+
+    def __str__(self) -> str:
+        names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
+        over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
+        return f"{' + '.join(names)}, {over} over the cases"
+
+
+@dataclasses.dataclass(frozen=True)
+class Limits:
+    """What every case must keep to.
+
+    **Arguments:**
+
+    - ``captured``: whether it must end as the mechanism's runs should, within the duration.
+    - ``at_most``: upper limits by quantity, in its unit, beside those that the mechanism always has.
+    - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
+      rejected, none is led back by it); None: any number.
+
+    **Raises:** `InputError` for quantities that are unknown and numbers out of range.
+
+    **Example:** at most 25 mm of stroke.
+
+    >>> scenarios, variables = [jb.Scenario(approach_speed=0.2)], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
+    >>> limits = jb.Limits(at_most={"stroke": 0.025}, impacts=20)
+    >>> problem = jb.Problem(jb.table2(), scenarios, variables, limits=limits)
+    >>> problem.limits
+    Limits(captured=True, at_most={'stroke': 0.025}, impacts=20)
+    """
+
+    captured: bool = True
+    at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    impacts: int | None = None
+
+    def __post_init__(self) -> None:
+        check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
+        for name, limit in self.at_most.items():
+            unit = check_quantity("constraints", name)
+            check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True)
+        check_flag("constraints.captured", self.captured)
+        if self.impacts is not None:
+            check_whole("constraints.impacts", self.impacts, 1)
+
+
+@dataclasses.dataclass(frozen=True)
+class Then:
+    """What decides among designs that are about as good as the best: a second objective.
+
+    **Arguments:**
+
+    - ``objective``: the second one.
+    - ``slack``: how far the first objective may be above its best, relative [-].
+
+    **Raises:** `InputError` for a slack outside (0, 1].
+
+    **Example:** the least hinge force of all designs within 2 % of the least contact force.
+
+    >>> scenarios, variables = [jb.Scenario(approach_speed=0.2)], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
+    >>> then = jb.Then(jb.Objective({"peak_hinge_force": 1.0}), slack=0.02)
+    >>> problem = jb.Problem(jb.table2(), scenarios, variables, then=then)
+    >>> print(problem.then.objective)
+    peak_hinge_force, worst over the cases
+    """
+
+    objective: Objective
+    slack: float = 0.01
+
+    def __post_init__(self) -> None:
+        check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
+        check_number("then.slack", self.slack, "-", low=0.0, high=1.0, low_open=True)
+
+
+def tunable() -> dict[str, str]:
+    """All quantities that objectives and limits of some mechanism may use, with their units."""
+    return {name: m.quantities[name].unit for m in all_mechanisms() for name in m.tuned}
+
+
+def check_quantity(where: str, name: str) -> str:
+    """The unit of a quantity. **Raises:** `InputError` unless it is one of those in `tunable`."""
+    known = tunable()
+    if name not in known:
+        raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
+    return known[name]

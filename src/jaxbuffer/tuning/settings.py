@@ -1,0 +1,23 @@
+"""The search's settings: the one place where they are declared."""
+
+from typing import ClassVar
+
+from ..fields import Part, number, whole
+
+
+class Settings(Part):
+    """How to search: the keywords of `tune`, and the section ``[tune]`` of a study.
+
+    ``iterations`` of each local search at most; ``starts``: designs screened in a round, the first time the problem's
+    own among them (1: that one alone, and no further round); ``searches``: the best of them that are followed;
+    ``rounds`` at most; ``seed`` of the samples; ``tolerance`` [-]: a search has converged when first-order information
+    predicts no larger reduction of the objective, relative, within a tenth of every range.
+    """
+
+    section: ClassVar[str] = "tune"
+    iterations: int = whole(40, 1)
+    starts: int = whole(32, 1)
+    searches: int = whole(2, 1)
+    rounds: int = whole(6, 1)
+    seed: int = whole(0, 0)
+    tolerance: float = number(1e-4, "-", low=0.0, high=1.0, low_open=True, high_open=True)

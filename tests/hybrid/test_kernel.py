@@ -1,0 +1,25 @@
+"""The loop must stay one kernel: XLA leaves out any loop that holds a call into a library."""
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options
+from jaxbuffer.run.simulate import _simulate
+
+
+def compiled(solver):
+    numbers = jax.tree.map(lambda x: jnp.asarray(x, float), (jb.table2(), jb.Scenario(), 20.0))
+    options = jax.tree.map(lambda x: jnp.asarray(x, float), Options(solver=solver))
+    return _simulate.jitted.lower(numbers, jnp.asarray(8.0), (jnp.asarray(1e-6),) * 2, options).compile().as_text()
+
+
+@pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])
+def test_no_library_calls(solver):
+    program = compiled(solver)
+    assert " while(" in program
+    inside = [line for line in program.splitlines() if "/while/" in line]
+    assert len(inside) > 100
+    for forbidden in (" custom-call(", " dot(", " scatter(", " fft(", " sort("):
+        assert not [line for line in inside if forbidden in line]

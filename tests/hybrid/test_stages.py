@@ -1,0 +1,55 @@
+"""The second derivative at a step's end, against a driven oscillator's in closed form."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta
+from jaxbuffer.hybrid.rungekutta.stages import SecondDerivative
+from jaxbuffer.hybrid.rungekutta.time_transform import TimeTransform
+from jaxbuffer.hybrid.system import Linearisation
+
+FREQUENCY, DRIVE = 40.0, 3.0  # 1/s; the rows beside the state are sensitivities to nothing
+
+
+def field(time, columns):
+    """Of x'' = -FREQUENCY² x + cos(DRIVE t)."""
+    x, v = columns
+    return jnp.stack([v, -(FREQUENCY**2) * x + jnp.cos(DRIVE * time)])
+
+
+def oscillator():
+    """Its stiff part: the spring."""
+    one = jnp.ones((1, 1))
+    return Linearisation(one, one, FREQUENCY**2 * one, 0.0 * one, 1)
+
+
+def step(solver, which, length, wanted):
+    """A step from t = 0.2 s, its second derivative wanted or not."""
+    columns = jnp.array([[0.3, 0.0], [2.0, 1.0]])
+    time, second = jnp.asarray(0.2), SecondDerivative(lambda state, rate: jnp.asarray(wanted), jnp.asarray(1e-5))
+    rate, allowance = field(time, columns), jnp.full((2, 2), 1e-9)
+    transform = TimeTransform.uniform(jnp.asarray(length))
+    return solver.step(jnp.asarray(which), field, oscillator(), time, columns, rate, transform, allowance, second)
+
+
+@pytest.mark.parametrize(
+    ("solver", "which"), [(ExplicitRungeKutta(), 0), (DiagonallyImplicit(), 0), (Automatic(), 0), (Automatic(), 1)]
+)
+@pytest.mark.parametrize("length", [0.0, 5e-3])
+def test_the_second_derivative_at_the_end(solver, which, length):
+    """Of the state and of the rows beside it, by both methods, alone and in arrays long enough for either;
+    and where no step is taken at all."""
+    found = step(solver, which, length, wanted=True)
+    (x, v), time = found.end, 0.2 + length
+    exact = [-(FREQUENCY**2) * x + jnp.cos(DRIVE * time), -(FREQUENCY**2) * v - DRIVE * jnp.sin(DRIVE * time)]
+    np.testing.assert_allclose(found.second, exact, rtol=1e-7)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_nothing_else_changes_where_it_is_wanted(which):
+    """Zeros where it is not wanted; the step itself is the same."""
+    with_it, without = (step(Automatic(), which, 5e-3, wanted) for wanted in (True, False))
+    assert not np.any(without.second)
+    for name in ("end", "rate", "error"):
+        np.testing.assert_array_equal(getattr(with_it, name), getattr(without, name))

@@ -1,0 +1,84 @@
+"""Every Python example of the documents runs: README, docs and the docstrings of all public names."""
+
+import doctest
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jaxbuffer
+from jaxbuffer.contact.laws import _all as laws
+
+ROOT = Path(__file__).resolve().parents[1]
+HEADING = "**Example:**"
+COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|tune|diffeqsolve)\(")
+PARSER = doctest.DocTestParser()
+
+
+def blocks(page: Path) -> str:
+    """A page's Python examples, one after the other."""
+    return "\n".join(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
+
+
+PAGES = [page for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))) if blocks(page)]
+
+
+def docstring(name: str) -> str:
+    """Of a public name itself: a class inherits none."""
+    return getattr(jaxbuffer, name).__doc__ or ""
+
+
+def that_compile(name: str):
+    """The name, marked as slow where its example solves something."""
+    slow = COMPILES.search("".join(example.source for example in PARSER.get_examples(docstring(name))))
+    return pytest.param(name, marks=pytest.mark.slow if slow else ())
+
+
+def run(text: str, name: str, names: dict) -> dict:
+    """Run the examples of a docstring with some ``names`` defined; all names after it. Fails as `doctest` does."""
+    test = PARSER.get_doctest(text, names, name, None, None)
+    said: list[str] = []
+    doctest.DocTestRunner(verbose=False).run(test, out=said.append, clear_globs=False)
+    assert not said, "".join(said)
+    return test.globs
+
+
+@pytest.fixture
+def begun(tmp_path, monkeypatch):
+    """The names that the package's own example defines, in an empty folder; laws that are registered go again."""
+    monkeypatch.chdir(tmp_path)
+    before = dict(laws)
+    yield run(jaxbuffer.__doc__, "jaxbuffer", {"__name__": "example"})
+    laws.clear()
+    laws.update(before)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_examples_of_a_page_run(page, tmp_path):
+    command = [sys.executable, "-W", "error", "-c", blocks(page)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.parametrize("name", jaxbuffer.__all__)
+def test_a_public_name_has_one_example_at_the_end_of_its_docstring(name):
+    text = docstring(name)
+    assert text.count(HEADING) == 1, f"give jaxbuffer.{name} an example, under {HEADING} at the end of its docstring"
+    body, example = text.split(HEADING)
+    assert not PARSER.get_examples(body), f"jaxbuffer.{name} has an example outside of {HEADING}"
+    examples = PARSER.get_examples(example)
+    assert examples and any(e.want for e in examples), f"the example of jaxbuffer.{name} shows no result"
+    assert not any(e.options.get(doctest.SKIP) for e in examples), f"the example of jaxbuffer.{name} is not run"
+
+
+@pytest.mark.parametrize("name", [that_compile(name) for name in jaxbuffer.__all__])
+def test_the_example_of_a_public_name_runs(name, begun):
+    run(docstring(name), f"jaxbuffer.{name}", begun)
+
+
+def test_the_new_mechanism_of_the_example_is_short():
+    code = [line for line in blocks(ROOT / "docs" / "mechanisms.md").splitlines() if line.strip()]
+    assert len(code) < 80
