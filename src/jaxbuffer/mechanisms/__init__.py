@@ -15,6 +15,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
         *("Capture", "Design", "FirstImpact", "Outcome", "Scenario"),
         *("first_impact", "rigid_probe", "table2"),
     ),
+    "bar_drop": ("BarDrop", "BarDropScenario"),
 }
 
 

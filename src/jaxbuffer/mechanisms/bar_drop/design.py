@@ -1,0 +1,126 @@
+"""The bar dropped on a plate: its design and its scenario."""
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...contact import LAWS, hertz_stiffness
+from ...errors import InputError, check_entries, check_type, concrete, inside
+from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number
+
+HERTZ_EXPONENT = 1.5  # -
+SEED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the seed's 48 049 N/mm^2.2
+
+
+class Bar(Part):
+    """A round bar, hinged at one end; the other end is a ball.
+
+    ``length`` from the hinge to the ball's centre; ``diameter``; ``density``; ``ball_radius``.
+    """
+
+    section: ClassVar[str] = "bar"
+    length: Scalar = number(0.24, "m", **POSITIVE)
+    diameter: Scalar = number(0.004, "m", **POSITIVE)
+    density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
+    ball_radius: Scalar = number(0.002, "m", **POSITIVE)
+
+    @property
+    def mass(self) -> Scalar:
+        """Of the bar [kg]; the ball's own is part of it."""
+        return self.density * math.pi / 4.0 * self.diameter**2 * self.length
+
+
+class Impact(Part):
+    """The ball against the plate.
+
+    ``law``: a name in `contact.laws.LAWS`, each of which takes those fields that it has. "adams" is IMPACT: k δ^e and a
+    damper c that sets in over ``ramp_depth`` d; ``stiffness`` k is in N/m^exponent. Other laws have the exponent 1.5.
+    ``young_modulus``, ``poisson_ratio`` of ball and plate: what Hertz's stiffness is computed from.
+    """
+
+    section: ClassVar[str] = "impact"
+    law: str = choice("adams", *LAWS)
+    stiffness: Scalar = number(SEED_STIFFNESS, "N/m^e", **POSITIVE)
+    exponent: Scalar = number(2.2, "-", low=1.0)
+    damping: Scalar = number(1000.0, "N s/m", **NON_NEGATIVE)
+    ramp_depth: Scalar = number(1e-5, "m", **POSITIVE)
+    restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
+    linear_stiffness: Scalar = number(1e7, "N/m", **POSITIVE)
+    friction: Scalar = number(0.0, "-", **NON_NEGATIVE)
+    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
+    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+
+    def check_together(self) -> None:
+        exponent = concrete(self.exponent)
+        if self.law != "adams" and exponent is not None and np.any(exponent != HERTZ_EXPONENT):
+            raise InputError(
+                f"impact.exponent = {float(exponent.flat[0]):g}: impact.law = {self.law!r} has the exponent"
+                f" {HERTZ_EXPONENT}; give impact.exponent = {HERTZ_EXPONENT} and impact.stiffness in N/m^1.5"
+            )
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.law != "adams":
+            yield inside(self.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)
+
+
+class BarDrop(Part):
+    """The whole mechanism; the defaults are those of seed 001's section 2, with the density assumed.
+
+    - ``bar``: the bar and its ball end.
+    - ``impact``: the ball against the plate.
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario())
+    >>> print(f"{float(run.peak_force):.1f} N, {1e6 * float(run.quantity('penetration')):.2f} µm deep")
+    1831.5 N, 23.46 µm deep
+    """
+
+    bar: Bar = Bar()
+    impact: Impact = Impact()
+
+    @property
+    def hertz_stiffness(self) -> Scalar:
+        """Hertz's stiffness of the ball on the flat plate [N/m^1.5], from the materials."""
+        modulus, ratio = self.impact.young_modulus, self.impact.poisson_ratio
+        return hertz_stiffness(self.bar.ball_radius, modulus, ratio, modulus, ratio)
+
+
+class BarDropScenario(Part):
+    """How the bar is dropped, at rest.
+
+    - ``height``: H of the ball end above where it touches the plate [m].
+    - ``gravity``: g_0 [m/s²].
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:** the ball end comes down at √(3 g_0 H).
+
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.1))
+    >>> f"{float(run.impacts.approach_speed[0]):.4f} m/s"
+    '1.7155 m/s'
+    """
+
+    section: ClassVar[str] = "scenario"
+    height: Scalar = number(0.194, "m", **POSITIVE)
+    gravity: Scalar = number(9.81, "m/s²", **POSITIVE)
+
+
+def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:
+    """Raise `InputError` where the ball end would start higher than the bar is long."""
+    check_type("design", design, BarDrop, "the design first, such as jb.BarDrop(), then the scenario")
+    check_entries("scenario.height", scenario.height, "m", 0.0, design.bar.length)
+
+
+def valid(design: BarDrop, scenario: BarDropScenario) -> Bool[Array, ""]:
+    """The same of numbers known only inside compiled code, each in its range besides."""
+    fit = inside(scenario.height, high=design.bar.length, high_open=True, **POSITIVE)
+    return all_of([*design.in_range(), *scenario.in_range(), fit])

@@ -1,0 +1,107 @@
+"""The bar dropped on a plate, as everything else knows it."""
+
+from typing import Any
+
+import numpy as np
+
+from ...contact.laws import LAWS, HystereticLaw
+from ...errors import InputError
+from ..mechanism import Defaults, Mechanism, Names
+from ..picture import Curve, Level, Panel
+from ..registry import register
+from ..validity import Limit
+from .design import BarDrop, BarDropScenario, check_fit, valid
+from .quantities import QUANTITIES
+from .run import BarDropRun, dropped
+from .system import bar_drop
+
+DEEP = 0.1  # of the ball's radius: up to here the contact counts as small against the ball
+
+
+def label(scenario: BarDropScenario, among: Any = ()) -> str:
+    """What people call a drop: "from 194 mm"."""
+    return f"from {1e3 * float(scenario.height):.4g} mm"
+
+
+def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
+    """How near the deepest penetrations [m] come to what the contact law is good for."""
+    if penetration is None:
+        return []
+    share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
+    return [Limit("the ball goes deeper into the plate than a tenth of its radius", share)]
+
+
+def warnings(run: BarDropRun) -> list[str]:
+    """The same of one run."""
+    limits = validity(run.design, run.peak_force, run.maxima["penetration"])
+    return [f"outside the contact law's validity: {limit.beyond}" for limit in limits if limit.passed]
+
+
+def smooth(design: BarDrop) -> BarDrop:
+    """The design itself, if its law knows no speed of the last touchdown: then it needs no events."""
+    if issubclass(LAWS[design.impact.law], HystereticLaw) and design.impact.law != "hertz":
+        raise InputError(
+            f"impact.law = {design.impact.law!r} needs events, which diffrax.diffeqsolve has not; "
+            "take 'adams' or 'hertz', or another solver"
+        )
+    return design
+
+
+def panels(run: BarDropRun) -> list[Panel]:
+    """Height of the ball end, penetration, energy, of a run with a history."""
+    seen = run.history
+    assert seen is not None
+    energy = {name: 1e3 * np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
+    lost = Curve("lost", 1e3 * np.asarray(seen.energy.dissipated))
+    return [
+        Panel("Height of the ball end", "height [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),)),
+        Panel(
+            f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm",
+            "penetration [µm]",
+            (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),),
+        ),
+        Panel("Energy", "energy [mJ]", (*(Curve(name, values) for name, values in energy.items()), lost)),
+    ]
+
+
+BAR_DROP = register(
+    Mechanism(
+        name="bar_drop",
+        title="Bar drop",
+        design=BarDrop,
+        scenario=BarDropScenario,
+        system=bar_drop,
+        quantities=QUANTITIES,
+        run_name="drop",
+        check_fit=check_fit,
+        valid=valid,
+        run=dropped,
+        label=label,
+        approach=lambda scenario: f"dropped {label(scenario)}",
+        validity=validity,
+        smooth=smooth,
+        warnings=warnings,
+        panels=panels,
+        names=Names(
+            bodies=("bar",),
+            contacts=("plate",),
+            contact="plate",
+            multipliers={"hinge x": "N", "hinge y": "N"},
+            others={"penetration": "m"},
+        ),
+        defaults=Defaults(
+            duration=0.3,
+            parameters=("impact.stiffness", "impact.damping", "impact.ramp_depth", "impact.exponent", "bar.density"),
+            differentiated=("peak_force", "penetration", "contact_time"),
+            grid={"scenario.height": {"from": 0.02, "to": 0.2, "count": 10}},  # m
+            mapped=("peak_force", "penetration", "rebound_height", "restitution"),
+            variables={
+                "impact.stiffness": [1e10, 1e12],  # N/m^e
+                "impact.damping": [1.0, 6000.0],  # N s/m
+                "impact.ramp_depth": [1e-6, 1e-4],  # m
+                "impact.exponent": [1.5, 2.5],  # -
+            },
+            limits={"penetration": 2e-4},  # m, a tenth of the ball's radius
+        ),
+    )
+)
