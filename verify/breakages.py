@@ -30,6 +30,7 @@ STOP = "tests/mechanisms/test_end_stop.py"
 STOPPED = "tests/verification/test_buffer_end.py::test_an_end_stop_pushes_back"
 BOTTOMED = "tests/verification/test_buffer_end.py::test_a_run_ends_where_the_buffer_does"
 THROUGH = "tests/verification/test_buffer_end.py::test_gradients_go_right_through[end stop]"
+DROPPED = "tests/mechanisms/test_bar_drop.py::test_an_independent_programs_numbers"
 UNITS = f"{INVARIANTS}::test_units_may_be_changed"
 
 
@@ -272,7 +273,32 @@ def _no_end() -> None:
     Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 
 
+def _light() -> None:
+    from jaxbuffer.multibody import AppliedForce
+
+    loads = AppliedForce.loads
+    AppliedForce.loads = lambda self, kin: tuple(
+        load._replace(force=load.force * 0.999, moment=load.moment * 0.999) for load in loads(self, kin)
+    )
+
+
+def _no_back() -> None:
+    from jaxbuffer.contact.shapes import Segment
+
+    foot = Segment.foot
+    Segment.foot = lambda self, x, y, side: foot(self, x, y, 0.0)
+
+
+def _no_ramp() -> None:
+    from jaxbuffer.contact.laws import adams
+
+    adams.step = lambda penetration, x0, h0, x1, h1: h1 + 0.0 * penetration
+
+
 BREAKAGES = (
+    Breakage("light", "forces that are applied, such as weight, 0.1 % too small", _light, (DROPPED,)),
+    Breakage("no back", "a ball that a step carried through a flank counts as before it", _no_back, (DROPPED,)),
+    Breakage("no ramp", 'the damper of the law "adams" at full strength from touchdown on', _no_ramp, (DROPPED,)),
     Breakage("stop pulls", "the buffer's end stop pulls while the probe leaves it", _stop_pulls, (STOPPED,)),
     Breakage("stop's books", "the end stop's loss not booked", _stop_loss, (STOP, STOPPED)),
     Breakage("no jump at the stop", "sensitivities do not jump with the end stop's force", _stop_jump, (THROUGH,)),
