@@ -149,20 +149,20 @@ def test_how_runs_end():
     np.testing.assert_allclose(short.log.latest, 0.05)
 
 
+def solved(problem, tolerance, **options):
+    """The problem, integrated until its event."""
+    controller = diffrax.PIDController(rtol=tolerance, atol=tolerance * problem.scales)
+    given = {"args": problem.args, "event": problem.event, "stepsize_controller": controller} | options
+    return diffrax.diffeqsolve(problem.term, diffrax.Tsit5(), 0.0, 1.0, problem.dt0, problem.y0, **given)
+
+
 def test_the_problem_for_diffeqsolve():
     """Its event ends the solve at the end's time; what is saved are the observables by name."""
     problem = diffrax_problem(Ball, (jnp.asarray(HEIGHT), jnp.asarray(STIFFNESS)))
     times, force = expected(HEIGHT, STIFFNESS)
-    solution = diffrax.diffeqsolve(
-        problem.term,
-        diffrax.Tsit5(),
-        0.0,
-        1.0,
-        problem.dt0,
-        problem.y0,
-        args=problem.args,
-        event=problem.event,
-        stepsize_controller=diffrax.PIDController(rtol=1e-10, atol=1e-10 * problem.scales),
+    solution = solved(
+        problem,
+        1e-10,
         saveat=diffrax.SaveAt(
             subs=[
                 diffrax.SubSaveAt(t1=True),
@@ -183,19 +183,7 @@ def test_adjoints_of_the_problem():
 
     def end(stiffness, adjoint):
         problem = diffrax_problem(Ball, (jnp.asarray(HEIGHT), stiffness))
-        return diffrax.diffeqsolve(
-            problem.term,
-            diffrax.Tsit5(),
-            0.0,
-            1.0,
-            problem.dt0,
-            problem.y0,
-            args=problem.args,
-            event=problem.event,
-            stepsize_controller=diffrax.PIDController(rtol=1e-8, atol=1e-8 * problem.scales),
-            adjoint=adjoint,
-            max_steps=256,
-        ).ts[0]
+        return solved(problem, 1e-8, adjoint=adjoint, max_steps=256).ts[0]
 
     at = jnp.asarray(STIFFNESS)
     backwards = jax.grad(end)(at, diffrax.RecursiveCheckpointAdjoint())

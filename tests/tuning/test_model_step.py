@@ -5,8 +5,11 @@ import pytest
 import qpsolvers
 
 from jaxbuffer import Limits, Objective
+from jaxbuffer.tuning import search
 from jaxbuffer.tuning.goal import Goal, Tangent
 from jaxbuffer.tuning.model_step import Cuts, best_step
+from jaxbuffer.tuning.programme import Programme
+from jaxbuffer.tuning.settings import Settings
 from tuning.analytic import Functions, problem, shifted
 
 SHIFT = 10.0
@@ -82,3 +85,14 @@ def test_without_curvature_and_where_the_solver_gives_up_the_model_is_linear(mon
     monkeypatch.setattr(qpsolvers, "solve_problem", lambda stated, **_: qpsolvers.Solution(stated, found=False))
     given_up = best_step(goal, tangent, scaled, 0.1, SCALE, 10.0, curvature=CURVATURE)
     assert np.array_equal(given_up.step, linear.step)
+
+
+def test_a_model_that_no_solver_solves_is_not_converged(monkeypatch):
+    goal, _, scaled = model()
+    point = Functions(goal.problem, PEAKS, {"peak_hinge_force": lambda x: 1.0 + x[0] - SHIFT}).one(scaled)
+    monkeypatch.setattr(Programme, "solve", lambda *_: None)
+    rules = search.Search(goal, SCALE, Settings())
+    start = rules.begin(point)
+    assert np.isnan(start.residual) and start.status == search.RUNNING
+    move = rules.plan(start)
+    assert rules.judge(start, move, point).status == search.STALLED

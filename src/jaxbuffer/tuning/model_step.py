@@ -43,7 +43,10 @@ class Multipliers(NamedTuple):
 
 
 class ModelStep(NamedTuple):
-    """The best step of the model, the relative reduction of the merit that the model predicts, and the multipliers."""
+    """The best step of the model, the relative reduction of the merit that the model predicts, and the multipliers.
+
+    The reduction is NaN where no solver found a step: such a search has not converged.
+    """
 
     step: Step
     predicted_reduction: float
@@ -160,7 +163,7 @@ def best_step(
         model.row([*entries, (excess, -1.0)], right - float(given), source)
     minimum = model.programme.solve(bend) or model.programme.solve(0.0 * bend)
     if minimum is None:
-        return ModelStep(still, 0.0, model.multipliers(np.zeros(len(model.sources))))
+        return ModelStep(still, np.nan, model.multipliers(np.zeros(len(model.sources))))
     step = np.clip(minimum.x[: len(scaled)], low, high)
 
     def merit(step: Step) -> float:

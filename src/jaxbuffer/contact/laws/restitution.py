@@ -3,6 +3,8 @@
 The relation is M46, solved in the form M47, which has no trivial root d = 0 and no cancellation.
 """
 
+import functools
+
 import jax
 import jax.numpy as jnp
 from jax import lax
@@ -10,6 +12,7 @@ from jax import lax
 from ..._types import Scalar
 
 SERIES_BELOW = 0.05
+INLINED = functools.partial(jax.jit, inline=True)  # called by itself it is compiled once, not at every call
 TERMS = 14  # of the series: its first neglected term is below 0.05^14 / 16
 
 
@@ -44,6 +47,7 @@ def _root(function, low: Scalar, high: Scalar) -> Scalar:
 
 
 @jax.custom_jvp
+@INLINED
 def damping_delivering(restitution: Scalar) -> Scalar:
     """The factor d [-] with which two free bodies part at ``restitution`` times their approach speed, for values in (0,
     1]."""
@@ -60,6 +64,7 @@ def _damping_jvp(primals: tuple, tangents: tuple) -> tuple:
 
 
 @jax.custom_jvp
+@INLINED
 def restitution_delivered(factor: Scalar) -> Scalar:
     """The restitution e [-] at which two free bodies part when the law's ``factor`` is d ≥ 0 [-]."""
     d = jnp.asarray(factor, float)

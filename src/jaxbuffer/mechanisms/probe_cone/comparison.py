@@ -2,12 +2,9 @@
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
 
-from ..._types import Scalar
 from ...compiling.backend import check_ready
 from ...contact.laws import LAWS, ContactLaw, FreeImpact, free_impact
 from ...errors import check_number, check_type
@@ -77,25 +74,20 @@ def compare_laws(
     first = first_contact(design, meeting)
     mass, speed = (given if given is not None else own for given, own in zip((mass, speed), first, strict=True))
 
-    def law(name: str, restitution: Scalar) -> ContactLaw:
+    def law(name: str, restitution: float) -> ContactLaw:
         # Only Adams' law may have an exponent of its own; the others keep Hertz's.
         own = {} if name == "adams" else {"contact.exponent": 1.5}
         chosen = {"contact.law": name, "contact.restitution": restitution, "contact.memory": "event"} | own
         return assemble_contact(replace(design, chosen)).law
 
-    def delivered(name: str, values: np.ndarray) -> np.ndarray:
-        def one(restitution: Scalar) -> Array:
-            return jnp.asarray(law(name, restitution).delivered_restitution(mass, speed), float)
-
-        if not hasattr(law(name, 1.0), "restitution"):
-            return np.full(len(values), one(1.0))
-        if LAWS[name].delivered_restitution is ContactLaw.delivered_restitution:  # from an impact that SciPy solves
-            return np.array([one(float(value)) for value in values])
-        return np.asarray(jax.jit(jax.vmap(one))(values))
-
     def compared(name: str) -> ComparedLaw:
-        here, found = law(name, float(design.contact.restitution)), delivered(name, np.array([*ASKED, *CURVE]))
-        return ComparedLaw(name, here, found[: len(ASKED)], found[len(ASKED) :], free_impact(here, mass, speed))
+        def delivered(values: tuple[float, ...]) -> np.ndarray:
+            if not hasattr(law(name, 1.0), "restitution"):
+                return np.full(len(values), float(law(name, 1.0).delivered_restitution(mass, speed)))
+            return np.array([float(law(name, float(e)).delivered_restitution(mass, speed)) for e in values])
+
+        here = law(name, float(design.contact.restitution))
+        return ComparedLaw(name, here, delivered(ASKED), delivered(CURVE), free_impact(here, mass, speed))
 
     return Comparison(mass, speed, float(design.contact.restitution), tuple(compared(name) for name in LAWS))
 
