@@ -12,6 +12,7 @@ from jaxbuffer import InputError, replace, table2
 from jaxbuffer.contact.laws import (
     LAWS,
     AdamsImpact,
+    CarvalhoMartins,
     ContactLaw,
     ExactRestitution,
     Flores,
@@ -45,7 +46,7 @@ PUBLISHED = {
 FAMILY = (HuntCrossley, HerbertMcWhannell, LeeWang, LankaraniNikravesh, Gonthier, Flores, HuGuo)
 EXAMPLES = {
     "hertz": Hertz(STIFFNESS),
-    **{law.__name__: law(STIFFNESS, 0.6) for law in (*FAMILY, ExactRestitution)},
+    **{law.__name__: law(STIFFNESS, 0.6) for law in (*FAMILY, CarvalhoMartins, ExactRestitution)},
     "quadratic": HuntCrossley(1e10, 0.6, exponent=2.0),
     "linear": ExactRestitution(2e5, 0.6, exponent=1.0),
     "underdamped": KelvinVoigt(2e7, 300.0),
@@ -64,6 +65,14 @@ def test_delivered_restitution_as_published(asked):
     exact = ExactRestitution(STIFFNESS, asked)
     assert_allclose(exact.hysteresis, factor, rtol=0.0, atol=5.001e-5)
     assert_allclose(exact.delivered_restitution(), asked, rtol=1e-14)
+
+
+def test_carvalho_and_martins_deliver_as_published():
+    """Five digits from e = 1/2 on; below 1/3 the law is Gonthier's, above it joins without a jump."""
+    found = [CarvalhoMartins(STIFFNESS, asked).delivered_restitution() for asked in (0.5, 0.7, 0.9)]
+    assert_allclose(found, [0.50017, 0.69997, 0.90000], rtol=0.0, atol=5.001e-6)
+    below = [float(CarvalhoMartins(STIFFNESS, asked).delivered_restitution()) for asked in (0.1, 0.3)]
+    assert_allclose(below, [PUBLISHED[asked][4] for asked in (0.1, 0.3)], rtol=0.0, atol=5.001e-5)
 
 
 @pytest.mark.parametrize("asked", [0.05, 0.1, 0.5, 0.9, 0.99])

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from jaxbuffer.contact import Ball, BallOnSegments, Carrier, LankaraniNikravesh, RegularisedCoulomb, Segment
+from jaxbuffer.contact import Ball, BallPair, Carrier, LankaraniNikravesh, RegularisedCoulomb, Segment
 
 RADIUS, EDGE, LENGTH = 0.015, (-0.1, 0.015), 0.07
 SIDE = np.array([1.0, -1.0])
 TOUCHDOWN = jnp.array([0.1, 0.1])
-PAIR = BallOnSegments(
+PAIR = BallPair(
     radius=RADIUS,
-    segments=Segment(EDGE[0], -SIDE * EDGE[1], -np.sqrt(0.5), -SIDE * np.sqrt(0.5), LENGTH),
+    shape=Segment(EDGE[0], -SIDE * EDGE[1], -np.sqrt(0.5), -SIDE * np.sqrt(0.5), LENGTH),
     side=SIDE,
     law=LankaraniNikravesh(6e9, 0.7),
     friction=RegularisedCoulomb(0.4, 1e-3),

@@ -1,4 +1,4 @@
-"""A ball against segments fixed on another body: from two bodies' motion to contact forces.
+"""A ball, or a pin, against a shape fixed on another body: from two bodies' motion to contact forces.
 
 Everything here may be an array over the segments of the pair, so that a cone's flanks are treated together.
 """
@@ -10,7 +10,7 @@ import equinox as eqx
 from .._types import Scalar, Values
 from .friction import RegularisedCoulomb
 from .laws import ContactLaw
-from .shapes import Segment
+from .shapes import Shape
 
 
 class Ball(NamedTuple):
@@ -29,7 +29,7 @@ class Ball(NamedTuple):
 
 
 class Carrier(NamedTuple):
-    """Pose and motion of the body that carries the segments, in inertial axes.
+    """Pose and motion of the body that carries the shape, in inertial axes.
 
     - ``x``, ``y``: its centre of mass [m].
     - ``cos``, ``sin``: of its angle [-].
@@ -49,10 +49,9 @@ class Carrier(NamedTuple):
 class Approach(NamedTuple):
     """Geometry and relative motion of the pair before any force (M31, M32), an entry a segment; axes are inertial.
 
-    - ``gap``: from the ball's surface to the segment, negative in contact [m].
+    - ``gap``: from the ball's surface to the shape, negative in contact [m].
     - ``approach_speed``: δ̇ of the material points at the foot [m/s].
     - ``slip``: v_t of the same points along the tangent [m/s].
-    - ``slant``: of the foot along the segment, from its start [m].
     - ``normal_x``, ``normal_y``: unit normal, from the foot to the ball's centre [-].
     - ``tangent_x``, ``tangent_y``: unit tangent [-].
     - ``foot_x``, ``foot_y``: arm of the foot from the carrier's centre of mass [m].
@@ -62,7 +61,6 @@ class Approach(NamedTuple):
     gap: Values
     approach_speed: Values
     slip: Values
-    slant: Values
     normal_x: Values
     normal_y: Values
     tangent_x: Values
@@ -72,19 +70,20 @@ class Approach(NamedTuple):
     distance: Values
 
 
-class BallOnSegments(eqx.Module):
-    """A ball against segments, with a normal law and friction.
+class BallPair(eqx.Module):
+    """A ball on segments, or a pin in a hole, with a normal law and friction.
 
-    - ``radius``: of the ball [m].
-    - ``segments``: in the axes of the body that carries them.
+    - ``radius``: of the ball or pin [m].
+    - ``shape``: `Segment` or `Hole`, in the axes of the body that carries it.
     - ``side``: an entry a segment: where its front is, +1 to the right of its direction, -1 to the left. The tangent is
-      opposite to the direction; on a cone both tangents then point along their flanks towards the throat.
+      opposite to the direction; on a cone both tangents then point along their flanks towards the throat. Of a hole
+      only the tangent's sign.
     - ``law``: of the normal force.
     - ``friction``: of the tangential force.
     """
 
     radius: Scalar
-    segments: Segment
+    shape: Shape
     side: Values
     law: ContactLaw
     friction: RegularisedCoulomb
@@ -92,12 +91,12 @@ class BallOnSegments(eqx.Module):
     def approach(self, ball: Ball, body: Carrier) -> Approach:
         """Gap, speeds and directions of the pair (M31, M32).
 
-        **Arguments:** ``ball``; ``body``: the one that carries the segments.
+        **Arguments:** ``ball``; ``body``: the one that carries the shape.
         """
         off_x, off_y = ball.x - body.x, ball.y - body.y
         local_x = body.cos * off_x + body.sin * off_y
         local_y = body.cos * off_y - body.sin * off_x
-        foot = self.segments.foot(local_x, local_y, self.side)
+        foot = self.shape.foot(local_x, local_y, self.side)
         normal_x = body.cos * foot.normal_x - body.sin * foot.normal_y
         normal_y = body.sin * foot.normal_x + body.cos * foot.normal_y
         foot_x = body.cos * foot.x - body.sin * foot.y
@@ -110,7 +109,6 @@ class BallOnSegments(eqx.Module):
             gap=foot.distance - self.radius,
             approach_speed=-(relative_x * normal_x + relative_y * normal_y),
             slip=relative_x * tangent_x + relative_y * tangent_y,
-            slant=foot.slant,
             normal_x=normal_x,
             normal_y=normal_y,
             tangent_x=tangent_x,

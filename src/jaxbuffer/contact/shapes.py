@@ -1,4 +1,4 @@
-"""Shapes in contact: gap, foot and normal of a ball against a segment, rims included."""
+"""Shapes in contact: foot and normal of a ball against a segment, rims included, and of a pin in a hole."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,6 @@ class Foot(NamedTuple):
     - ``x``, ``y``: the foot [m].
     - ``normal_x``, ``normal_y``: unit vector from the foot to the centre [-].
     - ``distance``: between them [m].
-    - ``slant``: of the foot along the segment, from its start [m].
     """
 
     x: Values
@@ -22,10 +21,21 @@ class Foot(NamedTuple):
     normal_x: Values
     normal_y: Values
     distance: Values
-    slant: Values
 
 
-class Segment(eqx.Module):
+class Shape(eqx.Module):
+    """Base of the shapes."""
+
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
+        """The foot of the point (x, y) on the shape (M31).
+
+        **Arguments:** ``x``, ``y``: the point in the shape's axes [m]; ``side``: where a segment's front is, +1 to the
+        right of its direction, -1 to the left.
+        """
+        raise NotImplementedError
+
+
+class Segment(Shape):
     """A straight flank; each field is a scalar or an array with an entry a segment (M30).
 
     The foot stays on the segment, so both ends are met as points and the normal turns continuously there.
@@ -42,13 +52,10 @@ class Segment(eqx.Module):
     length: Scalar
 
     def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
-        """The foot of the point (x, y) on each segment (M31).
+        """The foot on each segment.
 
         Behind a segment, between its ends, the distance is negative and the normal still points to the front: so a
         point that a long step has carried through the segment is not taken for one before it.
-
-        **Arguments:** ``x``, ``y``: the point in the segment's axes [m]; ``side``: where a segment's front is, +1 to
-        the right of its direction, -1 to the left.
         """
         from_x, from_y = x - self.start_x, y - self.start_y
         along = from_x * self.direction_x + from_y * self.direction_y
@@ -58,4 +65,29 @@ class Segment(eqx.Module):
         foot_x, foot_y = self.start_x + slant * self.direction_x, self.start_y + slant * self.direction_y
         off_x, off_y = x - foot_x, y - foot_y
         distance = sign * jnp.sqrt(off_x * off_x + off_y * off_y)
-        return Foot(foot_x, foot_y, off_x / distance, off_y / distance, distance, slant)
+        return Foot(foot_x, foot_y, off_x / distance, off_y / distance, distance)
+
+
+class Hole(Shape):
+    """A round hole, seen from inside: the wall around a pin (M105).
+
+    The foot lies where the line from the hole's centre through the pin's meets the wall. Where the centres coincide
+    there is no such line: the normal is then (-1, 0) and has no derivative.
+
+    - ``x``, ``y``: its centre [m].
+    - ``radius``: [m].
+    """
+
+    x: Scalar
+    y: Scalar
+    radius: Scalar
+
+    def foot(self, x: Values | Scalar, y: Values | Scalar, side: Values | Scalar) -> Foot:
+        off_x, off_y = jnp.asarray(x - self.x), jnp.asarray(y - self.y)
+        square = off_x * off_x + off_y * off_y
+        apart = square > 0.0
+        eccentricity = jnp.sqrt(jnp.where(apart, square, 1.0))  # guarded: no derivative of a root at zero
+        out_x = jnp.where(apart, off_x / eccentricity, 1.0)
+        out_y = jnp.where(apart, off_y / eccentricity, 0.0)
+        distance = self.radius - jnp.where(apart, eccentricity, 0.0)
+        return Foot(self.x + self.radius * out_x, self.y + self.radius * out_y, -out_x, -out_y, distance)

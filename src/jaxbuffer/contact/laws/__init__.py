@@ -12,6 +12,15 @@ from .adams import AdamsImpact as AdamsImpact
 from .adams import step as step
 from .base import METHODS
 from .base import ContactLaw as ContactLaw
+from .cylindrical import PIN_IN_HOLE_LAWS as PIN_IN_HOLE_LAWS
+from .cylindrical import Liu as Liu
+from .cylindrical import Pereira as Pereira
+from .cylindrical import SphereInSphere as SphereInSphere
+from .cylindrical import pin_in_hole_law as pin_in_hole_law
+from .damping import DAMPING_FACTORS as DAMPING_FACTORS
+from .damping import damping_factor as damping_factor
+from .hertzian import CarvalhoMartins as CarvalhoMartins
+from .hertzian import DampedHertz as DampedHertz
 from .hertzian import ExactRestitution as ExactRestitution
 from .hertzian import Flores as Flores
 from .hertzian import Gonthier as Gonthier
@@ -22,11 +31,21 @@ from .hertzian import HuntCrossley as HuntCrossley
 from .hertzian import HystereticLaw as HystereticLaw
 from .hertzian import LankaraniNikravesh as LankaraniNikravesh
 from .hertzian import LeeWang as LeeWang
+from .hysteresis import DampedSpring as DampedSpring
+from .hysteresis import PowerLaw as PowerLaw
 from .impact import FreeImpact as FreeImpact
 from .impact import free_impact as free_impact
 from .kelvin_voigt import KelvinVoigt as KelvinVoigt
+from .logarithmic import DubowskyFreudenstein as DubowskyFreudenstein
+from .logarithmic import Esdu78035 as Esdu78035
+from .logarithmic import Goldsmith as Goldsmith
+from .logarithmic import Johnson as Johnson
+from .logarithmic import LogarithmicLaw as LogarithmicLaw
+from .logarithmic import Radzimovsky as Radzimovsky
+from .pin_in_hole import PinInHoleLaw as PinInHoleLaw
 from .pressure import hertz_pressure as hertz_pressure
 from .pressure import yield_pressure as yield_pressure
+from .stiffness import contact_modulus as contact_modulus
 from .stiffness import hertz_stiffness as hertz_stiffness
 from .stiffness import socket_stiffness as socket_stiffness
 from .stiffness import two_spheres_stiffness as two_spheres_stiffness
@@ -40,6 +59,7 @@ _BUILT_IN: Mapping[str, type[ContactLaw]] = {
     "gonthier": Gonthier,
     "flores": Flores,
     "hu-guo": HuGuo,
+    "carvalho-martins": CarvalhoMartins,
     "exact": ExactRestitution,
     "kelvin-voigt": KelvinVoigt,
     "adams": AdamsImpact,

@@ -1,5 +1,6 @@
 """What every normal contact law offers: force from penetration, its rate and the speed at touchdown."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import equinox as eqx
@@ -42,19 +43,7 @@ class ContactLaw(eqx.Module):
         No penetration of a run exceeds that of its peak force: at the deepest point δ̇ = 0, and the spring alone acts.
         It is found by bisection, up to 10 m, unless a law gives it in closed form.
         """
-        wanted = jnp.asarray(force, float)
-
-        def halved(_: int, bracket: tuple[Values, Values]) -> tuple[Values, Values]:
-            low, high = bracket
-            middle = jnp.sqrt(low * high)
-            soft = self.elastic(middle) < wanted
-            return jnp.where(soft, middle, low), jnp.where(soft, high, middle)
-
-        ends = (jnp.full_like(wanted, 1e-15), jnp.full_like(wanted, 10.0))
-        found = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
-        exerted, slope = jax.jvp(self.elastic, (found,), (jnp.ones_like(found),))
-        stiff = jnp.where(slope > 0.0, jax.lax.stop_gradient(slope), 1.0)
-        return jnp.where(wanted > 0.0, found - (exerted - wanted) / stiff, 0.0)  # one step of Newton's: its derivative
+        return depth_at(self.elastic, force)
 
     def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
         """F_n of a closed contact [N].
@@ -91,6 +80,26 @@ class ContactLaw(eqx.Module):
         from .impact import free_impact
 
         return free_impact(self, float(mass), float(speed)).max_penetration
+
+
+def depth_at(function: Callable[[Values], Values], value: Scalar) -> Scalar:
+    """The penetration [m], up to 10 m, at which an increasing function of it takes a ``value``; zero for values ≤ 0.
+
+    Found by bisection, differentiable by the step of Newton's method at its end.
+    """
+    wanted = jnp.asarray(value, float)
+
+    def halved(_: int, bracket: tuple[Values, Values]) -> tuple[Values, Values]:
+        low, high = bracket
+        middle = jnp.sqrt(low * high)
+        shallow = function(middle) < wanted
+        return jnp.where(shallow, middle, low), jnp.where(shallow, high, middle)
+
+    ends = (jnp.full_like(wanted, 1e-15), jnp.full_like(wanted, 10.0))
+    found = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
+    reached, slope = jax.jvp(function, (found,), (jnp.ones_like(found),))
+    steep = jnp.where(slope > 0.0, jax.lax.stop_gradient(slope), 1.0)
+    return jnp.where(wanted > 0.0, found - (reached - wanted) / steep, 0.0)
 
 
 def power(penetration: Values, exponent: Scalar) -> Values:

@@ -1,7 +1,6 @@
-"""Hertz's law and its relatives with hysteresis (M35): they differ in χ̂ alone.
+"""Hertz's law and its relatives with hysteresis (M35): they differ in χ̂ alone (`damping`).
 
-χ̂(e) comes from the restitution e asked for by an energy argument, each author's own. What two free bodies then do
-follows from χ̂ exactly (M46); only `ExactRestitution` delivers what it is asked for.
+What two free bodies do under them follows from χ̂ exactly (M46); only `ExactRestitution` delivers what it is asked for.
 """
 
 from typing import ClassVar
@@ -10,11 +9,21 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from ..._types import Scalar, Values
-from .base import ContactLaw, power, root
+from .damping import (
+    carvalho_martins,
+    flores,
+    gonthier,
+    herbert_mcwhannell,
+    hu_guo,
+    hunt_crossley,
+    lankarani_nikravesh,
+    lee_wang,
+)
+from .hysteresis import PowerLaw
 from .restitution import damping_delivering, psi, restitution_delivered
 
 
-class HystereticLaw(ContactLaw):
+class HystereticLaw(PowerLaw):
     """Base of the laws K δⁿ max(0, 1 + χ̂ δ̇/δ̇⁻) (M35).
 
     - ``stiffness``: K [N/mⁿ].
@@ -22,42 +31,7 @@ class HystereticLaw(ContactLaw):
     - ``exponent``: n [-], 3/2 for a ball.
     """
 
-    stiffness: eqx.AbstractVar[Scalar]
     exponent: float = eqx.field(default=1.5, static=True, kw_only=True)
-
-    @property
-    def hysteresis(self) -> Scalar:
-        """χ̂ [-]."""
-        raise NotImplementedError
-
-    def elastic(self, penetration: Values) -> Values:
-        """K δⁿ [N], zero for δ ≤ 0, with finite derivatives there."""
-        return self.stiffness * power(penetration, self.exponent)
-
-    def energy(self, penetration: Values) -> Values:
-        """K δⁿ⁺¹/(n + 1) [J] (M37)."""
-        return self.elastic(penetration) * penetration / (self.exponent + 1.0)
-
-    def depth(self, force: Scalar) -> Scalar:
-        """(F/K)^(1/n) [m] (M72)."""
-        return root(force / self.stiffness, self.exponent)
-
-    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
-        return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.hysteresis * approach_speed / touchdown_speed)
-
-    def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
-        if self.exponent == 1.5:
-            return (mass**2 / (self.stiffness**2 * speed)) ** 0.2
-        return (mass * speed ** (1.0 - self.exponent) / self.stiffness) ** (1.0 / (self.exponent + 1.0))
-
-    def delivered_restitution(self, mass: Scalar = 1.0, speed: Scalar = 1.0) -> Scalar:
-        """The restitution [-] that solves M46 with d = χ̂, the same for any mass [kg] and speed [m/s]."""
-        return restitution_delivered(self.hysteresis)
-
-    def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
-        """Deepest penetration [m] of two free bodies (M48). ``mass``: effective [kg]; ``speed``: [m/s]."""
-        n = self.exponent + 1.0
-        return (-n * mass * speed**2 / self.stiffness * psi(self.hysteresis)) ** (1.0 / n)
 
 
 class Hertz(HystereticLaw):
@@ -70,6 +44,29 @@ class Hertz(HystereticLaw):
     @property
     def hysteresis(self) -> Scalar:
         return 0.0
+
+
+class DampedHertz(Hertz):
+    """K δ^{3/2} max(0, 1 + a δ̇): Hunt and Crossley's law as they wrote it, with a constant a instead of one for a
+    restitution at the touchdown's speed (M109). Faster impacts lose more.
+
+    ``stiffness``: K [N/m^1.5]; ``damping``: a [s/m].
+    """
+
+    source: ClassVar[str] = "Hunt & Crossley 1975"
+    validity: ClassVar[str] = "a v small against 1: the restitution is about 1 - 2 a v/3"
+    damping: Scalar
+
+    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values:
+        return self.elastic(penetration) * jnp.maximum(0.0, 1.0 + self.damping * approach_speed)
+
+    def delivered_restitution(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """M46 with d = a v."""
+        return restitution_delivered(self.damping * speed)
+
+    def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
+        """M48 with d = a v."""
+        return self.depth_storing(-mass * speed**2 * psi(self.damping * speed))
 
 
 class RestitutionLaw(HystereticLaw):
@@ -91,7 +88,7 @@ class HuntCrossley(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return 1.5 * (1.0 - self.restitution)
+        return hunt_crossley(self.restitution)
 
 
 class HerbertMcWhannell(RestitutionLaw):
@@ -102,8 +99,7 @@ class HerbertMcWhannell(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        e = self.restitution
-        return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+        return herbert_mcwhannell(self.restitution)
 
 
 class LankaraniNikravesh(RestitutionLaw):
@@ -114,7 +110,7 @@ class LankaraniNikravesh(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return 0.75 * (1.0 - self.restitution * self.restitution)
+        return lankarani_nikravesh(self.restitution)
 
 
 class LeeWang(RestitutionLaw):
@@ -125,7 +121,7 @@ class LeeWang(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return 0.75 * (1.0 - self.restitution)
+        return lee_wang(self.restitution)
 
 
 class Gonthier(RestitutionLaw):
@@ -136,7 +132,7 @@ class Gonthier(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return (1.0 - self.restitution * self.restitution) / self.restitution
+        return gonthier(self.restitution)
 
 
 class Flores(RestitutionLaw):
@@ -147,7 +143,7 @@ class Flores(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return 1.6 * (1.0 - self.restitution) / self.restitution
+        return flores(self.restitution)
 
 
 class HuGuo(RestitutionLaw):
@@ -158,7 +154,18 @@ class HuGuo(RestitutionLaw):
 
     @property
     def hysteresis(self) -> Scalar:
-        return 1.5 * (1.0 - self.restitution) / self.restitution
+        return hu_guo(self.restitution)
+
+
+class CarvalhoMartins(RestitutionLaw):
+    """χ̂ = 3 (1 - e) (11 - e)/(2 (1 + 9 e)), below e = 1/3 Gonthier's (M93)."""
+
+    source: ClassVar[str] = "Carvalho & Martins 2019; below e = 1/3 Gonthier et al. 2004"
+    validity: ClassVar[str] = "all e; within 0.0053 (e = 0.24), from e = 1/2 on within 0.0002"
+
+    @property
+    def hysteresis(self) -> Scalar:
+        return carvalho_martins(self.restitution)
 
 
 class ExactRestitution(RestitutionLaw):

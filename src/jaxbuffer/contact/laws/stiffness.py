@@ -25,8 +25,39 @@ def hertz_stiffness(
     - ``young_1``, ``young_2``: Young's moduli of ball and plane [Pa].
     - ``poisson_1``, ``poisson_2``: their Poisson's ratios [-].
     """
-    compliance = (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
+    return ball_stiffness(radius, contact_compliance(young_1, poisson_1, young_2, poisson_2))
+
+
+def ball_stiffness(radius: Scalar, compliance: Scalar) -> Scalar:
+    """K of a ball on a plane [N/m^1.5] (M53).
+
+    **Arguments:** ``radius``: of the ball, or what M54 puts in its place [m]; ``compliance``: 1/E* = σ₁ + σ₂ [1/Pa].
+    """
     return 4.0 * radius**0.5 / (3.0 * compliance)
+
+
+def contact_compliance(
+    young_1: Scalar = YOUNG, poisson_1: Scalar = POISSON, young_2: Scalar = YOUNG, poisson_2: Scalar = POISSON
+) -> Scalar:
+    """1/E* = σ₁ + σ₂ of two bodies [1/Pa] (M53).
+
+    **Arguments:** ``young_1``, ``young_2``: Young's moduli [Pa]; ``poisson_1``, ``poisson_2``: Poisson's ratios [-].
+    """
+    return (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
+
+
+def contact_modulus(
+    young_1: Scalar = YOUNG, poisson_1: Scalar = POISSON, young_2: Scalar = YOUNG, poisson_2: Scalar = POISSON
+) -> Scalar:
+    """E* of two bodies [Pa], Young's modulus over 1 - ν² of both in series (M95).
+
+    **Arguments:** ``young_1``, ``young_2``: Young's moduli [Pa]; ``poisson_1``, ``poisson_2``: Poisson's ratios [-].
+
+    >>> from jaxbuffer.contact.laws import contact_modulus
+    >>> f"{contact_modulus(207e9, 0.3, 207e9, 0.3):.6g} Pa"
+    '1.13736e+11 Pa'
+    """
+    return 1.0 / contact_compliance(young_1, poisson_1, young_2, poisson_2)
 
 
 def two_spheres_stiffness(radius_1: Scalar, radius_2: Scalar, *materials: Scalar) -> Scalar:
