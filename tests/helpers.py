@@ -46,7 +46,7 @@ def integrate(mechanism: Mechanism, times, tolerance=1e-13):
 @eqx.filter_jit
 def _integrate(mechanism, times, tolerance):
     def field(_, y, system):
-        return y[1], system.motion(Kinematics(*y)).acceleration
+        return y[1], system.motion(system.kinematics(*y)).acceleration
 
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field),
@@ -65,7 +65,12 @@ def _integrate(mechanism, times, tolerance):
 
 def energies(system: System, q, v):
     """Kinetic and stored energy along a trajectory [J]."""
-    return jax.vmap(lambda q, v: system.kinetic_energy(v) + system.stored_energy(Kinematics(q, v)))(q, v)
+
+    def energy(q, v):
+        kin = system.kinematics(q, v)
+        return system.kinetic_energy(kin) + system.stored_energy(kin)
+
+    return jax.vmap(energy)(q, v)
 
 
 def _weights(*bodies: Body) -> tuple[AppliedForce, ...]:

@@ -101,7 +101,8 @@ def test_slider_crank_of_sundials_and_its_gradients():
         def field(_, y, __):
             q, v, _ = y
             system = mechanism.system
-            return v, system.motion(Kinematics(q, v)).acceleration, system.kinetic_energy(v)
+            kin = Kinematics(q, v)
+            return v, system.motion(kin).acceleration, system.kinetic_energy(kin)
 
         return diffrax.diffeqsolve(
             diffrax.ODETerm(field),

@@ -1,6 +1,7 @@
-"""Planar rigid bodies: bodies, joints, force elements, the augmented index-1 system. Knows no contact, no capture."""
+"""Planar bodies, rigid and flexible: joints, force elements, the augmented index-1 system. Knows no contact."""
 
 from .body import Body as Body
+from .flexible_body import FlexibleBody as FlexibleBody
 from .forces import AppliedForce as AppliedForce
 from .forces import AppliedTorque as AppliedTorque
 from .forces import AxialSpringDamper as AxialSpringDamper
@@ -11,6 +12,8 @@ from .forces import SpringDirection as SpringDirection
 from .forces import TorsionalSpringDamper as TorsionalSpringDamper
 from .forces import load_at as load_at
 from .initial import assemble as assemble
+from .joints import ConstantSpeed as ConstantSpeed
+from .joints import DrivenAngle as DrivenAngle
 from .joints import FixedAngle as FixedAngle
 from .joints import Joint as Joint
 from .joints import PointOnLine as PointOnLine
@@ -19,7 +22,10 @@ from .joints import Revolute as Revolute
 from .joints import Row as Row
 from .joints import Weld as Weld
 from .kinematics import GROUND as GROUND
+from .kinematics import Block as Block
 from .kinematics import Kinematics as Kinematics
+from .kinematics import MaterialPoint as MaterialPoint
+from .kinematics import Point as Point
 from .system import Constraints as Constraints
 from .system import Motion as Motion
 from .system import System as System

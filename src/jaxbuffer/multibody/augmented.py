@@ -1,7 +1,8 @@
-"""The augmented system ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; r]`` with M diagonal (M16), solved by its Schur complement.
+"""The augmented system ``[M Φ_qᵀ; Φ_q 0] [q̈; λ] = [F; r]`` (M16), solved by its Schur complement.
 
-The multipliers come from ``Φ_q M⁻¹ Φ_qᵀ`` (M17), a few rows written out without the zeros of Φ_q: sums of products
-rather than matrix products, since XLA hands even tiny products to a library.
+M is diagonal, but for a block for each flexible body. The multipliers come from ``Φ_q M⁻¹ Φ_qᵀ`` (M17), a few rows
+written out without the zeros of Φ_q: sums of products rather than matrix products, since XLA hands even tiny products
+to a library.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..plane import ldl_solve
+from ..plane import Factors, ldl_solve
 
 Pattern = tuple[tuple[tuple[int, int], ...], ...]
 """For each row of Φ_q its entries that can differ from zero: (column, index into the values)."""
@@ -45,8 +46,79 @@ class SparseRows(NamedTuple):
         return [sum(self.values[k] * vector[column] for column, k in row) for row in self.pattern]
 
 
+Layout = tuple[tuple[tuple[int, ...], tuple[tuple[int, ...], ...]], ...]
+"""For each block of M its columns, and its lower half row by row: an index into the values, -1 for a zero."""
+
+
+class MassMatrix(NamedTuple):
+    """M.
+
+    - ``inverse``: (coordinates,) its diagonal's reciprocals [1/kg, 1/kg, 1/(kg m²), …]; unused in columns of blocks.
+    - ``values``: (entries,) of the blocks [kg, kg m, kg m²].
+    - ``layout``: where they stand.
+    """
+
+    inverse: Float[Array, " coordinates"]
+    values: Float[Array, " entries"]
+    layout: Layout = ()
+
+    @staticmethod
+    def of(
+        inverse: Float[Array, " coordinates"], blocks: Sequence[tuple[tuple[int, ...], Sequence[Sequence[Scalar]]]]
+    ) -> "MassMatrix":
+        """From the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
+        values: list[Scalar] = []
+        layout = []
+        for columns, rows in blocks:
+            indices = []
+            for row in rows:
+                kept = [not (isinstance(entry, float) and entry == 0.0) for entry in row]
+                indices.append(tuple(len(values) + sum(kept[:k]) if keep else -1 for k, keep in enumerate(kept)))
+                values += [entry for entry, keep in zip(row, kept, strict=True) if keep]
+            layout.append((columns, tuple(indices)))
+        return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout))
+
+    def blocks(self) -> list[tuple[tuple[int, ...], list[list[Scalar]]]]:
+        """The columns of each block, and its lower half."""
+        entry = lambda k: self.values[k] if k >= 0 else 0.0  # noqa: E731
+        return [(columns, [[entry(k) for k in row] for row in rows]) for columns, rows in self.layout]
+
+    def factored(self) -> "FactoredMass":
+        """M, ready to be solved with."""
+        return FactoredMass(self.inverse, [(columns, Factors.of(rows)) for columns, rows in self.blocks()])
+
+
+class FactoredMass(NamedTuple):
+    """M, ready to be solved with: the diagonal's reciprocals, and the columns and factors of each block."""
+
+    inverse: Float[Array, " coordinates"]
+    blocks: list[tuple[tuple[int, ...], Factors]]
+
+    def solve_row(self, row: Mapping[int, Scalar]) -> dict[int, Scalar]:
+        """M⁻¹ times a vector given by its entries that can differ from zero."""
+        inside = {column for columns, _ in self.blocks for column in columns}
+        solved: dict[int, Scalar] = {
+            column: entry * self.inverse[column] for column, entry in row.items() if column not in inside
+        }
+        for columns, factors in self.blocks:
+            if any(column in row for column in columns):
+                solved.update(zip(columns, factors.solve([row.get(column, 0.0) for column in columns]), strict=True))
+        return solved
+
+    def solve(self, vector: Float[Array, " coordinates"]) -> Float[Array, " coordinates"]:
+        """M⁻¹ times a vector."""
+        solved = self.inverse * vector
+        if not self.blocks:
+            return solved
+        entries = [solved[k] for k in range(vector.shape[0])]
+        for columns, factors in self.blocks:
+            for column, entry in zip(columns, factors.solve([vector[column] for column in columns]), strict=True):
+                entries[column] = entry
+        return stacked(entries)
+
+
 def solve_augmented(
-    inverse_mass: Float[Array, " coordinates"],
+    mass: MassMatrix,
     jacobian: SparseRows,
     force: Float[Array, " coordinates"],
     rhs: Float[Array, " rows"],
@@ -55,50 +127,65 @@ def solve_augmented(
 
     **Arguments:**
 
-    - ``inverse_mass``: (coordinates,) the diagonal of M⁻¹ [1/kg, 1/kg, 1/(kg m²), …].
+    - ``mass``: M.
     - ``jacobian``: Φ_q.
     - ``force``: (coordinates,) F [N, N, N m, …].
     - ``rhs``: (rows,) what Φ_q q̈ must be [m/s², rad/s²].
 
     **Returns:** accelerations q̈, (coordinates,) [m/s², rad/s²], and multipliers λ, (rows,) [N, N m].
     """
-    if not jacobian.pattern:
-        return inverse_mass * force, rhs
-    return _solve(jacobian.pattern, inverse_mass, jacobian.values, force, rhs)
+    return _solve((jacobian.pattern, mass.layout), mass.inverse, mass.values, jacobian.values, force, rhs)
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _solve(
-    pattern: Pattern, inverse_mass: Array, values: Array, force: Array, rhs: Array
+    static: tuple[Pattern, Layout], inverse: Array, masses: Array, values: Array, force: Array, rhs: Array
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " rows"]]:
-    jacobian = SparseRows(values, pattern)
-    columns = [dict(row) for row in pattern]
-    weighted = [{column: values[k] * inverse_mass[column] for column, k in row} for row in pattern]
+    pattern, layout = static
+    mass, jacobian = MassMatrix(inverse, masses, layout).factored(), SparseRows(values, pattern)
+    if not pattern:
+        return mass.solve(force), rhs
+    rows = [{column: values[k] for column, k in row} for row in pattern]
+    weighted = [mass.solve_row(row) for row in rows]
     schur = [
-        [
-            sum((weighted[j][c] * values[k] for c, k in columns[i].items() if c in weighted[j]), 0.0)
-            for j in range(i + 1)
-        ]
-        for i in range(len(pattern))
+        [sum((weighted[j][c] * entry for c, entry in rows[i].items() if c in weighted[j]), 0.0) for j in range(i + 1)]
+        for i in range(len(rows))
     ]
-    unheld = jacobian.times(inverse_mass * force)
+    unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
     multipliers = ldl_solve(schur, [unheld[i] - rhs[i] for i in range(len(pattern))])
-    return inverse_mass * (force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
+    return mass.solve(force - _reaction(jacobian, multipliers, force.shape[0])), multipliers
 
 
 @_solve.defjvp
-def _solve_jvp(pattern: Pattern, primals: tuple, tangents: tuple) -> tuple:
+def _solve_jvp(static: tuple[Pattern, Layout], primals: tuple, tangents: tuple) -> tuple:
     """The same system answers a small change, with another right-hand side (M18): far cheaper than differentiating the
     factorisation."""
-    inverse_mass, values, _, _ = primals
-    d_inverse_mass, d_values, d_force, d_rhs = tangents
-    acceleration, multipliers = _solve(pattern, *primals)
+    pattern, layout = static
+    inverse, masses, values, _, _ = primals
+    d_inverse, d_masses, d_values, d_force, d_rhs = tangents
+    acceleration, multipliers = _solve(static, *primals)
     moved = SparseRows(d_values, pattern)
     # M q̈ = F - Φ_qᵀ λ is what an inverse mass multiplies.
-    d_force = d_force + d_inverse_mass * acceleration / inverse_mass**2
-    d_force = d_force - _reaction(moved, multipliers, acceleration.shape[0])
-    d_rhs = d_rhs - stacked(moved.times(acceleration))
-    return (acceleration, multipliers), _solve(pattern, inverse_mass, values, d_force, d_rhs)
+    d_force = d_force + d_inverse * acceleration / inverse**2
+    if layout:
+        d_force = d_force - _block_product(MassMatrix(inverse, d_masses, layout), acceleration)
+    if pattern:
+        d_force = d_force - _reaction(moved, multipliers, acceleration.shape[0])
+        d_rhs = d_rhs - stacked(moved.times(acceleration))
+    return (acceleration, multipliers), _solve(static, inverse, masses, values, d_force, d_rhs)
+
+
+def _block_product(mass: MassMatrix, vector: Float[Array, " coordinates"]) -> Float[Array, " coordinates"]:
+    """The blocks of M times a vector, zero in all other columns."""
+    total: list[Scalar] = [0.0] * vector.shape[0]
+    for columns, rows in mass.blocks():
+        for i, row in enumerate(rows):
+            for j, entry in enumerate(row):
+                if not isinstance(entry, float):
+                    total[columns[i]] = total[columns[i]] + entry * vector[columns[j]]
+                    if i != j:
+                        total[columns[j]] = total[columns[j]] + entry * vector[columns[i]]
+    return stacked(total)
 
 
 def _reaction(jacobian: SparseRows, multipliers: Array, coordinates: int) -> Float[Array, " coordinates"]:

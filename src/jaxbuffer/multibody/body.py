@@ -3,6 +3,7 @@
 import equinox as eqx
 
 from .._types import Scalar
+from .flexible.modes import Marker
 
 
 class Body(eqx.Module):
@@ -14,3 +15,8 @@ class Body(eqx.Module):
 
     mass: Scalar
     inertia: Scalar
+
+    @property
+    def centre_of_mass(self) -> tuple[Scalar, Scalar] | Marker:
+        """Where its weight acts."""
+        return (0.0, 0.0)

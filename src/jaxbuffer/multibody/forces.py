@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from .._types import Scalar
 from ..plane import Vector
-from .kinematics import Kinematics
+from .kinematics import Block, Kinematics, MaterialPoint, Point
 
 PASSING = 1e-6  # m
 
@@ -17,29 +17,37 @@ class Load(NamedTuple):
     """What acts on one body (M19).
 
     - ``body``: its index, or ``GROUND``.
-    - ``force``: through the centre of mass, in inertial axes [N].
-    - ``moment``: about the centre of mass [N m].
+    - ``force``: through the origin of its frame, in inertial axes [N].
+    - ``moment``: about that [N m].
+    - ``modal``: on each modal coordinate [N]; empty for a rigid body.
     """
 
     body: int
     force: Vector
     moment: Scalar
+    modal: tuple[Scalar, ...] = ()
 
 
-def load_at(body: int, force: Vector, arm: Vector) -> Load:
-    """The load of a force that acts away from the centre of mass (M19).
+def load_at(point: MaterialPoint, force: Vector, moment: Scalar = 0.0) -> Load:
+    """The load of a force and a moment that act at a material point (M19).
 
-    **Arguments:** ``body``: its index; ``force``: in inertial axes [N]; ``arm``: from the centre of mass, in inertial
-    axes [m].
+    **Arguments:** ``point``; ``force``: in inertial axes [N]; ``moment``: [N m].
     """
-    return Load(body, force, arm.cross(force))
+    pairs = zip(point.shapes, point.rotations, strict=True)
+    modal = tuple(shape.dot(force) + rotation * moment for shape, rotation in pairs)
+    return Load(point.body, force, point.arm.cross(force) + moment, modal)
+
+
+def turn_at(point: MaterialPoint, moment: Scalar) -> Load:
+    """The load of a moment alone that acts at a material point (M19). ``moment``: [N m]."""
+    return Load(point.body, Vector(0.0, 0.0), moment, tuple(rotation * moment for rotation in point.rotations))
 
 
 class SpringDirection(NamedTuple):
-    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (u, v, θ) times the body's
-    velocity; ``stiffness`` and ``damping`` per unit of that length."""
+    """How a spring-damper acts: the rate of its length is the sum over bodies of ``blocks`` (u, v, θ, modal
+    coordinates) times the body's velocity; ``stiffness`` and ``damping`` per unit of that length."""
 
-    blocks: Mapping[int, tuple[Scalar, Scalar, Scalar]]
+    blocks: Mapping[int, Block]
     stiffness: Scalar
     damping: Scalar
 
@@ -70,15 +78,15 @@ class AxialState(NamedTuple):
     - ``length``: L [m]; with a guide it may be negative (M25).
     - ``rate``: L̇ [m/s].
     - ``along``: unit vector from the first end to the second [-].
-    - ``first_arm``, ``second_arm``: of the ends, from their bodies' centres of mass, in inertial axes [m].
+    - ``first``, ``second``: the ends.
     - ``separation_rate``: Ḋ [m/s].
     """
 
     length: Scalar
     rate: Scalar
     along: Vector
-    first_arm: Vector
-    second_arm: Vector
+    first: MaterialPoint
+    second: MaterialPoint
     separation_rate: Vector
 
 
@@ -86,7 +94,7 @@ class AxialSpringDamper(ForceElement):
     """Spring and damper between two points; its tension is f = k (L - l_0) + c L̇ (M23).
 
     - ``first``, ``second``: bodies (indices, or ``GROUND``).
-    - ``first_point``, ``second_point``: (x, y) of the ends in the axes of their bodies [m].
+    - ``first_point``, ``second_point``: the ends, on their bodies.
     - ``stiffness``: k [N/m].
     - ``damping``: c [N s/m].
     - ``free_length``: l_0 [m].
@@ -98,8 +106,8 @@ class AxialSpringDamper(ForceElement):
 
     first: int = eqx.field(static=True)
     second: int = eqx.field(static=True)
-    first_point: tuple[Scalar, Scalar]
-    second_point: tuple[Scalar, Scalar]
+    first_point: Point
+    second_point: Point
     stiffness: Scalar
     damping: Scalar
     free_length: Scalar
@@ -108,10 +116,8 @@ class AxialSpringDamper(ForceElement):
 
     def state(self, kin: Kinematics) -> AxialState:
         """Length, rate and direction at one instant (M22, M25)."""
-        i, j = kin.frame(self.first), kin.frame(self.second)
-        a, b = i.turn(Vector(*self.first_point)), j.turn(Vector(*self.second_point))
-        separation = j.origin + b - i.origin - a
-        rate = j.velocity_at(b) - i.velocity_at(a)
+        i, j = kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
+        separation, rate = j.place - i.place, j.velocity - i.velocity
         if self.guide is None:
             length = jnp.sqrt(separation.dot(separation))
             along = separation * (1.0 / length)
@@ -122,12 +128,11 @@ class AxialSpringDamper(ForceElement):
             line = Vector(*(jnp.where(passing, g, d) for g, d in zip(axis, separation, strict=True)))
             size = jnp.sqrt(line.dot(line))
             length, along = jnp.where(passing, signed, size), line * (1.0 / size)
-        return AxialState(length, rate.dot(along), along, a, b, rate)
+        return AxialState(length, rate.dot(along), along, i, j, rate)
 
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
         s = self.state(kin)
-        u, a, b = s.along, s.first_arm, s.second_arm
-        blocks = {self.first: (-u.x, -u.y, -a.cross(u)), self.second: (u.x, u.y, b.cross(u))}
+        blocks = {self.first: s.first.along(-s.along), self.second: s.second.along(s.along)}
         return (SpringDirection(blocks, self.stiffness, self.damping),)
 
     def tension(self, kin: Kinematics) -> Scalar:
@@ -140,7 +145,7 @@ class AxialSpringDamper(ForceElement):
         elastic = s.along * (self.stiffness * (s.length - self.free_length))
         viscous = s.separation_rate if self.published_damping else s.along * s.rate
         pull = elastic + viscous * self.damping
-        return load_at(self.first, pull, s.first_arm), load_at(self.second, -pull, s.second_arm)
+        return load_at(s.first, pull), load_at(s.second, -pull)
 
     def energy(self, kin: Kinematics) -> Scalar:
         return 0.5 * self.stiffness * (self.state(kin).length - self.free_length) ** 2
@@ -158,6 +163,7 @@ class TorsionalSpringDamper(ForceElement):
     - ``stiffness``: k [N m/rad].
     - ``damping``: c [N m s/rad].
     - ``angle``: θ_j - θ_i at rest [rad].
+    - ``first_point``, ``second_point``: where a flexible body is held, a marker.
     """
 
     first: int = eqx.field(static=True)
@@ -165,48 +171,52 @@ class TorsionalSpringDamper(ForceElement):
     stiffness: Scalar
     damping: Scalar
     angle: Scalar = 0.0
+    first_point: Point = (0.0, 0.0)
+    second_point: Point = (0.0, 0.0)
+
+    def _ends(self, kin: Kinematics) -> tuple[MaterialPoint, MaterialPoint]:
+        return kin.point(self.first, self.first_point), kin.point(self.second, self.second_point)
 
     def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
-        blocks = {self.first: (0.0, 0.0, -1.0), self.second: (0.0, 0.0, 1.0)}
+        i, j = self._ends(kin)
+        blocks = {self.first: tuple(-entry for entry in i.turning()), self.second: j.turning()}
         return (SpringDirection(blocks, self.stiffness, self.damping),)
 
     def torque(self, kin: Kinematics) -> Scalar:
         """Torque on ``second`` [N m]."""
-        i, j = kin.frame(self.first), kin.frame(self.second)
+        i, j = self._ends(kin)
         return -self.stiffness * (j.angle - i.angle - self.angle) - self.damping * (j.spin - i.spin)
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         torque = self.torque(kin)
-        none = Vector(0.0, 0.0)
-        return Load(self.first, none, -torque), Load(self.second, none, torque)
+        return tuple(turn_at(end, moment) for end, moment in zip(self._ends(kin), (-torque, torque), strict=True))
 
     def energy(self, kin: Kinematics) -> Scalar:
-        i, j = kin.frame(self.first), kin.frame(self.second)
+        i, j = self._ends(kin)
         return 0.5 * self.stiffness * (j.angle - i.angle - self.angle) ** 2
 
     def dissipation(self, kin: Kinematics) -> Scalar:
-        i, j = kin.frame(self.first), kin.frame(self.second)
+        i, j = self._ends(kin)
         return self.damping * (j.spin - i.spin) ** 2
 
 
 class AppliedForce(ForceElement):
-    """A constant force at a point of a body (M27). Weight is one at the centre of mass.
+    """A constant force at a point of a body (M27). A rigid body's weight is one at the centre of mass.
 
     - ``body``: its index.
     - ``force``: (x, y) in inertial axes [N].
-    - ``point``: (x, y) in the body's axes [m].
+    - ``point``: where it acts.
     """
 
     body: int = eqx.field(static=True)
     force: tuple[Scalar, Scalar]
-    point: tuple[Scalar, Scalar] = (0.0, 0.0)
+    point: Point = (0.0, 0.0)
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
-        return (load_at(self.body, Vector(*self.force), kin.frame(self.body).turn(Vector(*self.point))),)
+        return (load_at(kin.point(self.body, self.point), Vector(*self.force)),)
 
     def energy(self, kin: Kinematics) -> Scalar:
-        frame = kin.frame(self.body)
-        return -Vector(*self.force).dot(frame.origin + frame.turn(Vector(*self.point)))
+        return -Vector(*self.force).dot(kin.point(self.body, self.point).place)
 
 
 class AppliedTorque(ForceElement):
@@ -214,13 +224,15 @@ class AppliedTorque(ForceElement):
 
     - ``body``: its index.
     - ``torque``: [N m].
+    - ``point``: where it acts on a flexible body, a marker.
     """
 
     body: int = eqx.field(static=True)
     torque: Scalar
+    point: Point = (0.0, 0.0)
 
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
-        return (Load(self.body, Vector(0.0, 0.0), self.torque),)
+        return (turn_at(kin.point(self.body, self.point), self.torque),)
 
     def energy(self, kin: Kinematics) -> Scalar:
-        return -self.torque * kin.frame(self.body).angle
+        return -self.torque * kin.point(self.body, self.point).angle

@@ -1,10 +1,8 @@
-"""Consistent initialisation: positions onto Φ = 0, velocities onto Φ_q q̇ = 0, moving as little mass as possible."""
+"""Consistent initialisation: positions onto Φ = 0, velocities onto Φ_q q̇ + Φ_t = 0, with the least mass moved."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..plane import ldl_solve
-from .kinematics import Kinematics
 from .system import System
 
 
@@ -21,19 +19,14 @@ def assemble(
     - ``iterations``: Newton steps on the positions.
 
     **Returns:** consistent ``(q, v)``. A guess too far from any assembly shows as a Φ that stays large: look at
-    ``system.constraints(Kinematics(q, v)).phi``.
+    ``system.errors(system.kinematics(q, v))``.
     """
-    inverse_mass = 1.0 / system.masses()
-
-    def correction(jacobian: Array, defect: Array) -> Array:
-        weighted = jacobian * inverse_mass[None]
-        schur = jnp.sum(weighted[:, None, :] * jacobian[None, :, :], axis=-1)
-        return jnp.sum(ldl_solve(schur, defect)[:, None] * weighted, axis=0)
-
     if not system.joints:
         return q, v
+    none = jnp.zeros_like(q)
     for _ in range(iterations):
-        phi, jacobian, _ = system.constraints(Kinematics(q, v))
-        q = q - correction(jacobian, phi)
-    jacobian = system.constraints(Kinematics(q, v)).jacobian
-    return q, v - correction(jacobian, jnp.sum(jacobian * v[None], axis=-1))
+        kin = system.kinematics(q, v)
+        q = q + system.solve(kin, none, -system.errors(kin))
+    kin = system.kinematics(q, v)
+    found = system.constraints(kin)
+    return q, v - system.solve(kin, none, found.rate + jnp.sum(found.jacobian * v[None], axis=-1))

@@ -1,7 +1,4 @@
-"""A planar multibody system: bodies, joints, force elements, and its augmented index-1 equations of motion (M16).
-
-M is diagonal (see `augmented`).
-"""
+"""A planar multibody system: bodies, joints, force elements, and its augmented index-1 equations of motion (M16)."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,11 +9,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from .augmented import SparseRows, solve_augmented
+from ..plane import Vector
+from .augmented import MassMatrix, SparseRows, solve_augmented
 from .body import Body
-from .forces import ForceElement, Load
+from .flexible_body import FlexibleBody
+from .forces import ForceElement, Load, SpringDirection
 from .joints import Joint, Row
-from .kinematics import GROUND, Kinematics
+from .kinematics import GROUND, Block, Kinematics
 
 
 class Constraints(NamedTuple):
@@ -25,11 +24,13 @@ class Constraints(NamedTuple):
     - ``phi``: (rows,) Φ [m, rad].
     - ``jacobian``: (rows, coordinates) Φ_q.
     - ``gamma``: (rows,) γ [m/s², rad/s²].
+    - ``rate``: (rows,) Φ_t, zero but for drives [m/s, rad/s].
     """
 
     phi: Float[Array, " rows"]
     jacobian: Float[Array, "rows coordinates"]
     gamma: Float[Array, " rows"]
+    rate: Float[Array, " rows"]
 
 
 class Motion(NamedTuple):
@@ -50,7 +51,7 @@ class System(eqx.Module):
     - ``joints``, ``forces``: elements that refer to bodies by index.
     - ``stabilisation``: Baumgarte's gain α = β [1/s] (M16). It should be near the fastest motion of interest and far
       below the frequency of any contact: errors of the constraints then decay in 1/α and do not disturb the motion.
-    - ``inverse_masses``: (coordinates,) the diagonal of M⁻¹ [1/kg, 1/kg, 1/(kg m²), …].
+    - ``inverse_masses``: (coordinates,) of rigid bodies the diagonal of M⁻¹ [1/kg, 1/kg, 1/(kg m²), …].
     """
 
     bodies: tuple[Body, ...]
@@ -67,27 +68,63 @@ class System(eqx.Module):
         stabilisation: Scalar = 20.0,
     ):
         self.bodies, self.joints, self.forces, self.stabilisation = bodies, joints, forces, stabilisation
-        self.inverse_masses = 1.0 / self.masses()
+        masses = self.masses()
+        self.inverse_masses = 1.0 / (jnp.where(masses == 0.0, 1.0, masses) if self.modes else masses)
 
     @property
     def coordinates(self) -> int:
-        """Number of coordinates, three for each body."""
-        return 3 * len(self.bodies)
+        """Number of coordinates, three for each body and one for each mode."""
+        return 3 * len(self.bodies) + sum(self.modes)
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Number of modes of each body; empty if all are rigid."""
+        if not self.flexible:
+            return ()
+        return tuple(body.size if isinstance(body, FlexibleBody) else 0 for body in self.bodies)
+
+    @property
+    def flexible(self) -> tuple[tuple[int, FlexibleBody], ...]:
+        """The flexible bodies, each with its index."""
+        return tuple((k, body) for k, body in enumerate(self.bodies) if isinstance(body, FlexibleBody))
+
+    def kinematics(
+        self, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"], time: Scalar = 0.0
+    ) -> Kinematics:
+        """Frames of all bodies. ``q``, ``v``: (coordinates,); ``time``: for drives [s]."""
+        return Kinematics(q, v, time, self.modes)
+
+    def columns(self, body: int) -> tuple[int, ...]:
+        """Which coordinates are a body's: u, v, θ, then its modal ones."""
+        first = 3 * len(self.bodies) + sum(self.modes[:body])
+        own = self.modes[body] if self.modes else 0
+        return (3 * body, 3 * body + 1, 3 * body + 2, *range(first, first + own))
 
     def masses(self) -> Float[Array, " coordinates"]:
-        """(coordinates,) the diagonal of M [kg, kg, kg m², …] (M4)."""
-        return jnp.stack([jnp.asarray(m, float) for b in self.bodies for m in (b.mass, b.mass, b.inertia)])
+        """(coordinates,) the diagonal of M of rigid bodies, zero for flexible ones [kg, kg, kg m², …] (M4)."""
+        rigid = [(0.0,) * 3 if isinstance(b, FlexibleBody) else (b.mass, b.mass, b.inertia) for b in self.bodies]
+        diagonal = jnp.stack([jnp.asarray(m, float) for three in rigid for m in three])
+        return jnp.pad(diagonal, (0, sum(self.modes))) if self.modes else diagonal
+
+    def mass_matrix(self, kin: Kinematics) -> MassMatrix:
+        """M (M16), with a block for each flexible body (M121)."""
+        blocks = []
+        for k, body in self.flexible:
+            u, v, angle, *modal = self.columns(k)
+            blocks.append(((*modal, u, v, angle), body.mass_block(kin.frame(k), kin.modal(k)[0])))
+        return MassMatrix.of(self.inverse_masses, blocks)
 
     def constraints(self, kin: Kinematics) -> Constraints:
         """Φ, Φ_q and γ of all joints, in their order."""
         rows = self._rows(kin)
         jacobian = jnp.zeros((len(rows), self.coordinates))
-        for i, entries in enumerate(_entries(rows)):
+        for i, entries in enumerate(self._entries(rows)):
             for column, entry in entries.items():
                 jacobian = jacobian.at[i, column].set(entry)
-        if not rows:
-            return Constraints(jnp.zeros(0), jacobian, jnp.zeros(0))
-        return Constraints(stacked([row.phi for row in rows]), jacobian, stacked([row.gamma for row in rows]))
+        phi, gamma, rate = (
+            stacked([getattr(row, name) for row in rows]) if rows else jnp.zeros(0) for name in ("phi", "gamma", "rate")
+        )
+        return Constraints(phi, jacobian, gamma, rate)
 
     def errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         """(rows,) Φ alone: how far the joints are from holding [m, rad]."""
@@ -99,30 +136,56 @@ class System(eqx.Module):
 
     def generalised_force(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Float[Array, " coordinates"]:
         """(coordinates,) F: the loads of the force elements and ``extra`` ones, such as contacts', by body [N, N, N m,
-        …] (M19)."""
-        total: list[list[Scalar]] = [[0.0, 0.0, 0.0] for _ in self.bodies]
-        for load in [load for element in self.forces for load in element.loads(kin)] + list(extra):
+        …] (M19), and what deformation and its rate exert in flexible bodies (M122)."""
+        total: list[Scalar] = [0.0] * self.coordinates
+        loads = [load for element in self.forces for load in element.loads(kin)] + list(extra)
+        loads += [Load(k, *body.velocity_force(kin.frame(k), *kin.modal(k))) for k, body in self.flexible]
+        for load in loads:
             if load.body != GROUND:
-                row = total[load.body]
-                row[0], row[1], row[2] = row[0] + load.force.x, row[1] + load.force.y, row[2] + load.moment
-        return stacked([component for row in total for component in row])
+                entries = (load.force.x, load.force.y, load.moment, *load.modal)
+                for column, entry in zip(self.columns(load.body), entries, strict=False):
+                    total[column] = total[column] + entry
+        return stacked(total)
 
     def motion(self, kin: Kinematics, extra: tuple[Load, ...] = ()) -> Motion:
         """Accelerations and multipliers (M16). ``kin``: frames; ``extra``: loads besides the force elements'."""
         rows, alpha = self._rows(kin), self.stabilisation
-        jacobian = SparseRows.of(_entries(rows))
+        jacobian = SparseRows.of(self._entries(rows))
         drift = zip(rows, jacobian.times(kin.v), strict=True)
-        rhs = [row.gamma - 2.0 * alpha * rate - alpha * alpha * row.phi for row, rate in drift]
+        rhs = [row.gamma - 2.0 * alpha * (row.rate + rate) - alpha * alpha * row.phi for row, rate in drift]
         force = self.generalised_force(kin, extra)
-        return Motion(*solve_augmented(self.inverse_masses, jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)))
+        return Motion(*solve_augmented(self.mass_matrix(kin), jacobian, force, stacked(rhs) if rhs else jnp.zeros(0)))
 
-    def direction(self, blocks: Mapping[int, tuple[Scalar, Scalar, Scalar]]) -> Float[Array, " coordinates"]:
-        """Blocks (u, v, θ) by body as one vector, zero for all other bodies."""
+    def solve(
+        self, kin: Kinematics, force: Float[Array, " coordinates"], rhs: Float[Array, " rows"]
+    ) -> Float[Array, " coordinates"]:
+        """(coordinates,) x with M x + Φ_qᵀ λ = ``force`` and Φ_q x = ``rhs`` (M17)."""
+        return solve_augmented(self.mass_matrix(kin), SparseRows.of(self._entries(self._rows(kin))), force, rhs)[0]
+
+    @property
+    def driven(self) -> bool:
+        """Whether a joint prescribes a motion over time."""
+        return any(joint.driven for joint in self.joints)
+
+    def drive_power(self, kin: Kinematics, multipliers: Float[Array, " rows"]) -> Scalar:
+        """What the drives put in [W], λ·Φ_t (M107). ``multipliers``: λ, (rows,)."""
+        rows = enumerate(self._rows(kin))
+        return sum((multipliers[k] * row.rate for k, row in rows if not isinstance(row.rate, float)), jnp.zeros(()))
+
+    def direction(self, blocks: Mapping[int, Block]) -> Float[Array, " coordinates"]:
+        """Blocks (u, v, θ, modal coordinates) by body as one vector, zero for all other bodies."""
         entries: list[Scalar] = [0.0] * self.coordinates
         for body, block in blocks.items():
             if body != GROUND:
-                entries[3 * body : 3 * body + 3] = block
+                for column, entry in zip(self.columns(body), block, strict=False):
+                    entries[column] = entry
         return stacked(entries)
+
+    def springs(self, kin: Kinematics) -> tuple[SpringDirection, ...]:
+        """The spring-dampers in force elements and flexible bodies, their directions frozen: what implicit steps take
+        for stiff."""
+        elements = [spring for element in self.forces for spring in element.springs(kin)]
+        return (*elements, *(spring for k, body in self.flexible for spring in body.springs(k)))
 
     def response(
         self, kin: Kinematics, directions: Float[Array, "coordinates rank"]
@@ -132,10 +195,8 @@ class System(eqx.Module):
         **Arguments:** ``kin``: frames; ``directions``: (coordinates, rank), a force a column. **Returns:** the same
         shape.
         """
-        jacobian = SparseRows.of(_entries(self._rows(kin)))
-        rest, inverse_mass = jnp.zeros(len(jacobian.pattern)), self.inverse_masses
-        column = lambda direction: solve_augmented(inverse_mass, jacobian, direction, rest)[0]  # noqa: E731
-        return jax.vmap(column, in_axes=1, out_axes=1)(directions)
+        rest = jnp.zeros(len(self._rows(kin)))
+        return jax.vmap(lambda direction: self.solve(kin, direction, rest), in_axes=1, out_axes=1)(directions)
 
     def effective_mass(self, kin: Kinematics, direction: Float[Array, " coordinates"]) -> Float[Array, ""]:
         """The mass that a force along a direction meets [kg] (M21).
@@ -144,25 +205,43 @@ class System(eqx.Module):
         """
         return 1.0 / jnp.sum(direction * self.response(kin, direction[:, None])[:, 0])
 
-    def kinetic_energy(self, v: Float[Array, " coordinates"]) -> Float[Array, ""]:
-        """½ vᵀ M v [J] (M76). ``v``: (coordinates,)."""
-        return 0.5 * jnp.sum(self.masses() * v * v)
+    def kinetic_energy(self, kin: Kinematics) -> Float[Array, ""]:
+        """½ q̇ᵀ M q̇ [J] (M76, M123)."""
+        total = 0.5 * jnp.sum(self.masses() * kin.v * kin.v)
+        return total + sum(body.kinetic_energy(kin.frame(k), *kin.modal(k)) for k, body in self.flexible)
 
     def stored_energy(self, kin: Kinematics) -> Scalar:
-        """Energy stored in the force elements [J]."""
-        return sum((element.energy(kin) for element in self.forces), start=jnp.zeros(()))
+        """Energy stored in force elements and flexible bodies [J]."""
+        elastic = [body.elastic_energy(kin.modal(k)[0]) for k, body in self.flexible]
+        return sum([element.energy(kin) for element in self.forces] + elastic, start=jnp.zeros(()))
 
-    def linear_momentum(self, v: Float[Array, " coordinates"]) -> Float[Array, " 2"]:
-        """(2,) Σ m ṙ [kg m/s] (M77). ``v``: (coordinates,)."""
-        momentum = self.masses() * v
-        return jnp.stack([jnp.sum(momentum[0::3]), jnp.sum(momentum[1::3])])
+    def dissipation(self, kin: Kinematics) -> Scalar:
+        """Power turned into heat in force elements and flexible bodies [W]."""
+        damped = [body.dissipation(kin.modal(k)[1]) for k, body in self.flexible]
+        return sum([element.dissipation(kin) for element in self.forces] + damped, start=jnp.zeros(()))
 
-    def angular_momentum(self, q: Float[Array, " coordinates"], v: Float[Array, " coordinates"]) -> Float[Array, ""]:
-        """Σ (r × m ṙ + I θ̇) about the inertial origin [kg m²/s] (M77). ``q``, ``v``: (coordinates,)."""
-        momentum = self.masses() * v
-        return jnp.sum(q[0::3] * momentum[1::3] - q[1::3] * momentum[0::3] + momentum[2::3])
+    def linear_momentum(self, kin: Kinematics) -> Float[Array, " 2"]:
+        """(2,) Σ m ṙ [kg m/s] (M77, M124)."""
+        rigid = (self.masses() * kin.v)[: 3 * len(self.bodies)]
+        total = Vector(jnp.sum(rigid[0::3]), jnp.sum(rigid[1::3]))
+        for k, body in self.flexible:
+            total = total + body.linear_momentum(kin.frame(k), *kin.modal(k))
+        return jnp.stack([total.x, total.y])
 
+    def angular_momentum(self, kin: Kinematics) -> Float[Array, ""]:
+        """Σ (r × m ṙ + I θ̇) about the inertial origin [kg m²/s] (M77, M124)."""
+        end = 3 * len(self.bodies)
+        q, rigid = kin.q[:end], (self.masses() * kin.v)[:end]
+        total = jnp.sum(q[0::3] * rigid[1::3] - q[1::3] * rigid[0::3] + rigid[2::3])
+        return total + sum(body.angular_momentum(kin.frame(k), *kin.modal(k)) for k, body in self.flexible)
 
-def _entries(rows: list[Row]) -> list[dict[int, Scalar]]:
-    """Each row of Φ_q by column."""
-    return [{3 * body + k: e for body, block in row.blocks.items() for k, e in enumerate(block)} for row in rows]
+    def _entries(self, rows: list[Row]) -> list[dict[int, Scalar]]:
+        """Each row of Φ_q by column."""
+        return [
+            {
+                column: entry
+                for body, block in row.blocks.items()
+                for column, entry in zip(self.columns(body), block, strict=False)
+            }
+            for row in rows
+        ]

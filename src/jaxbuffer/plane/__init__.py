@@ -1,5 +1,6 @@
 """Plane geometry and small linear algebra: the ground that bodies and contacts share."""
 
+from .linear import Factors as Factors
 from .linear import inverse as inverse
 from .linear import ldl_solve as ldl_solve
 from .trigonometry import cos_sin as cos_sin

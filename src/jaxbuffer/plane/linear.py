@@ -1,12 +1,68 @@
 """Small symmetric systems solved without LAPACK: a library call inside a loop would split XLA's single kernel."""
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+
+
+class Factors(NamedTuple):
+    """A symmetric positive definite matrix as L D Lᵀ: rows of L below its diagonal of ones, and the diagonal of D.
+
+    What is Python's 0 costs nothing: order rows so that few entries fill in.
+    """
+
+    lower: list[list[Scalar]]
+    pivot: list[Scalar]
+
+    @staticmethod
+    def of(matrix: Float[Array, "m m"] | Sequence[Sequence[Scalar]]) -> "Factors":
+        """Factorise. ``matrix``: (m, m), of which only the lower half is read."""
+        lower: list[list[Scalar]] = []
+        pivot: list[Scalar] = []
+        for i in range(len(matrix)):
+            lower.append([])
+            for j in range(i):
+                entry = matrix[i][j]
+                for k in range(j):
+                    if not (_zero(lower[i][k]) or _zero(lower[j][k])):
+                        entry = entry - lower[i][k] * lower[j][k] * pivot[k]
+                lower[i].append(entry if _zero(entry) else entry / pivot[j])
+            diagonal = matrix[i][i]
+            for k in range(i):
+                if not _zero(lower[i][k]):
+                    diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
+            pivot.append(diagonal)
+        return Factors(lower, pivot)
+
+    def forward(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
+        """L⁻¹ times a right-hand side of m entries, each a number or a row of columns."""
+        x = list(rhs)
+        for i in range(len(x)):
+            for k in range(i):
+                if not (_zero(self.lower[i][k]) or _zero(x[k])):
+                    x[i] = x[i] - self.lower[i][k] * x[k]
+        return x
+
+    def solve(self, rhs: Sequence[Scalar] | Float[Array, "m *columns"]) -> list[Any]:
+        """The solution for a right-hand side of m entries, each a number or a row of columns."""
+        n = len(self.pivot)
+        x = self.forward(rhs)
+        x = [entry if _zero(entry) else entry / self.pivot[i] for i, entry in enumerate(x)]
+        for i in reversed(range(n)):
+            for k in range(i + 1, n):
+                if not (_zero(self.lower[k][i]) or _zero(x[k])):
+                    x[i] = x[i] - self.lower[k][i] * x[k]
+        return x
+
+
+def _zero(value: Any) -> bool:
+    """Whether a value is Python's 0, which is known to be zero when a program is compiled."""
+    return isinstance(value, float) and value == 0.0
 
 
 def ldl_solve(
@@ -17,28 +73,7 @@ def ldl_solve(
     **Arguments:** ``matrix``: (m, m), of which only the lower half is read; ``rhs``: (m,) or (m, columns).
     **Returns:** the solution, the shape of ``rhs``.
     """
-    n = len(rhs)
-    lower: list[list[Scalar]] = [[] for _ in range(n)]
-    pivot: list[Scalar] = []
-    for i in range(n):
-        for j in range(i):
-            entry = matrix[i][j]
-            for k in range(j):
-                entry = entry - lower[i][k] * lower[j][k] * pivot[k]
-            lower[i].append(entry / pivot[j])
-        diagonal = matrix[i][i]
-        for k in range(i):
-            diagonal = diagonal - lower[i][k] * lower[i][k] * pivot[k]
-        pivot.append(diagonal)
-    x = [rhs[i] for i in range(n)]
-    for i in range(n):
-        for k in range(i):
-            x[i] = x[i] - lower[i][k] * x[k]
-    x = [x[i] / pivot[i] for i in range(n)]
-    for i in reversed(range(n)):
-        for k in range(i + 1, n):
-            x[i] = x[i] - lower[k][i] * x[k]
-    return jnp.stack(x)
+    return jnp.stack(Factors.of(matrix).solve(rhs))
 
 
 def inverse(matrix: Float[Array, "m m"]) -> Float[Array, "m m"]:

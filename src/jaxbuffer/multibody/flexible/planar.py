@@ -1,0 +1,164 @@
+"""Bodies of any planar shape: plane stress on a scikit-fem mesh, reduced after Craig and Bampton to mean-axis modes.
+
+The mesh is reduced once, with NumPy; the shape's size, thickness, density and Young's modulus scale what comes out and
+may be traced.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ..._types import Scalar
+from .craig_bampton import craig_bampton, uncoupled
+from .damping import uncoupled_damping
+from .modes import ComponentModes, Marker
+
+
+class Attachment(NamedTuple):
+    """Where something is attached: nodes that are tied rigidly to a point.
+
+    - ``point``: (x, y) in the mesh's coordinates, to which the nodes are tied; it need not lie on the mesh.
+    - ``nodes``: tells of (2, nodes) coordinates which belong to it, as scikit-fem's ``mesh.nodes_satisfying`` asks.
+    """
+
+    point: tuple[float, float]
+    nodes: Callable[[np.ndarray], np.ndarray]
+
+
+class PlanarModes(NamedTuple):
+    """A reduced shape of unit thickness, density and Young's modulus, in the mesh's unit of length.
+
+    - ``area``, ``inertia``: of the shape, about its centre of area.
+    - ``centre``: (2,) the centre of area in the mesh's coordinates.
+    - ``eigenvalues``: (modes,) squared circular frequencies.
+    - ``radial``: (modes,) ∫ x·φ dA; ``gyroscopic``: (modes, modes) ∫ φ_k × φ_l dA; ∫ φ_k·φ_l dA is ``area`` for k = l
+      and zero otherwise.
+    - ``points``: (markers, 2) attachments from the centre; ``motions``: (markers, 3, modes) displacement along x and y
+      and rotation there.
+    """
+
+    area: float
+    inertia: float
+    centre: np.ndarray
+    eigenvalues: np.ndarray
+    radial: np.ndarray
+    gyroscopic: np.ndarray
+    points: np.ndarray
+    motions: np.ndarray
+
+    def body(
+        self,
+        thickness: Scalar,
+        density: Scalar,
+        youngs_modulus: Scalar,
+        size: Scalar = 1.0,
+        *,
+        damping_ratio: Scalar = 0.0,
+    ) -> tuple[ComponentModes, tuple[Marker, ...]]:
+        """The body's modes, and a marker for each attachment.
+
+        **Arguments:** ``thickness``: [m]; ``density``: [kg/m³]; ``youngs_modulus``: [Pa]; ``size``: the mesh's unit of
+        length [m]; ``damping_ratio``: ζ of every mode [-].
+        """
+        areal = density * thickness * size**2  # the mass of a unit of the mesh's area
+        mass = jnp.asarray(areal * self.area * np.ones_like(self.eigenvalues))
+        stiffness = jnp.asarray(youngs_modulus * thickness * self.area * self.eigenvalues)
+        modes = ComponentModes(
+            mass=areal * self.area,
+            inertia=areal * size**2 * self.inertia,
+            mass_matrix=jnp.diag(mass),
+            stiffness=jnp.diag(stiffness),
+            damping=uncoupled_damping(mass, stiffness, damping_ratio),
+            radial=jnp.asarray(areal * size * self.radial),
+            gyroscopic=jnp.asarray(areal * self.gyroscopic),
+            orthogonal=True,
+        )
+        return modes, tuple(self._marker(k, size) for k in range(len(self.points)))
+
+    def _marker(self, which: int, size: Scalar) -> Marker:
+        (x, y), (along, across, turning) = self.points[which], self.motions[which]
+        return Marker(size * x, size * y, jnp.asarray(along), jnp.asarray(across), jnp.asarray(turning) / size)
+
+
+def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, poissons_ratio: float) -> PlanarModes:
+    """Mean-axis modes of a planar shape in plane stress (M115, M116).
+
+    Elements are quadratic: `MeshTri` and `MeshQuad` alike. There are 3 (attachments - 1) + interior modes.
+
+    **Arguments:**
+
+    - ``mesh``: a scikit-fem mesh, triangles or quadrilaterals, at any place.
+    - ``attachments``: what is tied to markers.
+    - ``interior``: number of modes with all attachments fixed.
+    - ``poissons_ratio``: ν [-].
+    """
+    if not attachments:
+        raise ValueError("attachments: give at least one")
+    mass, stiffness, places = _elasticity(mesh, poissons_ratio)
+    ones, other = np.tile([1.0, 0.0], places.shape[1]), np.tile([0.0, 1.0], places.shape[1])
+    area = float(ones @ mass @ ones)
+    centre = np.array([ones @ mass @ places.T.ravel(), other @ mass @ places.T.ravel()]) / area
+    arms = (places - centre[:, None]).T.ravel()
+    rigid = np.stack([ones, other, _turned(arms)], axis=1)
+    tie, points = _tied(places, centre, attachments)
+    reduction = craig_bampton(tie.T @ mass @ tie, tie.T @ stiffness @ tie, range(3 * len(attachments)), interior)
+    found = uncoupled(reduction, tie.T @ (mass @ rigid))
+    motions = np.sqrt(area) * found.shapes[: 3 * len(attachments)].reshape(len(attachments), 3, -1)
+    shapes = np.sqrt(area) * (tie @ found.shapes)
+    return PlanarModes(
+        area=area,
+        inertia=float(arms @ mass @ arms),
+        centre=centre,
+        eigenvalues=found.eigenvalues,
+        radial=shapes.T @ (mass @ arms),
+        gyroscopic=-shapes.T @ (mass @ _turned(shapes)),
+        points=points,
+        motions=motions,
+    )
+
+
+def _elasticity(mesh: Any, poissons_ratio: float) -> tuple[Any, Any, np.ndarray]:
+    """Mass and stiffness of unit density, thickness and modulus, and (2, nodes) places; unknowns (u_x, u_y) by node."""
+    try:
+        from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, ElementVector, MeshTri
+        from skfem.helpers import dot
+        from skfem.models.elasticity import linear_elasticity, plane_stress
+    except ImportError as missing:
+        raise ImportError("planar shapes need scikit-fem: pip install scikit-fem") from missing
+    element = ElementTriP2() if isinstance(mesh, MeshTri) else ElementQuad2()
+    basis = Basis(mesh, ElementVector(element))
+    mass = BilinearForm(lambda u, v, w: dot(u, v)).assemble(basis)
+    stiffness = linear_elasticity(*plane_stress(1.0, poissons_ratio)).assemble(basis)
+    order = np.concatenate([dofs.T.ravel() for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs)])
+    return mass[order][:, order], stiffness[order][:, order], basis.doflocs[:, order[0::2]]
+
+
+def _turned(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (x, y), node by node along the first axis, turned by +90°: (-y, x)."""
+    turned = np.empty_like(vectors)
+    turned[0::2], turned[1::2] = -vectors[1::2], vectors[0::2]
+    return turned
+
+
+def _tied(places: np.ndarray, centre: np.ndarray, attachments: Sequence[Attachment]) -> tuple[Any, np.ndarray]:
+    """All unknowns from the attachments' (u_x, u_y, rotation) and then those of free nodes; points from the centre."""
+    from scipy.sparse import csr_array
+
+    count = places.shape[1]
+    owner = np.full(count, -1)
+    for which, attachment in enumerate(attachments):
+        nodes = np.asarray(attachment.nodes(places), bool)
+        if not nodes.any() or (owner[nodes] >= 0).any():
+            raise ValueError(f"attachments[{which}]: its nodes are {'shared' if nodes.any() else 'none'}")
+        owner[nodes] = which
+    points = np.array([attachment.point for attachment in attachments], float)
+    held, free = np.flatnonzero(owner >= 0), np.flatnonzero(owner < 0)
+    arms, first, ones = places[:, held] - points[owner[held]].T, 3 * owner[held], np.ones(held.size)
+    kept = 3 * len(attachments)
+    inner, own = np.stack([2 * free, 2 * free + 1], 1).ravel(), kept + np.arange(2 * free.size)
+    rows = np.concatenate([2 * held, 2 * held, 2 * held + 1, 2 * held + 1, inner])
+    columns = np.concatenate([first, first + 2, first + 1, first + 2, own])
+    values = np.concatenate([ones, -arms[1], ones, arms[0], np.ones(inner.size)])
+    return csr_array((values, (rows, columns)), shape=(2 * count, kept + inner.size)), points - centre[None, :]

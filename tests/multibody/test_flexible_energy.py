@@ -1,0 +1,176 @@
+"""A flexible body's mass, momentum and velocity terms against sums over its particles and Lagrange's equations."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.multibody import FlexibleBody, System
+from jaxbuffer.multibody.flexible import Bar, cantilever_bar, free_bar, pinned_bar
+from multibody.particles import Particles, dense_mass, positive, random_body, random_particles
+
+TOPIC = "Equations of flexible bodies"
+PARTICLES = "sums over particles"
+each_seed = pytest.mark.parametrize("seed", range(4))
+BAR = Bar.rectangle(0.8, 0.02, 0.01, 2700.0, 7e10)
+TIP = (0.3, 4e-4)  # kg, kg m²
+
+
+def random_motion(seed, size=3):
+    rng = np.random.default_rng(300 + seed)
+    return jnp.asarray(rng.normal(size=3 + size)), jnp.asarray(rng.normal(size=3 + size))
+
+
+def off(found, expected):
+    """Largest difference, of the largest entry."""
+    return float(np.max(np.abs(np.asarray(found) - np.asarray(expected))) / np.max(np.abs(np.asarray(expected))))
+
+
+@each_seed
+def test_the_mass_matrix_is_the_kinetic_energys(seed, evidence):
+    particles, (q, v) = random_particles(seed), random_motion(seed)
+    system = System((random_body(seed, geometric=False),))
+    expected = jax.hessian(particles.kinetic_energy, 1)(q, v)
+    found = dense_mass(system, system.kinematics(q, v))
+    evidence(TOPIC, "mass matrix, relative", off(found, expected), 1e-14, PARTICLES)
+
+
+@each_seed
+def test_kinetic_energy_and_momenta(seed, evidence):
+    particles, (q, v) = random_particles(seed), random_motion(seed)
+    system = System((random_body(seed, geometric=False),))
+    kin = system.kinematics(q, v)
+    linear, angular = particles.momenta(q, v)
+    claim = "kinetic energy and momenta, relative"
+    evidence(TOPIC, claim, off(system.kinetic_energy(kin), particles.kinetic_energy(q, v)), 1e-13, PARTICLES)
+    evidence(TOPIC, claim, off(system.linear_momentum(kin), linear), 1e-13, PARTICLES)
+    evidence(TOPIC, claim, off(system.angular_momentum(kin), angular), 1e-13, PARTICLES)
+
+
+def lagrange(energy, modes, q, v):
+    """∂T/∂q - (∂²T/∂q̇∂q) q̇ - K q - C q̇: what M q̈ is without loads."""
+    momentum = lambda q: jax.grad(energy, 1)(q, v)  # noqa: E731
+    force = jax.grad(energy)(q, v) - jax.jvp(momentum, (q,), (v,))[1]
+    return force.at[3:].add(-modes.stiffness @ q[3:] - modes.damping @ v[3:])
+
+
+@each_seed
+@pytest.mark.parametrize("stiffened", [False, True])
+def test_velocity_forces_are_lagranges(seed, stiffened, evidence):
+    """With every coupling there can be; geometric stiffness is -½ ω² qᵀ G q in the kinetic energy."""
+    particles, body, (q, v) = random_particles(seed), random_body(seed, geometric=stiffened), random_motion(seed)
+    modes = body.modes
+
+    def energy(q, v):
+        stiffening = q[3:] @ modes.geometric @ q[3:] if stiffened else 0.0
+        return particles.kinetic_energy(q, v) - 0.5 * v[2] ** 2 * stiffening
+
+    system = System((body,))
+    kin = system.kinematics(q, v)
+    found = system.generalised_force(kin)
+    claim = "velocity, elastic and damping forces, relative"
+    evidence(TOPIC, claim, off(found, lagrange(energy, modes, q, v)), 1e-13, "Lagrange's equations, differentiated")
+    evidence(
+        TOPIC, "kinetic energy and momenta, relative", off(system.kinetic_energy(kin), energy(q, v)), 1e-13, PARTICLES
+    )
+    expected = jax.hessian(energy, 1)(q, v)
+    evidence(TOPIC, "mass matrix, relative", off(dense_mass(system, kin), expected), 1e-14, PARTICLES)
+
+
+@each_seed
+@pytest.mark.parametrize("left_out", ["static_moment", "translation", "rotation", "radial", "gyroscopic", "geometric"])
+def test_each_term_may_be_left_out(seed, left_out):
+    """None stands for zero: the same as zeros there."""
+    body, (q, v) = random_body(seed), random_motion(seed)
+    where = lambda body: getattr(body.modes, left_out)  # noqa: E731
+    none = eqx.tree_at(where, body, None)
+    zero = eqx.tree_at(where, body, jnp.zeros_like(where(body)))
+    found, expected = (
+        [system.generalised_force(kin), dense_mass(system, kin), system.angular_momentum(kin), system.motion(kin)[0]]
+        for system in (System((none,)), System((zero,)))
+        for kin in [system.kinematics(q, v)]
+    )
+    for a, b in zip(found, expected, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * float(np.max(np.abs(b))))
+
+
+def bar_particles(body, tip=0.0):
+    """Gauss's points of a bar, 40 × 10 of them, and its tip's mass, as particles."""
+    nodes, weights = np.polynomial.legendre.leggauss(10)
+    cells = np.arange(60)[:, None]
+    xi, weights = ((cells + 0.5 * (nodes + 1.0)) / 60).ravel(), np.tile(weights / 120, 60)
+    bar, shapes = body.bar, body.shapes
+    xi, mass = np.append(xi, 1.0), np.append(bar.mass * weights, tip)
+    lateral, axial = shapes.lateral(xi, 0), shapes.axial(xi, 0)
+    x = np.concatenate([np.zeros_like(lateral), axial], axis=1)
+    y = np.concatenate([lateral, np.zeros_like(axial)], axis=1)
+    place = np.stack([bar.length * (xi - body.centre), np.zeros_like(xi)])
+    return Particles(mass, place, np.stack([x, y]))
+
+
+BARS = {
+    "free": lambda: free_bar(BAR, 2, 1),
+    "cantilever": lambda: cantilever_bar(BAR, 1, 1),
+    "cantilever with a tip": lambda: cantilever_bar(BAR, 1, 1, tip_mass=TIP[0], tip_inertia=TIP[1]),
+    "pinned": lambda: pinned_bar(BAR, 2, axial_nodes=True),
+    "free, bending alone": lambda: free_bar(BAR, 3),
+}
+
+
+@pytest.mark.parametrize("name", BARS)
+def test_bars_against_their_velocity_field(name, evidence):
+    """Kinetic energy, momenta, mass matrix and velocity forces by quadrature over the bar."""
+    body = BARS[name]()
+    tip = name.endswith("tip")
+    particles, size = bar_particles(body, TIP[0] if tip else 0.0), body.modes.size
+    rng = np.random.default_rng(7)
+    q = jnp.asarray(np.append(rng.normal(size=3), 0.05 * rng.normal(size=size)))
+    v = jnp.asarray(rng.normal(size=3 + size))
+    turning = np.append(np.array([0.0, 0.0, 1.0]), np.asarray(body.end.rotation))
+    spins = tip * TIP[1]  # kg m²: what the tip has besides its mass
+
+    def energy(q, v):
+        return particles.kinetic_energy(q, v) + 0.5 * spins * jnp.sum(turning * v) ** 2
+
+    system = System((FlexibleBody(body.modes),))
+    kin = system.kinematics(q, v)
+    source, relative = "quadrature over the bar", 2e-11
+    mass = jax.hessian(energy, 1)(q, v)
+    scale = np.sqrt(np.outer(np.diag(mass), np.diag(mass)))
+    evidence(
+        TOPIC, "bars, kinetic energy", off(system.kinetic_energy(kin), energy(q, v)), relative, source, detail=name
+    )
+    evidence(
+        TOPIC, "bars, mass matrix", off(dense_mass(system, kin) / scale, mass / scale), relative, source, detail=name
+    )
+    elastic = np.append(np.zeros(3), np.asarray(body.modes.stiffness @ q[3:]))
+    found = np.asarray(system.generalised_force(kin)) + elastic
+    expected = np.asarray(lagrange(energy, body.modes, q, v)) + elastic
+    digits = 1e-15 * np.max(np.abs(elastic)) / np.max(np.abs(expected))  # rounding of the elastic forces
+    evidence(TOPIC, "bars, velocity forces", max(off(found, expected) - 4 * digits, 0.0), relative, source, detail=name)
+    linear, angular = particles.momenta(q, v)
+    angular = angular + spins * float(turning @ v)
+    evidence(TOPIC, "bars, momenta", off(system.linear_momentum(kin), linear), relative, source, detail=name)
+    evidence(TOPIC, "bars, momenta", off(system.angular_momentum(kin), angular), relative, source, detail=name)
+
+
+def test_power_of_the_terms_is_balanced(evidence):
+    """Without loads, kinetic and elastic energy lose what damping takes."""
+    body, (q, v) = random_body(5), random_motion(5)
+    system = System((body,))
+
+    def energy(q, v):
+        kin = system.kinematics(q, v)
+        return system.kinetic_energy(kin) + system.stored_energy(kin)
+
+    kin = system.kinematics(q, v)
+    acceleration = system.motion(kin).acceleration
+    power = jax.jvp(energy, (q, v), (v, acceleration))[1]
+    lost = system.dissipation(kin)
+    assert float(lost) > 0.1
+    evidence(TOPIC, "power of damping, relative", abs(float(power / lost) + 1.0), 1e-11, "energy's rate")
+
+
+def test_positive_is_what_it_says():
+    assert np.all(np.linalg.eigvalsh(positive(np.random.default_rng(1), 4)) > 0.5)

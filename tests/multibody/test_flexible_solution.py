@@ -1,0 +1,128 @@
+"""The augmented system with the blocks of flexible bodies, against NumPy's dense algebra and differences."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.multibody import GROUND, AxialSpringDamper, Body, FlexibleBody, PointOnLine, Revolute, System, Weld
+from jaxbuffer.multibody.flexible import Bar, free_bar
+from multibody.particles import dense_mass, random_body, random_marker
+
+TOPIC = "Equations of flexible bodies"
+A, B, C = random_marker(0, 3), random_marker(2, 2), random_marker(1, 3)
+
+
+def jointed(stiffness=30.0, scale=1.0):
+    """A flexible body on a pin, a rigid one on a line, a flexible one welded to that, and a spring between the ends."""
+    bodies = (random_body(0, 3), Body(1.0, 0.1), random_body(2, 2))
+    bodies = eqx.tree_at(lambda bodies: bodies[0].modes.mass_matrix, bodies, replace_fn=lambda mass: scale * mass)
+    joints = (
+        Revolute(GROUND, 0, (0.1, 0.2), A),
+        PointOnLine(0, 1, C, (0.2, -0.3), (0.6, 0.8)),
+        Weld(1, 2, (0.3, 0.1), B, 0.3),
+    )
+    return System(bodies, joints, (AxialSpringDamper(0, 2, C, B, stiffness, 0.5, 0.7),))
+
+
+def bars():
+    """Bars in mean axes, whose blocks are diagonal but for one row."""
+    bar = free_bar(Bar.rectangle(0.5, 0.02, 0.01, 2700.0, 7e6), 2, 1)
+    body = FlexibleBody(bar.modes)
+    return System((body, Body(0.2, 0.01), body), (Revolute(0, 1, bar.end), Revolute(1, 2, (0.1, 0.0), bar.start)))
+
+
+def free():
+    return System((random_body(0, 3), Body(1.0, 0.1)))
+
+
+SYSTEMS = {"jointed": jointed, "bars": bars, "free": free}
+
+
+def random_motion(system, seed=1):
+    rng = np.random.default_rng(seed)
+    return (jnp.asarray(0.3 * rng.normal(size=system.coordinates)) for _ in range(2))
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_motion_solves_the_augmented_system(name, evidence):
+    system = SYSTEMS[name]()
+    q, v = random_motion(system)
+    kin = system.kinematics(q, v)
+    mass, found = dense_mass(system, kin), system.constraints(kin)
+    jacobian, alpha, rows = np.asarray(found.jacobian), system.stabilisation, len(found.phi)
+    matrix = np.block([[mass, jacobian.T], [jacobian, np.zeros((rows, rows))]])
+    rhs = np.asarray(found.gamma) - 2 * alpha * (jacobian @ np.asarray(v)) - alpha**2 * np.asarray(found.phi)
+    expected = np.linalg.solve(matrix, np.concatenate([system.generalised_force(kin), rhs]))
+    motion = system.motion(kin)
+    for ours, dense in zip(motion, np.split(expected, [system.coordinates]), strict=True):
+        error = np.max(np.abs(np.asarray(ours) - dense), initial=0.0) / np.max(np.abs(dense), initial=1e-300)
+        bound = np.linalg.cond(matrix) * 2.3e-16
+        claim = "augmented solve, of the condition number times rounding"
+        evidence(TOPIC, claim, error / bound, 1.0, "numpy.linalg.solve", detail=name)
+
+
+@pytest.mark.parametrize("name", ["jointed", "bars"])
+def test_constraint_errors_decay_as_baumgarte_asks(name):
+    """Φ̈ + 2α Φ̇ + α² Φ = 0 along the motion."""
+    system = SYSTEMS[name]()
+    q, v = random_motion(system, 2)
+    acceleration = system.motion(system.kinematics(q, v)).acceleration
+
+    def phi(q):
+        return system.errors(system.kinematics(q, v))
+
+    def rate(q, v):
+        return jax.jvp(phi, (q,), (v,))[1]
+
+    first, second = jax.jvp(rate, (q, v), (v, acceleration))
+    alpha = system.stabilisation
+    left = second + 2 * alpha * first + alpha**2 * phi(q)
+    np.testing.assert_allclose(left, 0.0, atol=1e-11 * float(jnp.max(jnp.abs(second))))
+
+
+@pytest.mark.parametrize("by", ["q", "v", "stiffness", "modal mass"])
+def test_derivatives_of_the_solution(by, evidence):
+    """The small change that solves the same system against central differences of fourth order."""
+    system = jointed()
+    q, v = random_motion(system, 3)
+    rng = np.random.default_rng(4)
+    along = jnp.asarray(rng.normal(size=q.size))
+
+    def solution(s):
+        changed = jointed(30.0 + 10.0 * s * (by == "stiffness"), 1.0 + s * (by == "modal mass"))
+        moved = system.kinematics(q + s * along * (by == "q"), v + s * along * (by == "v"))
+        return jnp.concatenate(changed.motion(moved))
+
+    tangent = jax.jvp(solution, (jnp.zeros(()),), (jnp.ones(()),))[1]
+    h = 1e-3
+    far, near = ((solution(s) - solution(-s)) / (2 * s) for s in (jnp.asarray(2 * h), jnp.asarray(h)))
+    differences = np.asarray((4 * near - far) / 3)
+    error = np.max(np.abs(np.asarray(tangent) - differences)) / np.max(np.abs(differences))
+    evidence(TOPIC, "derivatives of the augmented solve, relative", error, 1e-7, "central differences", detail=by)
+
+
+@pytest.mark.parametrize("proportional", [False, True])
+def test_springs_make_the_stiffness_matrix(proportional):
+    """Σ k b bᵀ = K; with a damping matrix that is a multiple of K, Σ c b bᵀ = C too."""
+    body = random_body(3, 4)
+    if proportional:
+        body = eqx.tree_at(lambda body: body.modes.damping, body, 0.01 * body.modes.stiffness)
+    system = System((Body(1.0, 0.1), body))
+    springs = body.springs(1)
+    along = np.stack([system.direction(spring.blocks) for spring in springs])
+    assert not along[:, :6].any()
+    stiffness = sum(s.stiffness * np.outer(b, b) for s, b in zip(springs, along, strict=True))
+    np.testing.assert_allclose(stiffness[6:, 6:], body.modes.stiffness, rtol=1e-13, atol=1e-12)
+    if proportional:
+        damping = sum(s.damping * np.outer(b, b) for s, b in zip(springs, along, strict=True))
+        np.testing.assert_allclose(damping[6:, 6:], body.modes.damping, rtol=1e-12, atol=1e-13)
+
+
+def test_springs_of_orthogonal_modes_are_the_modes():
+    body = FlexibleBody(free_bar(Bar.rectangle(0.5, 0.02, 0.01, 2700.0, 7e6), 2, damping_ratio=0.02).modes)
+    assert body.modes.orthogonal
+    for k, spring in enumerate(body.springs(0)):
+        assert spring.blocks[0][3:] == tuple(float(j == k) for j in range(4))
+        assert (spring.stiffness, spring.damping) == (body.modes.stiffness[k, k], body.modes.damping[k, k])
