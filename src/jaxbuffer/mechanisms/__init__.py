@@ -14,8 +14,12 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "probe_cone": (
         *("Capture", "Design", "FirstImpact", "Outcome", "Scenario"),
         *("first_impact", "rigid_probe", "table2"),
+        *("bending_frequencies", "with_bending"),
     ),
     "bar_drop": ("BarDrop", "BarDropScenario"),
+    "slider_crank": (
+        *("SliderCrank", "SliderCrankScenario", "journal_path", "published_slider_crank", "turn_statistics"),
+    ),
 }
 
 

@@ -1,7 +1,7 @@
-"""Any planar mechanism with ball contacts: bodies, joints and force elements, and balls on flanks."""
+"""Any planar mechanism with contacts: bodies, joints and force elements, balls on flanks and pins in holes."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -9,10 +9,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..contact import Approach, Ball, BallOnSegments, Carrier
+from ..contact import Approach
 from ..hybrid import Linearisation
-from ..multibody import Kinematics, Load, Motion, System, load_at
-from ..plane import Vector
+from ..multibody import Kinematics, MaterialPoint, Motion, System
+from .ball_contact import BallContact as BallContact
 from .energy import Energy
 from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, linearised
 from .snapshot import Snapshot
@@ -20,61 +20,44 @@ from .system import SLOWEST_TOUCHDOWN, ContactSystem
 
 DEEPEST = 0.99  # of a ball's radius
 LOSSES = ("dampers", "hysteresis", "friction")  # where energy is lost
+DRIVES = "drives"  # among what is stored: the energy that they put in, counted negative
 
 Quantity = Callable[[System, Kinematics], Scalar]
 
 
-class BallContact(eqx.Module):
-    """A ball fixed on ``body``, its centre at ``point`` [m, body axes], against a flank on ``carrier`` (or the ground).
-
-    ``pair``: its shape (one segment), law and friction.
-    """
-
-    body: int = eqx.field(static=True)
-    carrier: int = eqx.field(static=True)
-    pair: BallOnSegments
-    point: tuple[Scalar, Scalar] = (0.0, 0.0)
-
-    def approach(self, kin: Kinematics) -> tuple[Approach, Vector]:
-        """Geometry and relative motion, an entry long, and the ball's arm from its body's centre of mass."""
-        body, carrier = kin.frame(self.body), kin.frame(self.carrier)
-        arm = body.turn(Vector(*self.point))
-        centre, velocity = body.origin + arm, body.velocity_at(arm)
-        ball = Ball(centre.x, centre.y, velocity.x, velocity.y, body.spin)
-        origin, motion = carrier.origin, carrier.velocity
-        place = Carrier(origin.x, origin.y, carrier.cos, carrier.sin, motion.x, motion.y, carrier.spin)
-        return Approach(*(jnp.reshape(part, (1,)) for part in self.pair.approach(ball, place))), arm
-
-    def loads(self, at: Approach, arm: Vector, normal: Array, friction: Array) -> tuple[Load, Load]:
-        """Loads on both bodies at the foot, of the forces F_n and F_t [N]."""
-        x, y = normal * at.normal_x + friction * at.tangent_x, normal * at.normal_y + friction * at.tangent_y
-        push = Vector(x[0], y[0])
-        to_foot = Vector(arm.x - (at.distance * at.normal_x)[0], arm.y - (at.distance * at.normal_y)[0])
-        foot = Vector(at.foot_x[0], at.foot_y[0])
-        return load_at(self.body, push, to_foot), load_at(self.carrier, -push, foot)
-
-
 class Posture(NamedTuple):
-    """A state looked at once: the bodies' frames, and of each contact geometry, relative motion and the ball's arm."""
+    """A state looked at once: the bodies' frames, and of each contact geometry, relative motion, the ball's centre and
+    the origin of the shape's axes."""
 
     state: Float[Array, " state"]
     kin: Kinematics
     approach: tuple[Approach, ...]
-    arm: tuple[Vector, ...]
+    centre: tuple[MaterialPoint, ...]
+    origin: tuple[MaterialPoint, ...]
+
+
+class Shown(NamedTuple):
+    """An observable: its ``name``; ``of``: its value from the mechanism, a posture and the state's rate; ``of_rate``:
+    whether it depends on the rate."""
+
+    name: str
+    of: Callable[["Assembled", Posture, Float[Array, " state"]], Scalar]
+    of_rate: bool = False
 
 
 class Assembled(ContactSystem):
     """A mechanism ready to be stepped through time from a consistent start.
 
-    The state is ``[q, v, energy lost (3), integrals, contact memory]``.
+    The state is ``[q, v, energy lost (3), integrals, contact memory]``; where there are drives, the energy that they
+    put in and the time stand before the integrals.
 
     **Arguments:** ``system``; ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``;
     ``closed``: which of them are closed at t = 0 (default: none); ``integrals``: quantities whose integrals over time
     are wanted, zero at t = 0; ``ends``: quantities whose crossing of zero upwards ends the run (so
     does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``size``: magnitudes
-    that matter of a coordinate and of a velocity; ``shown``: further observables, by name, as functions of the
-    mechanism and a posture; ``energy_size`` [J]: magnitude of the energy; if given, steps must also keep
-    the energy balance.
+    that matter of a coordinate and of a velocity; ``shown``: further observables; ``recorded``: what a history shows
+    besides; ``parts``: whatever these need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must
+    also keep the energy balance.
     Observables are the contacts' normal forces [N], then those shown.
     """
 
@@ -86,7 +69,9 @@ class Assembled(ContactSystem):
     integrals: tuple[Quantity, ...] = eqx.field(static=True, default=())
     ends: tuple[Quantity, ...] = eqx.field(static=True, default=())
     size: tuple[Scalar, Scalar] = (1.0, 1.0)
-    shown: tuple[tuple[str, Callable[["Assembled", Posture], Scalar]], ...] = eqx.field(static=True, default=())
+    shown: tuple[Shown, ...] = eqx.field(static=True, default=())
+    recorded: tuple[Shown, ...] = eqx.field(static=True, default=())
+    parts: Any = None
     energy_size: Scalar | None = None
 
     @property
@@ -107,7 +92,7 @@ class Assembled(ContactSystem):
 
     @property
     def observed(self) -> tuple[str, ...]:
-        return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(name for name, _ in self.shown))
+        return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(shown.name for shown in self.shown))
 
     @property
     def energy_scale(self) -> Scalar:
@@ -121,22 +106,33 @@ class Assembled(ContactSystem):
     def kinematics(self, state: Float[Array, " state"]) -> Kinematics:
         """Frames of the bodies."""
         n = self.system.coordinates
-        return Kinematics(state[:n], state[n : 2 * n])
+        time = state[self.drive_work + 1] if self.system.driven else 0.0
+        return self.system.kinematics(state[:n], state[n : 2 * n], time)
+
+    @property
+    def drive_work(self) -> int:
+        """Where the state of a driven system has the energy that the drives put in; the time follows it."""
+        return 2 * self.coordinates + len(LOSSES)
 
     def integral(self, state: Float[Array, " state"]) -> Float[Array, " integrals"]:
         """The integrals so far."""
-        return state[2 * self.coordinates + len(LOSSES) : len(state) - len(self.contacts)]
+        return state[self.drive_work + 2 * self.system.driven : len(state) - len(self.contacts)]
 
     def posture(self, state: Float[Array, " state"]) -> Posture:
         kin = self.kinematics(state)
         found = [contact.approach(kin) for contact in self.contacts]
-        return Posture(state, kin, tuple(a for a, _ in found), tuple(arm for _, arm in found))
+        approaches, centres, origins = zip(*found, strict=True) if found else ((), (), ())
+        return Posture(state, kin, approaches, centres, origins)
 
     def start(self) -> tuple[Float[Array, " state"], Float[Array, " contacts"]]:
-        kin = Kinematics(self.q, self.v)
-        speeds = [jnp.maximum(contact.approach(kin)[0].approach_speed, SLOWEST_TOUCHDOWN) for contact in self.contacts]
-        state = [self.q, self.v, jnp.zeros(len(LOSSES) + len(self.integrals)), *speeds]
-        closed = self.closed or (False,) * len(self.contacts)
+        kin, closed = self.system.kinematics(self.q, self.v), self.closed or (False,) * len(self.contacts)
+        # An open contact's memory only says how fast the first impact may be, for `impact_step`.
+        speeds = [
+            jnp.maximum(contact.approach(kin)[0].approach_speed, SLOWEST_TOUCHDOWN if closes else self.size[1])
+            for contact, closes in zip(self.contacts, closed, strict=True)
+        ]
+        rest = len(LOSSES) + 2 * self.system.driven + len(self.integrals)
+        state = [self.q, self.v, jnp.zeros(rest), *speeds]
         return jnp.concatenate(state), jnp.asarray(closed, float)
 
     def forces_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[list[Array], list[Array]]:
@@ -152,8 +148,8 @@ class Assembled(ContactSystem):
     def motion_at(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Motion, list[Array], list[Array]]:
         """Accelerations and multipliers, and F_n and F_t [N] of each contact."""
         normal, friction = self.forces_at(at, active)
-        parts = zip(self.contacts, at.approach, at.arm, normal, friction, strict=True)
-        loads = [load for contact, a, arm, push, rub in parts for load in contact.loads(a, arm, push, rub)]
+        parts = zip(self.contacts, at.approach, at.centre, at.origin, normal, friction, strict=True)
+        loads = [load for contact, *part in parts for load in contact.loads(*part)]
         return self.system.motion(at.kin, tuple(loads)), normal, friction
 
     def derivative(
@@ -161,13 +157,15 @@ class Assembled(ContactSystem):
     ) -> Float[Array, " state"]:
         at = self.posture(state)
         motion, normal, friction = self.motion_at(at, active)
-        dampers = sum((element.dissipation(at.kin) for element in self.system.forces), start=jnp.zeros(()))
+        dampers = self.system.dissipation(at.kin)
         hysteresis = rubbing = jnp.zeros(())
         for k, contact in enumerate(self.contacts):
             power = contact.pair.hysteresis_power(at.approach[k], normal[k])
             hysteresis = hysteresis + active[k] * jnp.sum(power)
             rubbing = rubbing - jnp.sum(friction[k] * at.approach[k].slip)
-        rates = [dampers, hysteresis, rubbing, *(quantity(self.system, at.kin) for quantity in self.integrals)]
+        drives = [self.system.drive_power(at.kin, motion.multipliers), 1.0] if self.system.driven else []
+        integrals = [quantity(self.system, at.kin) for quantity in self.integrals]
+        rates = [dampers, hysteresis, rubbing, *drives, *integrals]
         return jnp.concatenate([at.kin.v, motion.acceleration, stacked(rates), jnp.zeros(len(self.contacts))])
 
     def gaps_at(self, at: Posture) -> tuple[Float[Array, " contacts"], Float[Array, " contacts"]]:
@@ -186,17 +184,18 @@ class Assembled(ContactSystem):
     def observables_at(
         self, at: Posture, rate: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Float[Array, " observables"]:
-        others = [jnp.reshape(jnp.asarray(value(self, at)), (1,)) for _, value in self.shown]
+        others = [jnp.reshape(jnp.asarray(shown.of(self, at, rate)), (1,)) for shown in self.shown]
         return _row([*self.forces_at(at, active)[0], *others])
 
     def rate_observables(self) -> tuple[bool, ...]:
-        return (False,) * len(self.observed)
+        return (*(False for _ in self.contacts), *(shown.of_rate for shown in self.shown))
 
     def snapshot_at(self, at: Posture, active: Float[Array, " contacts"]) -> Snapshot:
         motion, normal, friction = self.motion_at(at, active)
         gap, closing = self.gaps_at(at)
         slip = _row([a.slip for a in at.approach])
-        others = {name: value(self, at) for name, value in self.shown}
+        rate = self.derivative(0.0, at.state, active)
+        others = {shown.name: shown.of(self, at, rate) for shown in (*self.shown, *self.recorded)}
         return Snapshot(gap, closing, slip, _row(normal), _row(friction), motion.multipliers, others)
 
     def energy_at(self, at: Posture, active: Float[Array, " contacts"]) -> Energy:
@@ -204,12 +203,14 @@ class Assembled(ContactSystem):
         for k, contact in enumerate(self.contacts):
             elastic = elastic + active[k] * jnp.sum(contact.pair.stored_energy(at.approach[k]))
         potential = jnp.asarray(self.system.stored_energy(at.kin))
-        stored = {"kinetic": self.system.kinetic_energy(at.kin.v), "potential": potential, "contact": elastic}
+        stored = {"kinetic": self.system.kinetic_energy(at.kin), "potential": potential, "contact": elastic}
+        if self.system.driven:
+            stored[DRIVES] = -at.state[self.drive_work]
         return Energy(stored, dict(zip(LOSSES, at.state[2 * self.coordinates :], strict=False)))
 
     def momentum(self, state: Float[Array, " state"]) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
         kin = self.kinematics(state)
-        return self.system.linear_momentum(kin.v), self.system.angular_momentum(kin.q, kin.v)
+        return self.system.linear_momentum(kin), self.system.angular_momentum(kin)
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)
@@ -222,7 +223,8 @@ class Assembled(ContactSystem):
         n = self.system.coordinates
         place, motion = self.size
         energies, integrals = [self.energy_scale] * len(LOSSES), [1.0] * len(self.integrals)
-        return stacked([place] * n + [motion] * n + energies + integrals + [motion] * len(self.contacts))
+        drives = [self.energy_scale, 1.0] * self.system.driven
+        return stacked([place] * n + [motion] * n + energies + drives + integrals + [motion] * len(self.contacts))
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A fifteenth of the shortest impact of a contact's ball and its body; 1e-6 s without contacts [s]."""
@@ -236,10 +238,13 @@ class Assembled(ContactSystem):
         self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Linearisation:
         at, n = self.posture(state), self.coordinates
-        elements = [spring for element in self.system.forces for spring in element.springs(at.kin)]
-        springs = [SpringTerm(self.system.direction(spring.blocks), *spring[1:]) for spring in elements]
+        springs = [SpringTerm(self.system.direction(s.blocks), *s[1:]) for s in self.system.springs(at.kin)]
         if not springs and not self.contacts:
             return Linearisation.none(n, n)
+        if not self.contacts:
+            # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
+            still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
+            springs += [still] * (9 - len(springs) if len(springs) in (7, 8) else 0)
         return linearised(self.system, at.kin, springs, self._contact_term(at, active))
 
     def _contact_term(self, at: Posture, active: Float[Array, " contacts"]) -> ContactTerm:
@@ -250,7 +255,7 @@ class Assembled(ContactSystem):
         for k, contact in enumerate(self.contacts):
             a, pair = at.approach[k], contact.pair
             side = jnp.reshape(jnp.asarray(pair.side, float), (1,))
-            along = contact_directions(a, side, at.arm[k], contact.body, contact.carrier, self.coordinates)
+            along = contact_directions(self.system, a, side, at.centre[k], at.origin[k])
             terms.append(ContactTerm(*along, *contact_slopes(pair, a, memory[k : k + 1], active[k])))
         return jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *terms)
 

@@ -12,9 +12,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._types import Scalar, stacked
-from ..contact import Approach, BallOnSegments
+from ..contact import Approach, BallPair
 from ..hybrid import Linearisation
-from ..multibody import GROUND, Kinematics, System
+from ..multibody import Block, Kinematics, MaterialPoint, System
 from ..plane import Vector
 
 
@@ -72,7 +72,7 @@ def _coupling(springs: list[Scalar], contact: tuple[Array, Array], friction: Arr
     return jnp.eye(rank) * diagonal[:, None] + jnp.eye(rank, k=-m) * below[:, None]
 
 
-def contact_slopes(pair: BallOnSegments, approach: Approach, memory: Array, active: Array) -> list[tuple[Array, Array]]:
+def contact_slopes(pair: BallPair, approach: Approach, memory: Array, active: Array) -> list[tuple[Array, Array]]:
     """Derivatives of (F_n, -F_t) of a pair's contacts by penetration, approach speed and slip."""
 
     def forces(depth: Array, speed: Array, slip: Array) -> tuple[Array, Array]:
@@ -86,25 +86,38 @@ def contact_slopes(pair: BallOnSegments, approach: Approach, memory: Array, acti
 
 
 def contact_directions(
-    approach: Approach, side: Array, arm: Vector, body: int, carrier: int, coordinates: int, free_spin: bool = False
+    system: System,
+    approach: Approach,
+    side: Array,
+    ball: MaterialPoint,
+    carrier: MaterialPoint,
+    free_spin: bool = False,
 ) -> tuple[Float[Array, "velocities m"], Float[Array, "velocities m"]]:
     """Columns b with δ̇ = b·w and v_t = b·w of a ball's m contacts.
 
-    **Arguments:** ``arm`` of the ball's centre from its body's centre of mass [m]; ``side`` of the tangents (see
-    `BallOnSegments`); ``body`` and ``carrier``: indices; ``free_spin``: whether the ball spins on its own, with one
-    velocity more, rather than with its body.
+    **Arguments:** ``side`` of the tangents (see `BallPair`); ``ball``: its centre; ``carrier``: the origin of the
+    shape's axes; ``free_spin``: whether the ball spins on its own, with one velocity more, rather than with its body.
     """
-    m = approach.gap.shape[0]
-    x = jnp.concatenate([-approach.normal_x, approach.tangent_x])
-    y = jnp.concatenate([-approach.normal_y, approach.tangent_y])
-    foot_x, foot_y = jnp.tile(approach.foot_x, 2), jnp.tile(approach.foot_y, 2)
-    # The foot seen from the ball's centre: only the slip feels the ball's spin.
-    spin = jnp.concatenate([jnp.zeros(m), side * approach.distance])
-    turn = arm.x * y - arm.y * x + (0.0 if free_spin else spin)
-    zero = jnp.zeros(2 * m)
-    rows = [zero] * coordinates
-    for index, block in ((body, (x, y, turn)), (carrier, (-x, -y, foot_y * x - foot_x * y))):
-        if index != GROUND:
-            rows[3 * index : 3 * index + 3] = block
-    both = jnp.stack([*rows, *([spin] if free_spin else [])])
-    return both[:, :m], both[:, m:]
+    normals: list[Array] = []
+    tangents: list[Array] = []
+    for k in range(approach.gap.shape[0]):
+        lever = side[k] * approach.distance[k]  # the foot seen from the ball's centre: only the slip feels the spin
+        for columns, x, y, spin in (
+            (normals, -approach.normal_x[k], -approach.normal_y[k], jnp.zeros(())),
+            (tangents, approach.tangent_x[k], approach.tangent_y[k], lever),
+        ):
+            along = Vector(x, y)
+            own = 0.0 if free_spin else spin
+            foot = Vector(approach.foot_x[k], approach.foot_y[k]).cross(along)
+            blocks = {
+                carrier.body: _combined(carrier.along(-along), -foot, carrier.turning()),
+                ball.body: _combined(ball.along(along), own, ball.turning()),
+            }
+            column = system.direction(blocks)
+            columns.append(jnp.append(column, spin) if free_spin else column)
+    return jnp.stack(normals, axis=1), jnp.stack(tangents, axis=1)
+
+
+def _combined(along: Block, factor: Scalar, turning: Block) -> Block:
+    """A block plus ``factor`` times another."""
+    return tuple(a + factor * b for a, b in zip(along, turning, strict=True))

@@ -21,13 +21,12 @@ from .validity import Limit
 class Names:
     """What parts of a mechanism are called in tables and files, in the order of their numbers.
 
-    ``bodies``; ``contacts``: those that have impacts; ``contact``: what such a contact is ("flank"); ``multipliers`` of
-    the joints' rows and ``others`` of the history, each with its unit.
+    ``bodies``; ``contacts``: those that have impacts; ``multipliers`` of the joints' rows and ``others`` of the
+    history, each with its unit.
     """
 
     bodies: tuple[str, ...] = ()
     contacts: tuple[str, ...] = ("contact",)
-    contact: str = "contact"
     multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
     others: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
@@ -97,7 +96,9 @@ class Mechanism:
 
     - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
       of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
-    - ``run_name``: what a run is called ("capture"); ``names`` of its parts; ``defaults``;
+    - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
+      has impacts is called ("flank"); ``defaults``; ``chaotic``: whether small differences grow until later impacts
+      cannot be known, so that the command line tells how many of them are (`jb.horizon`);
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
       ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``record``: tables of
@@ -132,7 +133,9 @@ class Mechanism:
     notes: Callable[[Any], list[str]] = lambda run: []
     panels: Callable[[Any], list[Panel]] = lambda run: []
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
-    names: Names = Names()
+    names: Callable[[Any], Names] = lambda design: Names()
+    contact: str = "contact"
+    chaotic: bool = False
     defaults: Defaults = Defaults()
     always: Mapping[str, float] = dataclasses.field(default_factory=dict)
     check_problem: Callable[[Any], None] = lambda problem: None

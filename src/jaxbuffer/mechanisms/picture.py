@@ -7,11 +7,12 @@ from jax import Array
 
 
 class Curve(NamedTuple):
-    """Values over the history's time, with their name in the legend; ``dashed``."""
+    """Values over the history's time, or over ``along``, with their name in the legend; ``dashed``."""
 
     label: str
     values: np.ndarray | Array
     dashed: bool = False
+    along: np.ndarray | Array | None = None
 
 
 class Level(NamedTuple):
@@ -23,10 +24,12 @@ class Level(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up."""
+    """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up;
+    ``path``: the horizontal axis' label of curves in a plane, "" of curves over time."""
 
     title: str
     axis: str
     curves: tuple[Curve, ...]
     levels: tuple[Level, ...] = ()
     stacked: bool = False
+    path: str = ""

@@ -44,10 +44,11 @@ def run_figure(run: Run) -> "Figure":
 
 def _forces(force: "Axes", zoom: "Axes", run: Run) -> None:
     """The contact force over the whole run, and around its peak."""
-    seen, names = _history(run), run.mechanism.names
+    seen, names = _history(run), run.mechanism.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
     for k, contact in enumerate(names.contacts):
-        name = f"{contact} {names.contact}" if contact != names.contact else contact
+        kind = run.mechanism.contact
+        name = f"{contact} {kind}" if contact != kind else contact
         force.plot(np.asarray(seen.time), seen.contact_force[:, k], color=COLOURS[k], label=name)
         _pulse(zoom, run, k, COLOURS[k], marker=".")
     force.plot(at, peak, "o", color=RED, markersize=4, label="peak")
@@ -64,12 +65,15 @@ def _draw(axes: "Axes", time: np.ndarray, panel: Panel) -> None:
     else:
         for k, curve in enumerate(panel.curves):
             dashes = "--" if curve.dashed else "-"
-            axes.plot(time, curve.values, color=COLOURS[k], linestyle=dashes, label=curve.label or None)
+            along = time if curve.along is None else curve.along
+            axes.plot(along, curve.values, color=COLOURS[k], linestyle=dashes, label=curve.label or None)
     for level in panel.levels:
         colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
         axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8, label=level.label or None)
     legend = bool(axes.get_legend_handles_labels()[0])
-    label(axes, panel.title, "time [s]", panel.axis, legend, columns=2 if panel.stacked else 1)
+    if panel.path:
+        axes.set_aspect("equal", "datalim")
+    label(axes, panel.title, panel.path or "time [s]", panel.axis, legend, columns=2 if panel.stacked else 1)
 
 
 def _pulse(axes: "Axes", run: Run, contact: int, colour: str, label: str = "", marker: str = "") -> None:

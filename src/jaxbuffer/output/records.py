@@ -38,7 +38,7 @@ COORDINATES = {
 
 def run_record(run: Run) -> dict[str, Any]:
     """Everything but the history. Impacts count from 1."""
-    mechanism, names = run.mechanism, run.mechanism.names
+    mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
     return {
@@ -46,12 +46,12 @@ def run_record(run: Run) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         "outside_validity": mechanism.warnings(run),
-        f"peak_{names.contact}": names.contacts[int(run.peak_contact)],
+        f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
             {
                 "number": k + 1,
-                names.contact: names.contacts[int(hits.contact[k])],
+                mechanism.contact: names.contacts[int(hits.contact[k])],
                 "time [s]": _number(hits.time[k]),
                 "approach_speed [m/s]": _number(hits.approach_speed[k]),
                 "peak_force [N]": _number(hits.peak_force[k]),
@@ -78,12 +78,12 @@ def run_record(run: Run) -> dict[str, Any]:
 def run_history(run: Run) -> Table:
     """The history, a row for each accepted step."""
     seen: Any = jax.tree.map(np.asarray, run.history)
-    names = run.mechanism.names
+    names = run.mechanism.names(run.design)
     columns: dict[str, Any] = {"time [s]": seen.time}
     for name, symbol in CONTACT_UNITS.items():
         value = getattr(seen, name)
         columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items()}
+    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items() if name in seen.others}
     for name, axes in COORDINATES.items():
         for k, body in enumerate(names.bodies):
             columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
@@ -113,7 +113,8 @@ def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
 def certificate_record(result: "Sensitivity") -> dict[str, Any]:
     """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
     certificate: Any = result.certificate
-    peaks, names = certificate.peaks, result.run.mechanism.names
+    peaks, mechanism = certificate.peaks, result.run.mechanism
+    names = mechanism.names(result.run.design)
     evidence = {
         name: {
             quantity: dict(zip(result.paths, map(_number, getattr(certificate, field)[k]), strict=True))
@@ -138,7 +139,7 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
         else {
             "force [N]": peaks.force,
             "time [s]": peaks.time,
-            names.contact: names.contacts[peaks.contact],
+            mechanism.contact: names.contacts[peaks.contact],
             "impact": peaks.impact + 1,
         },
         "runner_up": None

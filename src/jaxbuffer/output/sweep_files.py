@@ -30,7 +30,7 @@ def named(sweep: Sweep, column: str) -> str:
 def rows(swept: Swept) -> tuple[list[str], Iterator[Sequence[Any]]]:
     """Header and a row for each run that was computed; what a failed one lacks stays empty."""
     found = swept.found
-    contact = f"peak_{found.mechanism.names.contact}"
+    contact = f"peak_{found.mechanism.contact}"
     numbers = [name for name in found.columns if name not in ("code", contact)]
     header = [
         *(f"{axis.path} [{axis.unit}]" for axis in swept.grid.axes),
@@ -42,7 +42,8 @@ def rows(swept: Swept) -> tuple[list[str], Iterator[Sequence[Any]]]:
 
 
 def _rows(swept: Swept, numbers: Sequence[str], contact: str) -> Iterator[Sequence[Any]]:
-    found, inputs, contacts = swept.found, list(swept.grid.columns().values()), swept.found.mechanism.names.contacts
+    found, inputs = swept.found, list(swept.grid.columns().values())
+    contacts = found.mechanism.names(swept.design).contacts
     columns, outcomes = [found.columns[name] for name in numbers], found.outcomes
     for i in np.flatnonzero(swept.done):
         values = [None if math.isnan(value) else value for value in (column[i].item() for column in columns)]

@@ -18,8 +18,8 @@ def history(system: ContactSystem, steps: Steps) -> History:
         seen, kin = system.snapshot_at(posture, active), posture.kin
         return History(
             time=time,
-            position=kin.q.reshape(-1, 3),
-            velocity=kin.v.reshape(-1, 3),
+            position=kin.q[: 3 * len(kin.frames)].reshape(-1, 3),
+            velocity=kin.v[: 3 * len(kin.frames)].reshape(-1, 3),
             multipliers=seen.multipliers,
             gap=seen.gap,
             approach_speed=seen.approach_speed,

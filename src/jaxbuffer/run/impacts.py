@@ -13,6 +13,9 @@ from .survey import Survey
 def impacts(system: ContactSystem, log: Log, seen: Survey) -> Impacts:
     """All impacts of a run whose log's events move (`moving_events`)."""
     contacts = system.impact_contacts
+    if not contacts:
+        none = jnp.zeros(log.kind.shape[0])
+        return Impacts(none, jnp.full(none.shape, -1), none, none, none, jnp.asarray(0))
     in_order = jnp.arange(log.kind.shape[0]) < log.room
     touch, contact = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & in_order, log.which % contacts
     speed = jax.vmap(lambda row, contact: system.memory(row)[contact])(log.rows[:, 0], contact)

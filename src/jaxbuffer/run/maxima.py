@@ -1,5 +1,8 @@
 """Largest values over a run, each at its located time."""
 
+from collections.abc import Callable
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -27,6 +30,8 @@ def maxima(system: ContactSystem, log: Log) -> Maxima:
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be
     # largest at the end.
     used = jnp.arange(log.kind.shape[0]) < log.count
+    if not contacts:
+        return _without_contacts(system, log, used, observe)
     force = jnp.max(log.values[:, :contacts], axis=1, keepdims=True)
     candidates = jnp.concatenate([force, log.values[:, contacts:]], axis=1)
     slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
@@ -36,6 +41,14 @@ def maxima(system: ContactSystem, log: Log) -> Maxima:
     peak, *values = seen[jnp.arange(len(slots)), columns]
     others = dict(zip(system.observed[contacts:], values, strict=True))
     return Maxima(peak, _peak_time(system, log, slots[0], contact, rates[0]), contact, others)
+
+
+def _without_contacts(system: ContactSystem, log: Log, used: Array, observe: Callable[[Array], Any]) -> Maxima:
+    """No contact, no force; the other observables' largest values."""
+    slots = jnp.argmax(jnp.where(used[:, None], log.values, -jnp.inf), axis=0)
+    values = jax.vmap(observe)(slots)[0][jnp.arange(len(slots)), jnp.arange(len(slots))]
+    others = dict(zip(system.observed, values, strict=True))
+    return Maxima(jnp.zeros(()), jnp.zeros(()), jnp.asarray(-1), others)
 
 
 def _peak_time(

@@ -1,17 +1,17 @@
 """A sensitivity result as tables, for people."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 
 from ..fields import unit_at
-from ..mechanisms.mechanism import Names
 from ..mechanisms.quantity import is_signed, unit_of
 from ..tables import table, text
 
 if TYPE_CHECKING:
+    from ..mechanisms.mechanism import Mechanism
     from .certificate import Certificate
     from .sensitivity import Sensitivity
 
@@ -46,7 +46,7 @@ def sensitivity_table(result: "Sensitivity") -> str:
         gradient,
     ]
     if certificate is not None:
-        parts.append(certificate_text(certificate, result.quantities, mechanism.names))
+        parts.append(certificate_text(certificate, result.quantities, mechanism, result.run.design))
     if not run.outcome.failed:
         parts += mechanism.notes(run)
     return text(*parts)
@@ -64,7 +64,7 @@ def _by_parameter(filled: Table, result: "Sensitivity", which: np.ndarray, cell:
         filled.add_row(path, *(cell(i, k) for i in which))
 
 
-def certificate_text(certificate: "Certificate", quantities: Sequence[str], names: Names) -> str:
+def certificate_text(certificate: "Certificate", quantities: Sequence[str], mechanism: "Mechanism", design: Any) -> str:
     """Verdict, reason, active peak and runner-up, in a line each."""
     lines = [f"Certificate: {certificate.verdict.name.upper()}: {certificate.reason}"]
     less = [f"{n} {v.name}" for n, v in zip(quantities, certificate.verdicts, strict=True) if v]
@@ -73,7 +73,7 @@ def certificate_text(certificate: "Certificate", quantities: Sequence[str], name
     if (peaks := certificate.peaks) is not None:
         lines.append(
             f"  active peak          {peaks.force:.6g} N at {peaks.time:.6g} s,"
-            f" {names.contacts[peaks.contact]} {names.contact}, impact {peaks.impact + 1}"
+            f" {mechanism.names(design).contacts[peaks.contact]} {mechanism.contact}, impact {peaks.impact + 1}"
         )
         if peaks.runner_up_impact < 0:
             lines.append("  runner-up            none: no other impact")

@@ -91,7 +91,7 @@ def column_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
     """Those of `column_names` that are whole numbers."""
-    return ("code", f"peak_{mechanism.names.contact}", "impact_count", "attempts")
+    return ("code", f"peak_{mechanism.contact}", "impact_count", "attempts")
 
 
 class SweepInterrupted(KeyboardInterrupt):

@@ -108,8 +108,9 @@ def _extremes(swept: Swept) -> list[str]:
 
 
 def _run(swept: Swept, index: int) -> str:
-    found, names = swept.found, swept.found.mechanism.names
-    contact = f"{names.contacts[int(found.columns[f'peak_{names.contact}'][index])]} {names.contact}"
+    found, names = swept.found, swept.found.mechanism.names(swept.design)
+    kind = found.mechanism.contact
+    contact = f"{names.contacts[int(found.columns[f'peak_{kind}'][index])]} {kind}"
     return (
         f"{found.peak_force[index]:.6g} N at {swept.grid.point(index)}: {contact} after"
         f" {found.peak_time[index]:.4g} s, {int(found.impact_count[index])} impacts, {found.outcomes[index].name}"

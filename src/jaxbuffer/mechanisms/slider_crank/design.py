@@ -1,0 +1,156 @@
+"""The slider-crank with play in its pins: its design and its scenario."""
+
+from typing import ClassVar
+
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...errors import InputError, check_type, concrete, inside
+from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...multibody import Body
+from ...multibody.flexible import Bar
+from .pins import CrankPin, PistonPin
+
+RPM = 2.0 * np.pi / 60.0  # rad/s
+
+
+class Crank(Part):
+    """A crank on a shaft.
+
+    ``length`` from the shaft to the crank pin; ``mass``; ``inertia`` about the shaft; ``unbalance``: mass times
+    distance of its centre of mass from the shaft, positive towards the pin; a counterweight lowers it.
+    """
+
+    section: ClassVar[str] = "crank"
+    length: Scalar = number(0.05, "m", **POSITIVE)
+    mass: Scalar = number(0.1, "kg", **POSITIVE)
+    inertia: Scalar = number(1e-4, "kg m²", **POSITIVE)
+    unbalance: Scalar = number(0.0, "kg m")
+
+
+class Drive(Part):
+    """What turns the crank.
+
+    ``kind``: "speed" (the crank turns steadily) or "torque", M_0 (1 - ω/ω_0) with ``torque`` M_0 and
+    ``no_load_speed`` ω_0.
+    """
+
+    section: ClassVar[str] = "drive"
+    kind: str = choice("speed", "speed", "torque")
+    torque: Scalar = number(50.0, "N m", **POSITIVE)
+    no_load_speed: Scalar = number(5000.0 * RPM, "rad/s", **POSITIVE)
+
+
+class Rod(Part):
+    """The connecting rod.
+
+    ``length`` between its pins; ``mass``; ``inertia`` about its centre of mass, which lies at the share ``centre`` of
+    the length from the crank pin. Or a uniform rectangular bar: ``depth`` of its section in the plane of motion (None:
+    as above), ``width`` across it, ``density``. It bends in ``modes`` modes, none or at least 2, with ``young_modulus``
+    and the ``damping_ratio`` of every mode.
+    """
+
+    section: ClassVar[str] = "rod"
+    length: Scalar = number(0.12, "m", **POSITIVE)
+    mass: Scalar = number(0.21, "kg", **POSITIVE)
+    inertia: Scalar = number(2.5e-4, "kg m²", **POSITIVE)
+    centre: Scalar = number(0.5, "-", low=0.0, high=1.0)
+    depth: Scalar | None = number(None, "m", **POSITIVE)
+    width: Scalar = number(0.015, "m", **POSITIVE)
+    density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
+    young_modulus: Scalar = number(207e9, "Pa", **POSITIVE)
+    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
+    modes: int = whole(0, 0)
+
+    def check_together(self) -> None:
+        if self.modes and self.depth is None:
+            raise InputError(f"rod.modes = {self.modes}: a rod that bends needs its section; give rod.depth [m] too")
+        if self.modes == 1:
+            raise InputError("rod.modes = 1: the rod's ends are kept, which takes 2 modes; give 0, or 2 or more")
+        centre = concrete(self.centre)
+        if self.depth is not None and centre is not None and np.any(centre != 0.5):
+            raise InputError("rod.centre: the centre of mass of a uniform bar (rod.depth) is at 0.5 of its length")
+
+    @property
+    def bar(self) -> Bar:
+        """As a uniform bar."""
+        assert self.depth is not None
+        return Bar.rectangle(self.length, self.width, self.depth, self.density, self.young_modulus)
+
+    @property
+    def body(self) -> Body:
+        """As a rigid body."""
+        if self.depth is None:
+            return Body(self.mass, self.inertia)
+        return Body(self.bar.mass, self.bar.mass * self.length**2 / 12.0)
+
+
+class Slider(Part):
+    """The slider; it does not turn. ``mass``."""
+
+    section: ClassVar[str] = "slider"
+    mass: Scalar = number(0.14, "kg", **POSITIVE)
+
+
+class SliderCrank(Part):
+    """The whole mechanism; the defaults are a much-used set for clearance in the piston pin.
+
+    - ``crank``, ``drive``, ``rod``, ``slider``; ``piston_pin``, ``crank_pin``: the joints at the rod's ends.
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), duration=1e-3)
+    >>> f"{float(run.quantity('impact.1.peak_force')):.1f} N"
+    '45872.3 N'
+    """
+
+    crank: Crank = Crank()
+    drive: Drive = Drive()
+    rod: Rod = Rod()
+    slider: Slider = Slider()
+    piston_pin: PistonPin = PistonPin()
+    crank_pin: CrankPin = CrankPin()
+
+
+class SliderCrankScenario(Part):
+    """How it starts: with the velocities of the mechanism without play, each pin in the middle of its bush.
+
+    - ``crank_speed``: [rad/s], steady where the drive keeps it so.
+    - ``crank_angle``: from the slider's line [rad].
+    - ``gravity``: across the slider's line [m/s²].
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:** the pin first touches its bush at the same angle of the crank, however fast that turns.
+
+    >>> import math
+    >>> run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(crank_speed=50.0), duration=4e-3)
+    >>> f"{math.degrees(50.0 * float(run.impacts.time[0])):.4f}°"
+    '6.8186°'
+    """
+
+    section: ClassVar[str] = "scenario"
+    crank_speed: Scalar = number(5000.0 * RPM, "rad/s")
+    crank_angle: Scalar = number(0.0, "rad")
+    gravity: Scalar = number(0.0, "m/s²", **NON_NEGATIVE)
+
+
+def check_fit(design: SliderCrank, scenario: SliderCrankScenario) -> None:
+    """Raise `InputError` where the rod is too short to turn round, or a drive is to keep a speed of zero."""
+    check_type("design", design, SliderCrank, "the design first, such as jb.SliderCrank(), then the scenario")
+    crank, rod = concrete(design.crank.length), concrete(design.rod.length)
+    if crank is not None and rod is not None and not np.all(crank < rod):
+        raise InputError("rod.length must be above crank.length, for the crank to turn round")
+    speed = concrete(scenario.crank_speed)
+    if design.drive.kind == "speed" and speed is not None and not np.all(speed != 0.0):
+        raise InputError('scenario.crank_speed = 0 rad/s: drive.kind = "speed" keeps it so, and nothing moves')
+
+
+def valid(design: SliderCrank, scenario: SliderCrankScenario) -> Bool[Array, ""]:
+    """The same of numbers known only inside compiled code, each in its range besides."""
+    fit = inside(design.crank.length, high=design.rod.length, high_open=True, **POSITIVE)
+    steady = inside(abs(scenario.crank_speed), low=0.0, low_open=design.drive.kind == "speed")
+    return all_of([*design.in_range(), *scenario.in_range(), fit, steady])

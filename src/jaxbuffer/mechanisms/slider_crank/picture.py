@@ -1,0 +1,53 @@
+"""What to draw of a slider-crank's run."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..picture import Curve, Level, Panel
+from .journal import PINS, journal_path
+
+if TYPE_CHECKING:
+    from ..run import Run
+
+
+def panels(run: "Run") -> list[Panel]:
+    """Path of each pin with play, torque of the drive, the slider's acceleration, energy, of a run with a history."""
+    seen = run.history
+    assert seen is not None
+    paths = [_path(run, pin) for pin in PINS if getattr(run.design, pin).joint == "clearance"]
+    energy = [Curve(name, np.asarray(values)) for name, values in seen.energy.stored.items() if np.any(values)]
+    torque, acceleration = (np.asarray(seen.others[name]) for name in ("drive_torque", "slider_acceleration"))
+    return [
+        *paths,
+        Panel(
+            f"Torque of the drive, {torque.min():.4g} to {torque.max():.4g} N m",
+            "torque [N m]",
+            (Curve("", torque),),
+            (Level("", 0.0),),
+        ),
+        Panel(
+            f"Slider, at most {float(run.maxima['slider_acceleration']):.4g} m/s²",
+            "size of acceleration [m/s²]",
+            (Curve("", acceleration),),
+        ),
+        Panel("Energy", "energy [J]", (*energy, Curve("lost", np.asarray(seen.energy.dissipated)))),
+    ]
+
+
+def _path(run: "Run", pin: str) -> Panel:
+    """The pin's centre relative to the bush's, and how far it can go before it touches."""
+    part = getattr(run.design, pin)
+    along, across = 1e3 * journal_path(run, pin).T
+    edge = 1e3 * float(part.clearance) * _outline(part.by_components)
+    title = f"{pin.replace('_', ' ').capitalize()} in its bush"
+    curves = (Curve("", across, along=along), Curve("clearance", edge[1], dashed=True, along=edge[0]))
+    return Panel(title, "across [mm]", curves, path="along the slider's line [mm]")
+
+
+def _outline(square: bool) -> np.ndarray:
+    """A circle or a square of half-width 1, shape (2, points)."""
+    if square:
+        return np.array([[1.0, -1.0, -1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0, 1.0]])
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    return np.stack([np.cos(angle), np.sin(angle)])

@@ -1,0 +1,143 @@
+"""The joints at the rod's ends: pinned, or a pin with play in a bush."""
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...contact import ContactLaw
+from ...contact.laws import (
+    DAMPING_FACTORS,
+    PIN_IN_HOLE_LAWS,
+    PinInHoleLaw,
+    SphereInSphere,
+    contact_modulus,
+    pin_in_hole_law,
+)
+from ...contact.laws.hysteresis import PowerLaw
+from ...errors import InputError, concrete, inside
+from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number
+from .blunt_impact import BluntImpact
+
+ADAMS = "adams"
+SPHERE_EXPONENT = 1.5  # -
+
+
+class GivenStiffness(PowerLaw):
+    """A ball in a spherical bush whose ``stiffness`` K [N/m^1.5] is given; ``hysteresis`` χ̂ [-] (M35)."""
+
+    stiffness: Scalar
+    hysteresis: Scalar
+    exponent: float = eqx.field(default=SPHERE_EXPONENT, static=True)
+
+
+class Pin(Part):
+    """A pin in a bush, which is on the rod.
+
+    ``joint``: "pinned" (no play) or "clearance"; ``clearance``: the bush's radius less the pin's; ``bush_radius``;
+    ``length`` of the contact along the axis.
+    ``law``: a name in `contact.laws.PIN_IN_HOLE_LAWS`, whose stiffness comes from ``young_modulus`` and
+    ``poisson_ratio`` of pin and bush, with the ``damping`` factor of an author (`contact.laws.DAMPING_FACTORS`) for a
+    ``restitution``; ``stiffness`` instead of that from the materials, for the law "sphere".
+    The law "adams" is IMPACT: k δ^e (``stiffness`` in N/m^e, ``exponent``) and a damper ``viscous`` that sets in over
+    ``ramp_depth``; over ``onset_depth`` the force comes in from zero with a finite slope, also for exponents below 1.
+    ``friction``, ``slip_speed``: of the contact.
+    """
+
+    joint: str = choice("pinned", "pinned", "clearance")
+    clearance: Scalar = number(5e-4, "m", **POSITIVE)
+    bush_radius: Scalar = number(0.01, "m", **POSITIVE)
+    length: Scalar = number(0.04, "m", **POSITIVE)
+    law: str = choice("sphere", *PIN_IN_HOLE_LAWS, ADAMS)
+    damping: str = choice("lankarani-nikravesh", *DAMPING_FACTORS)
+    restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
+    stiffness: Scalar | None = number(None, "N/m^e", **POSITIVE)
+    exponent: Scalar = number(1.5, "-", **POSITIVE)
+    viscous: Scalar = number(0.0, "N s/m", **NON_NEGATIVE)
+    ramp_depth: Scalar = number(1e-6, "m", **POSITIVE)
+    onset_depth: Scalar = number(1e-8, "m", **POSITIVE)
+    friction: Scalar = number(0.0, "-", **NON_NEGATIVE)
+    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
+    young_modulus: Scalar = number(207e9, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+
+    @property
+    def by_components(self) -> bool:
+        """Whether its contact is one for each direction."""
+        return False
+
+    @property
+    def radius(self) -> Scalar:
+        """Of the pin [m]."""
+        return self.bush_radius - self.clearance
+
+    @property
+    def by_materials(self) -> PinInHoleLaw:
+        """The law of a pin in a hole with this name, that of a sphere for "adams"."""
+        modulus, ratio = self.young_modulus, self.poisson_ratio
+        return pin_in_hole_law(
+            "sphere" if self.law == ADAMS else self.law,
+            bush_radius=self.bush_radius,
+            clearance=self.clearance,
+            length=self.length,
+            modulus=contact_modulus(modulus, ratio, modulus, ratio),
+            damping=self.damping,
+            restitution=self.restitution,
+        )
+
+    @property
+    def contact_law(self) -> ContactLaw:
+        """The normal law of its contact."""
+        by_materials = self.by_materials
+        if self.law == ADAMS:
+            assert isinstance(by_materials, SphereInSphere)
+            stiffness = by_materials.stiffness if self.stiffness is None else self.stiffness
+            return BluntImpact(stiffness, self.exponent, self.viscous, self.ramp_depth, self.onset_depth)
+        return by_materials if self.stiffness is None else GivenStiffness(self.stiffness, by_materials.hysteresis)
+
+    def check_together(self) -> None:
+        clearance, bush, exponent = concrete(self.clearance), concrete(self.bush_radius), concrete(self.exponent)
+        if clearance is not None and bush is not None and not np.all(clearance < bush):
+            raise InputError(f"{self.section}.clearance must be below {self.section}.bush_radius")
+        if self.stiffness is not None and self.law not in ("sphere", ADAMS):
+            raise InputError(
+                f"{self.section}.stiffness: {self.section}.law = {self.law!r} takes its stiffness from the materials;"
+                " change young_modulus or length"
+            )
+        free = self.law == ADAMS and self.stiffness is not None
+        if exponent is not None and np.any(exponent != SPHERE_EXPONENT) and not free:
+            raise InputError(
+                f"{self.section}.exponent = {float(np.ravel(exponent)[0]):g}: only {self.section}.law = 'adams' with a"
+                f" {self.section}.stiffness in N/m^e has another exponent than {SPHERE_EXPONENT}"
+            )
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        yield inside(self.clearance, high=self.bush_radius, high_open=True)
+        if self.law != ADAMS or self.stiffness is None:
+            yield inside(self.exponent, low=SPHERE_EXPONENT, high=SPHERE_EXPONENT)
+
+
+class PistonPin(Pin):
+    """Between rod and slider; the pin is on the slider. See `Pin`.
+
+    ``contact``: "round", or "components": the slider's two directions each on their own, as if the hole were square and
+    fixed on the slider; the pin is then on the rod.
+    """
+
+    section: ClassVar[str] = "piston_pin"
+    joint: str = choice("clearance", "pinned", "clearance")
+    contact: str = choice("round", "round", "components")
+
+    @property
+    def by_components(self) -> bool:
+        return self.joint == "clearance" and self.contact == "components"
+
+
+class CrankPin(Pin):
+    """Between crank and rod; the pin is on the crank. See `Pin`."""
+
+    section: ClassVar[str] = "crank_pin"

@@ -1,0 +1,77 @@
+"""The catalogue of a slider-crank's quantities."""
+
+from typing import TYPE_CHECKING
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+
+if TYPE_CHECKING:
+    from ..run import Run
+
+
+def deepest(run: "Run") -> Float[Array, ""]:
+    """The deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
+    return jnp.maximum(run.maxima["penetration"], 0.0) if "penetration" in run.maxima else run.penetration
+
+
+QUANTITIES: dict[str, Quantity] = {
+    "peak_force": PEAK_FORCE,
+    "peak_time": PEAK_TIME,
+    "penetration": PENETRATION._replace(of=deepest),
+    "contact_time": CONTACT_TIME,
+    "contact_share": Quantity(
+        "-",
+        lambda run: run.contact_time / run.end_time,
+        "share of the time in which a pin touches its bush",
+        "share of contact",
+        swept=True,
+        tuned=True,
+    ),
+    "drive_torque": Quantity(
+        "N m",
+        lambda run: run.maxima["drive_torque"],
+        "largest torque of the drive",
+        "largest drive torque",
+        signed=True,
+        swept=True,
+        tuned=True,
+    ),
+    "torque_ripple": Quantity(
+        "N m",
+        lambda run: run.maxima["drive_torque"] + run.maxima["braking_torque"],
+        "largest less least torque of the drive",
+        "torque ripple",
+        swept=True,
+        tuned=True,
+    ),
+    "slider_acceleration": Quantity(
+        "m/s²",
+        lambda run: run.maxima["slider_acceleration"],
+        "largest size of the slider's acceleration",
+        "slider acceleration",
+        swept=True,
+        tuned=True,
+    ),
+    "rod_deflection": Quantity(
+        "m",
+        lambda run: run.maxima.get("rod_deflection", 0.0 * run.peak_force),
+        "largest deflection of the rod's middle off the line through its ends, 0 for a rigid rod",
+        "rod deflection",
+        swept=True,
+        tuned=True,
+        shown=("µm", 1e6),
+    ),
+    "rod_stress": Quantity(
+        "Pa",
+        lambda run: run.maxima.get("rod_stress", 0.0 * run.peak_force),
+        "largest bending stress on the surface of the rod's middle, 0 for a rigid rod",
+        "rod stress",
+        swept=True,
+        tuned=True,
+        shown=("MPa", 1e-6),
+    ),
+    "end_time": END_TIME,
+    "dissipated": DISSIPATED,
+}

@@ -1,0 +1,135 @@
+"""What can be said of a motion beyond the impacts that can be foretold one by one: means over turns."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from ...errors import InputError
+from ...hybrid import Kind
+
+if TYPE_CHECKING:
+    from ..run import Run
+
+LEAST_TURNS = 4
+LEAST_BLOCKS = 8
+
+
+class Mean(NamedTuple):
+    """A ``mean`` over turns with its ``standard_error``, both in ``unit``; ``by_turn``: the values, shape (turns,)."""
+
+    mean: float
+    standard_error: float
+    unit: str
+    by_turn: Float[np.ndarray, " turns"]
+
+
+class TurnStatistics(NamedTuple):
+    """Means over the whole turns of a run.
+
+    ``turns``: how many, the first one left out; ``impacts`` that begin in a turn [-]; ``largest_force`` of its contacts
+    [N]; ``mean_peak`` of those impacts [N], over the turns that have any; ``contact_share`` [-].
+    """
+
+    turns: int
+    impacts: Mean
+    largest_force: Mean
+    mean_peak: Mean
+    contact_share: Mean
+
+
+def turn_statistics(run: "Run") -> TurnStatistics:
+    """Impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the standard
+    errors of their means.
+
+    The first turn is left out: it begins where no steady motion would be. Turns that follow one another are alike, so
+    an error comes from means of blocks of turns, as `standard_error` says.
+
+    **Arguments:** ``run``: of a slider-crank, over at least six turns, with ``max_events`` large enough for all
+    events.
+
+    **Raises:** `InputError` for fewer than four whole turns after the first, or where events found no room.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), duration=20 * 0.012, max_events=2048)
+    >>> found = jb.turn_statistics(run)
+    >>> print(f"{found.turns} turns; a largest force of {1e-4 * found.largest_force.mean:.0f}0 kN, more or less")
+    19 turns; a largest force of 20 kN, more or less
+    """
+    if overflown(run):
+        raise InputError(f"the log lists {int(run.impacts.count)} of {int(run.impact_count)} impacts; raise max_events")
+    starts = turn_starts(run)
+    turns = len(starts) - 2
+    if turns < LEAST_TURNS:
+        raise InputError(f"statistics need {LEAST_TURNS} whole turns after the first; this run has {max(turns, 0)}")
+    hits = jax.tree.map(np.asarray, run.impacts)
+    count = int(hits.count)
+    turn = np.searchsorted(starts, hits.time[:count], side="right") - 1
+    peaks = [hits.peak_force[:count][turn == k] for k in range(1, turns + 1)]
+    mean_peak = [np.mean(peak) if peak.size else np.nan for peak in peaks]
+    return TurnStatistics(
+        turns,
+        _mean([peak.size for peak in peaks], "-"),
+        _mean(largest_forces(run, starts)[1:], "N"),
+        _mean(mean_peak, "N"),
+        _mean(contact_shares(run, starts)[1:], "-"),
+    )
+
+
+def overflown(run: "Run") -> bool:
+    """Whether events found no room in the log."""
+    return bool(np.asarray(run._located.overflown))
+
+
+def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
+    """When each turn begins, and the last whole one ends [s]: the crank's angle between the log's events."""
+    log = run._located
+    count = min(int(log.count), log.room)
+    time = np.append(0.0, np.asarray(log.time)[:count])
+    begin = float(np.asarray(run.scenario.crank_angle))
+    turned = np.abs(np.append(begin, np.asarray(log.rows)[:count, 0, 2]) - begin) / (2.0 * np.pi)
+    return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, time)
+
+
+def largest_forces(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
+    """Largest contact force of each turn [N]: all maxima are events of the log."""
+    log = run._located
+    count = min(int(log.count), log.room)
+    force = np.max(np.asarray(log.values)[:count, : log.missed.shape[0]], axis=1)
+    turn = np.searchsorted(starts, np.asarray(log.time)[:count], side="right") - 1
+    return np.array([np.max(force[turn == k], initial=0.0) for k in range(len(starts) - 1)])
+
+
+def contact_shares(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
+    """Share of each turn in which a pin touches its bush."""
+    log = run._located
+    count = min(int(log.count), log.room)
+    kind, time = np.asarray(log.kind)[:count], np.asarray(log.time)[:count]
+    changes = np.isin(kind, (int(Kind.TOUCHDOWN), int(Kind.RELEASE)))
+    touching = np.any(np.asarray(log.active)[:count] > 0.5, axis=1)
+    ends = np.append(time[changes], max(float(time[-1]), starts[-1]))
+    closed = np.append(0.0, np.cumsum(np.diff(ends) * touching[changes]))  # time in contact up to each change
+    upto = np.interp(starts, np.append(0.0, ends), np.append(0.0, closed))
+    return np.diff(upto) / np.diff(starts)
+
+
+def _mean(values: list[float] | np.ndarray, unit: str) -> Mean:
+    by_turn = np.asarray(values, float)
+    known = by_turn[np.isfinite(by_turn)]
+    mean = float(np.mean(known)) if known.size else np.nan
+    return Mean(mean, standard_error(known), unit, by_turn)
+
+
+def standard_error(values: Float[np.ndarray, " n"]) -> float:
+    """Of the mean of values that follow one another and may be alike (Flyvbjerg and Petersen 1989): the largest of the
+    errors that means of blocks of 1, 2, 4, … values give, at least eight blocks each; not a number of fewer than 2."""
+    errors, size = [], 1
+    while size == 1 or len(values) // size >= LEAST_BLOCKS:
+        blocks = values[: len(values) // size * size].reshape(-1, size).mean(axis=1)
+        if len(blocks) < 2:
+            return float("nan")
+        errors.append(float(np.std(blocks, ddof=1) / np.sqrt(len(blocks))))
+        size *= 2
+    return max(errors)

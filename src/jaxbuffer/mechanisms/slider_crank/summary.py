@@ -1,0 +1,84 @@
+"""A slider-crank's run in words: what it lies beyond, and means over turns."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..summary import plain_summary
+from ..validity import Limit
+from .bending import limits as bending_limits
+from .bending import told
+from .design import SliderCrank, SliderCrankScenario
+from .pins import ADAMS, Pin
+from .quantities import deepest
+from .statistics import LEAST_TURNS, overflown, turn_starts, turn_statistics
+
+if TYPE_CHECKING:
+    from ..run import Run
+
+
+def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
+    """A start in a few words: "from 523.6 rad/s at 0 rad"."""
+    weight = float(scenario.gravity)
+    start = f"from {float(scenario.crank_speed):.4g} rad/s at {float(scenario.crank_angle):.4g} rad"
+    return f"{start}, gravity {weight:.4g} m/s²" if weight else start
+
+
+def loose(design: SliderCrank) -> tuple[Pin, ...]:
+    """Pins with play."""
+    return tuple(pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance")
+
+
+def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[Limit]:
+    """How near the peak forces [N] come to what the contact laws are good for, and the rod's modes to being too few."""
+    few = bending_limits(design, peak_force, penetration) if loose(design) else []
+    return contact_validity(design, peak_force) + few
+
+
+def contact_validity(design: SliderCrank, peak_force: Any) -> list[Limit]:
+    """The same of the laws alone."""
+    limits = [pin.by_materials.limit_force for pin in loose(design) if pin.law != ADAMS and pin.stiffness is None]
+    if not limits:
+        return []
+    least = np.min([np.broadcast_to(np.asarray(limit), np.shape(peak_force)) for limit in limits], axis=0)
+    return [Limit("the contact is too wide for the law, which takes it for small", np.asarray(peak_force) / least)]
+
+
+def warnings(run: "Run") -> list[str]:
+    """What a run's numbers lie beyond, a line each."""
+    lines = []
+    if overflown(run):
+        listed, all_of_them = int(run.impacts.count), int(run.impact_count)
+        lines.append(
+            f"the log has room for {listed} of {all_of_them} impacts: raise max_events of simulate for the rest"
+        )
+    if any(pin.law == ADAMS and np.any(np.asarray(pin.exponent) < 1.0) for pin in loose(run.design)):
+        lines.append("an exponent below 1 is no elastic contact's: its stiffness falls as the pin goes deeper")
+    limits = contact_validity(run.design, run.peak_force)
+    lines += [f"outside the contact law's validity: {limit.beyond}" for limit in limits if limit.passed]
+    few = bending_limits(run.design, run.peak_force, deepest(run)) if int(run.impact_count) else []
+    return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
+
+
+def summary(run: "Run") -> str:
+    """The usual lines, below the peak the number of modes of a rod that bends, and, of at least four whole turns after
+    the first, means over turns."""
+    text = with_modes(run, plain_summary(run))
+    if run.outcome.failed or overflown(run) or len(turn_starts(run)) - 2 < LEAST_TURNS:
+        return text
+    found = turn_statistics(run)
+    lines = [f"  means over {found.turns} turns ± standard error"]
+    for name in ("impacts", "largest_force", "mean_peak", "contact_share"):
+        mean = getattr(found, name)
+        shown = f"{mean.mean:.5g} ± {mean.standard_error:.2g} {mean.unit}".rstrip(" -")
+        lines.append(f"    {name.replace('_', ' '):22} {shown}")
+    return "\n".join([text, *lines])
+
+
+def with_modes(run: "Run", text: str) -> str:
+    """A summary with the number of modes below the peak."""
+    if run.outcome.failed:
+        return text
+    lines = text.splitlines()
+    below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
+    return "\n".join([*lines[:below], *told(run, float(np.asarray(deepest(run)))), *lines[below:]])
