@@ -131,7 +131,11 @@ def test_the_command_line(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("text", "words", "message"),
     [
-        ('kind = "bar_dorp"', [], "kind = 'bar_dorp' is unknown; choose one of bar_drop, probe_cone; did you mean"),
+        (
+            'kind = "bar_dorp"',
+            [],
+            "choose one of bar_drop, probe_cone, slider_crank; did you mean bar_drop?",
+        ),
         ('kind = "bar_drop"', ["--impact.dampin", "1"], "impact.dampin is unknown; did you mean impact.damping?"),
         ('kind = "bar_drop"', ["--scenario.height", "0.3"], "scenario.height = 0.3 m is out of range"),
         ('kind = "bar_drop"', ["--impact.law", "hertz"], "has the exponent 1.5; give impact.exponent = 1.5"),

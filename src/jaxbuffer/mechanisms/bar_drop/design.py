@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import LAWS, hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
 
 HERTZ_EXPONENT = 1.5  # -
 SEED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the seed's 48 049 N/mm^2.2
@@ -19,7 +19,8 @@ SEED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the seed's 48 049 N/mm^2.2
 class Bar(Part):
     """A round bar, hinged at one end; the other end is a ball.
 
-    ``length`` from the hinge to the ball's centre; ``diameter``; ``density``; ``ball_radius``.
+    ``length`` from the hinge to the ball's centre; ``diameter``; ``density``; ``ball_radius``. ``modes``: how many of
+    a free bar's modes bend it, 0 for a rigid one; ``damping_ratio`` of each; ``young_modulus``.
     """
 
     section: ClassVar[str] = "bar"
@@ -27,6 +28,13 @@ class Bar(Part):
     diameter: Scalar = number(0.004, "m", **POSITIVE)
     density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
     ball_radius: Scalar = number(0.002, "m", **POSITIVE)
+    modes: int = whole(0, 0)
+    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
+    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+
+    def check_together(self) -> None:
+        if self.modes == 1:
+            raise InputError("bar.modes = 1: both ends move and turn, which takes 2 modes at least; 0 is a rigid bar")
 
     @property
     def mass(self) -> Scalar:
@@ -69,11 +77,31 @@ class Impact(Part):
             yield inside(self.exponent, low=HERTZ_EXPONENT, high=HERTZ_EXPONENT)
 
 
+class Plate(Part):
+    """The plate, struck in the middle between two supports.
+
+    ``modes``: how many of its natural modes bend it, 0 for a rigid plate; every second one rests where it is struck and
+    is left out. ``length`` between the supports, ``width``, ``thickness``; ``support``: "supported" (free to turn
+    there) or "clamped"; ``damping_ratio`` of every mode; ``density``, ``young_modulus``.
+    """
+
+    section: ClassVar[str] = "plate"
+    modes: int = whole(0, 0)
+    length: Scalar = number(0.3, "m", **POSITIVE)
+    width: Scalar = number(0.1, "m", **POSITIVE)
+    thickness: Scalar = number(0.006, "m", **POSITIVE)
+    support: str = choice("supported", "supported", "clamped")
+    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
+    density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
+    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+
+
 class BarDrop(Part):
     """The whole mechanism; the defaults are those of seed 001's section 2, with the density assumed.
 
-    - ``bar``: the bar and its ball end.
+    - ``bar``: the bar and its ball end; rigid, unless it has modes.
     - ``impact``: the ball against the plate.
+    - ``plate``: rigid, unless it has modes.
 
     **Raises:** `InputError` where a number is out of its range.
 
@@ -86,6 +114,7 @@ class BarDrop(Part):
 
     bar: Bar = Bar()
     impact: Impact = Impact()
+    plate: Plate = Plate()
 
     @property
     def hertz_stiffness(self) -> Scalar:

@@ -9,7 +9,9 @@ from ...errors import InputError
 from ..mechanism import Defaults, Mechanism, Names
 from ..picture import Curve, Level, Panel
 from ..registry import register
+from ..summary import plain_summary
 from ..validity import Limit
+from .bending import limits, told
 from .design import BarDrop, BarDropScenario, check_fit, valid
 from .quantities import QUANTITIES
 from .run import BarDropRun, dropped
@@ -24,17 +26,31 @@ def label(scenario: BarDropScenario, among: Any = ()) -> str:
 
 
 def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
-    """How near the deepest penetrations [m] come to what the contact law is good for."""
+    """How near the deepest penetrations [m] come to what the contact law is good for, and modes to being too few."""
     if penetration is None:
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
-    return [Limit("the ball goes deeper into the plate than a tenth of its radius", share)]
+    deep = Limit("the ball goes deeper into the plate than a tenth of its radius", share)
+    return [deep, *limits(design, peak_force, penetration)]
 
 
 def warnings(run: BarDropRun) -> list[str]:
     """The same of one run."""
-    limits = validity(run.design, run.peak_force, run.maxima["penetration"])
-    return [f"outside the contact law's validity: {limit.beyond}" for limit in limits if limit.passed]
+    deep, *few = validity(run.design, run.peak_force, run.maxima["penetration"])
+    lines = [f"outside the contact law's validity: {deep.beyond}"] if deep.passed else []
+    return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
+
+
+def summary(run: BarDropRun) -> str:
+    """What every run tells, and below the peak the number of modes it was computed with."""
+    lines = plain_summary(run).splitlines()
+    below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
+    return "\n".join([*lines[:below], *told(run), *lines[below:]])
+
+
+def record(run: BarDropRun) -> dict[str, dict[str, Any]]:
+    """The numbers of modes behind a peak."""
+    return {"modes": {"plate": run.design.plate.modes, "bar": run.design.bar.modes}}
 
 
 def smooth(design: BarDrop) -> BarDrop:
@@ -48,20 +64,38 @@ def smooth(design: BarDrop) -> BarDrop:
 
 
 def panels(run: BarDropRun) -> list[Panel]:
-    """Height of the ball end, penetration, energy, of a run with a history."""
+    """Gap, penetration, energy, deflections, of a run with a history."""
     seen = run.history
     assert seen is not None
     energy = {name: 1e3 * np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
     lost = Curve("lost", 1e3 * np.asarray(seen.energy.dissipated))
+    deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
     return [
-        Panel("Height of the ball end", "height [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),)),
-        Panel(
-            f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm",
-            "penetration [µm]",
-            (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),),
-        ),
+        Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),)),
+        Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
         Panel("Energy", "energy [mJ]", (*(Curve(name, values) for name, values in energy.items()), lost)),
+        *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
     ]
+
+
+def bent(run: BarDropRun, body: str) -> Panel:
+    """The deflection of one body, with its number of modes."""
+    seen, name = run.history, f"{body}_deflection"
+    assert seen is not None
+    largest, modes = 1e6 * float(run.maxima[name]), getattr(run.design, body).modes
+    title = f"Deflection of the {body}, largest {largest:.4g} µm ({modes} modes)"
+    return Panel(title, "deflection [µm]", (Curve("", 1e6 * np.asarray(seen.others[name])),))
+
+
+def names(design: BarDrop) -> Names:
+    """What the parts of a design are called."""
+    supports = {"plate x": "N", "plate y": "N", "plate moment": "N m"} if design.plate.modes else {}
+    return Names(
+        bodies=("bar",),
+        contacts=("plate",),
+        multipliers={"hinge x": "N", "hinge y": "N", **supports},
+        others={"penetration": "m", "plate_deflection": "m", "bar_deflection": "m"},
+    )
 
 
 BAR_DROP = register(
@@ -81,14 +115,11 @@ BAR_DROP = register(
         validity=validity,
         smooth=smooth,
         warnings=warnings,
+        summary=summary,
+        record=record,
         panels=panels,
-        names=Names(
-            bodies=("bar",),
-            contacts=("plate",),
-            contact="plate",
-            multipliers={"hinge x": "N", "hinge y": "N"},
-            others={"penetration": "m"},
-        ),
+        names=names,
+        contact="plate",
         defaults=Defaults(
             duration=0.3,
             parameters=("impact.stiffness", "impact.damping", "impact.ramp_depth", "impact.exponent", "bar.density"),
