@@ -19,7 +19,7 @@ from jaxbuffer.multibody import (
 
 
 def kinetic_energy(system: System, kin: Kinematics):
-    return system.kinetic_energy(kin.v)
+    return system.kinetic_energy(kin)
 
 
 def sundials_slider_crank(stiffness, damping) -> Assembled:

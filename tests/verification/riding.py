@@ -5,7 +5,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxbuffer.contact import BallOnSegments, RegularisedCoulomb, Segment
+from jaxbuffer.contact import BallPair, RegularisedCoulomb, Segment
 from jaxbuffer.hybrid import ExplicitRungeKutta, Kind, Options, Tolerance, solve
 from jaxbuffer.mechanisms.assembled import Assembled, BallContact
 from jaxbuffer.multibody import GROUND
@@ -50,10 +50,10 @@ def _itself(mechanism):
     return mechanism
 
 
-def floor(radius, law, friction=0.0, slip_speed=1e-3) -> BallOnSegments:
+def floor(radius, law, friction=0.0, slip_speed=1e-3) -> BallPair:
     """A ball on the x axis, the ground above it being free."""
     plane = Segment(-1e3, 0.0, 1.0, 0.0, 2e3)
-    return BallOnSegments(radius, plane, -1.0, law, RegularisedCoulomb(friction, slip_speed))
+    return BallPair(radius, plane, -1.0, law, RegularisedCoulomb(friction, slip_speed))
 
 
 def on_floor(radius, law, body=0, carrier=GROUND, **friction) -> BallContact:

@@ -62,7 +62,7 @@ def test_four_bar_keeps_its_energy_and_its_loop():
 
     def energy(q, v):
         kin = Kinematics(jnp.asarray(q), jnp.asarray(v))
-        return mechanism.system.kinetic_energy(kin.v) + mechanism.system.stored_energy(kin)
+        return mechanism.system.kinetic_energy(kin) + mechanism.system.stored_energy(kin)
 
     start, end = float(energy(mechanism.q, mechanism.v)), float(energy(found.q, found.v))
     show("Four-bar", [("energy [J]", end, start)])

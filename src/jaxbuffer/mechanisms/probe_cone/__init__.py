@@ -1,5 +1,7 @@
 """The probe-cone mechanism: a probe with a ball tip behind a buffer meets a cone; two vehicles capture each other."""
 
+from .bending import bending_frequencies as bending_frequencies
+from .bending import with_bending as with_bending
 from .capture import Capture as Capture
 from .closed_form import FirstImpact as FirstImpact
 from .closed_form import first_impact as first_impact

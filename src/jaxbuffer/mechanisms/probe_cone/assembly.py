@@ -11,13 +11,23 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
-from ...contact import BallOnSegments, KelvinVoigt, RegularisedCoulomb, Segment, contact_law
-from ...multibody import AxialSpringDamper, Body, Prismatic, Revolute, System, TorsionalSpringDamper
+from ...contact import BallPair, KelvinVoigt, RegularisedCoulomb, Segment, contact_law
+from ...multibody import (
+    AxialSpringDamper,
+    Body,
+    FlexibleBody,
+    Point,
+    Prismatic,
+    Revolute,
+    System,
+    TorsionalSpringDamper,
+)
+from ...multibody.flexible import FlexibleBar, Marker
 from ...plane import Vector
+from .bending import bending_probe
 from .design import Design, Scenario
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
-N = 12  # coordinates
 LOWER, UPPER = 0, 1  # flanks
 FLANKS = 2
 SIDE = np.array([1.0, -1.0])  # σ: +1 lower, -1 upper flank
@@ -30,6 +40,7 @@ class Masses(NamedTuple):
     - ``inertia``: I_P about the centre of mass [kg m²].
     - ``rear``, ``front``: l_r and l_t, from the centre of mass to the rear end and to the tip's centre [m].
     - ``tip_inertia``: I_t of the tip about its centre [kg m²]; a welded tip's is part of ``inertia`` too.
+    - ``bending``: of a probe that bends, the modes of its rod with the tip, clamped at the rear end.
     """
 
     mass: Scalar
@@ -37,6 +48,16 @@ class Masses(NamedTuple):
     rear: Scalar
     front: Scalar
     tip_inertia: Scalar
+    bending: FlexibleBar | None
+
+    @property
+    def tip_centre(self) -> Point:
+        """The tip's centre, on the probe."""
+        return (self.front, 0.0) if self.bending is None else self.bending.end
+
+    def guided(self, x: Scalar) -> Point:
+        """A point of the probe's axis that does not bend, ``x`` [m] before its centre of mass."""
+        return (x, 0.0) if self.bending is None else Marker.on_frame(x, 0.0, self.bending.modes.size)
 
 
 def probe_masses(design: Design) -> Masses:
@@ -45,9 +66,9 @@ def probe_masses(design: Design) -> Masses:
     mass = probe.rod_mass + probe.tip_mass
     shift = probe.tip_mass * (probe.length / 2) / mass
     rear, front = probe.length / 2 + shift, probe.length / 2 - shift
-    tip = 0.4 * probe.tip_mass * probe.tip_radius**2
+    tip = probe.tip_inertia
     inertia = probe.rod_mass * (probe.length**2 / 12 + shift**2) + probe.tip_mass * front**2
-    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip)
+    return Masses(mass, inertia if probe.free_tip else inertia + tip, rear, front, tip, bending_probe(probe))
 
 
 def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> System:
@@ -57,23 +78,22 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
     """
     half = design.buffer.cylinder_length / 2
     cylinder = Body(design.buffer.cylinder_mass, design.buffer.cylinder_mass * design.buffer.cylinder_length**2 / 12)
+    hinge = Revolute(S, B, first_point=(design.active.hinge_offset, 0.0), second_point=(half, 0.0))
+    guide = Prismatic(B, P, second_point=probe.guided(0.0))
     return System(
         bodies=(
             Body(design.active.mass, design.active.inertia),
             cylinder,
-            Body(probe.mass, probe.inertia),
+            Body(probe.mass, probe.inertia) if probe.bending is None else FlexibleBody(probe.bending.modes),
             Body(design.passive.mass, design.passive.inertia),
         ),
-        joints=(
-            Revolute(S, B, first_point=(design.active.hinge_offset, 0.0), second_point=(half, 0.0)),
-            Prismatic(B, P),
-        ),
+        joints=(guide,) if design.hinge.play is not None else (hinge, guide),
         forces=(
             AxialSpringDamper(
                 B,
                 P,
                 first_point=(-half, 0.0),
-                second_point=(-probe.rear, 0.0),
+                second_point=probe.guided(-probe.rear),
                 stiffness=design.buffer.k_A,
                 damping=design.buffer.c_A,
                 free_length=design.buffer.free_length,
@@ -86,7 +106,7 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
     )
 
 
-def assemble_contact(design: Design) -> BallOnSegments:
+def assemble_contact(design: Design) -> BallPair:
     """The tip against both flanks, in the axes of T (M30)."""
     angle, side = design.cone.half_angle, jnp.asarray(SIDE)
     flanks = Segment(
@@ -105,9 +125,9 @@ def assemble_contact(design: Design) -> BallOnSegments:
         "exponent": contact.exponent,
         "ramp_depth": contact.ramp_depth,
     }
-    return BallOnSegments(
+    return BallPair(
         radius=design.probe.tip_radius,
-        segments=flanks,
+        shape=flanks,
         side=side,
         law=contact_law(contact.law, numbers),
         friction=RegularisedCoulomb(contact.friction, contact.slip_speed),
@@ -125,7 +145,8 @@ def start_motion(
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
     """Positions and velocities at t = 0 (M62, M63).
 
-    **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, (12,) each.
+    **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, 12 entries
+    each and one for each mode of a probe that bends.
     """
     angle = design.cone.half_angle
     cos, sin = jnp.cos(angle), jnp.sin(angle)
@@ -139,6 +160,7 @@ def start_motion(
     cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
     active = cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
     behind = [active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0]
-    q = stacked([*behind, 0.0, 0.0, scenario.misalignment])
-    v = stacked([scenario.approach_speed, 0.0, 0.0] * 3 + [0.0, 0.0, scenario.passive_rate])
+    modes = 0 if masses.bending is None else masses.bending.modes.size
+    q = stacked([*behind, 0.0, 0.0, scenario.misalignment, *[0.0] * modes])
+    v = stacked([scenario.approach_speed, 0.0, 0.0] * 3 + [0.0, 0.0, scenario.passive_rate, *[0.0] * modes])
     return q, v

@@ -30,6 +30,7 @@ class Capture(Run):
     - ``stroke``: the buffer's largest [m].
     - ``stroke_margin``: stroke left before the buffer's end, of a bottomed run minus how much is missing [m].
     - ``hinge_angle``: the largest [rad].
+    - ``bending``: the tip's largest displacement off the probe's axis [m], 0 of a probe that does not bend.
     - ``throat_distance``: of the tip from the capture plane at the end [m].
     - ``capture_margin``: how far beyond that plane the tip would be at ``duration``, coasting on from the end of the
       run, or ``stroke_margin`` if that is less; positive exactly for a captured run [m].
@@ -49,6 +50,7 @@ class Capture(Run):
     stroke: Float[Array, ""]
     stroke_margin: Float[Array, ""]
     hinge_angle: Float[Array, ""]
+    bending: Float[Array, ""]
     throat_distance: Float[Array, ""]
     capture_margin: Float[Array, ""]
     capture_share: Float[Array, ""]
@@ -76,6 +78,7 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
         stroke=largest["stroke"],
         stroke_margin=margin * known,
         hinge_angle=largest["hinge_angle"],
+        bending=largest.get("bending", 0.0 * known),
         throat_distance=throat_distance * known,
         capture_margin=jnp.minimum(beyond, margin) * known,
         capture_share=beyond / before * known,

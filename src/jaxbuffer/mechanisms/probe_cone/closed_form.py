@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...compiling.programs import stored
 from ...contact.laws import HystereticLaw
-from .assembly import LOWER, N
+from .assembly import LOWER
 from .design import Design, Scenario, check_fit
 from .linearisation import flank_directions
 from .posture import Posture
@@ -79,7 +79,10 @@ def _first_impact(parameters: tuple[Design, Scenario]) -> FirstImpact:
 
 def predict(mechanism: CaptureMechanism, at: Posture) -> FirstImpact:
     """The first impact of a mechanism's run, which starts there with the tip on the lower flank."""
-    closing, speed = flank_directions(mechanism, at)[0][:N, LOWER], mechanism.memory(at.state)[LOWER]
+    closing, speed = (
+        flank_directions(mechanism, at)[0][: mechanism.coordinates, LOWER],
+        mechanism.memory(at.state)[LOWER],
+    )
     mass = mechanism.system.effective_mass(at.kin, closing)
     energy = 0.5 * mass * speed**2
     law = mechanism.pair.law

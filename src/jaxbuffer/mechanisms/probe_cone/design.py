@@ -12,13 +12,14 @@ from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import check_entries, check_type, concrete, inside, same_shape
 from ...fields import POSITIVE, Part, all_of, number
-from .parts import Active, Buffer, Cone, Contact, Passive, Probe
+from .parts import Active, Buffer, Cone, Contact, Hinge, Passive, Probe
 
 
 class Design(Part):
     """The whole mechanism; the defaults are the paper's Table 2, and what it leaves open is assumed (docs/model.md).
 
     - ``active``, ``passive``: the vehicles.
+    - ``hinge``: its play, if it has any.
     - ``buffer``: springs, dampers and cylinder.
     - ``probe``: rod and tip.
     - ``cone``: on the passive vehicle.
@@ -39,6 +40,7 @@ class Design(Part):
     probe: Probe = Probe()
     cone: Cone = Cone()
     contact: Contact = Contact()
+    hinge: Hinge = Hinge()
 
     def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.

@@ -1,4 +1,5 @@
-"""Whether an answer lies within what the contact law is good for: small penetrations, materials that do not yield."""
+"""Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, little
+bending by modes that are fast enough, a pin that touches its bush on a small area."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -8,12 +9,16 @@ from jaxtyping import Array, Float
 from ...contact.laws import hertz_pressure, yield_pressure
 from ..validity import Limit
 from .assembly import assemble_contact
+from .bending import bending_frequencies
 from .design import Design
+from .hinge_play import pin_law
 
 if TYPE_CHECKING:
     from .capture import Capture
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
+BENT = 0.1  # of the probe's length: up to here the bending is linear
+WAVES = 1.0  # of the highest mode, in the first impact
 
 
 class Validity(NamedTuple):
@@ -80,4 +85,39 @@ def warnings(capture: "Capture") -> list[str]:
             f"outside the contact law's validity: the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
+    return [*lines, *_of_bending(capture), *_of_play(capture)]
+
+
+def _of_bending(capture: "Capture") -> list[str]:
+    probe, lines = capture.design.probe, []
+    if probe.bending_stiffness is None:
+        return []
+    length, bent = float(probe.length), float(capture.bending)
+    if bent > BENT * length:
+        lines.append(
+            f"outside the linear theory of bending: the tip bends {1e3 * bent:.3g} mm off the probe's axis, more than a"
+            f" tenth of its length of {1e3 * length:.3g} mm"
+        )
+    highest, duration = float(bending_frequencies(capture.design)[-1]), float(capture.first_impact.duration)
+    if highest * duration < WAVES:
+        lines.append(
+            f"too few modes: the highest, {highest:.4g} Hz, is too slow to follow impacts of {1e3 * duration:.3g} ms;"
+            f" peak forces will change with probe.bending_modes = {probe.bending_modes}"
+        )
     return lines
+
+
+def _of_play(capture: "Capture") -> list[str]:
+    """The pin's contact is Hertz's while the radius of the area it touches is small against the pin's, as for the tip:
+    √(R δ) ≤ √(0.1) R_pin, with R of M54."""
+    hinge = capture.design.hinge
+    if hinge.play is None:
+        return []
+    pin, depth = float(hinge.pin_radius), float(pin_law(capture.design).depth(capture.peak_hinge_force))
+    area = float(np.sqrt(pin * float(hinge.bush_radius) / float(hinge.play) * depth))
+    if area**2 <= DEEP * pin**2:
+        return []
+    return [
+        f"outside the contact law's validity: the pin touches its bush on an area with a radius of {1e3 * area:.3g} mm,"
+        f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
+    ]

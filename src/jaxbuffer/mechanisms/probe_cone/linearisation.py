@@ -3,12 +3,13 @@ normal force and friction of each flank (M89)."""
 
 from typing import TYPE_CHECKING
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...hybrid import Linearisation
 from ..linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, linearised
-from .assembly import FLANKS, SIDE, N, P, T
+from .assembly import FLANKS, SIDE, T
 
 if TYPE_CHECKING:
     from .posture import Posture, ProbeInCone
@@ -21,8 +22,7 @@ def linearisation(
     at = mechanism.posture(state)
     springs = [
         SpringTerm(jnp.pad(mechanism.system.direction(spring.blocks), (0, mechanism.spins)), *spring[1:])
-        for element in mechanism.system.forces
-        for spring in element.springs(at.kin)
+        for spring in mechanism.system.springs(at.kin)
     ]
     if mechanism.stop is not None:
         pushing = active[FLANKS] * (mechanism.stop_force(at, active) > 0.0)
@@ -34,6 +34,9 @@ def linearisation(
     memory, exerting = mechanism.memory(state), mechanism.exerting(active)
     slopes = contact_slopes(mechanism.pair, mechanism.rounded(at.approach), memory, exerting)
     contacts = ContactTerm(*flank_directions(mechanism, at), *slopes)
+    if mechanism.hinge is not None and at.pin is not None:
+        pin = mechanism.hinge.term(mechanism.system, at.pin, active[-1], mechanism.spins)
+        contacts = jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), contacts, pin)
     return linearised(mechanism.system, at.kin, springs, contacts, mechanism.probe.tip_inertia)
 
 
@@ -41,4 +44,7 @@ def flank_directions(
     mechanism: "ProbeInCone", at: "Posture"
 ) -> tuple[Float[Array, "velocities flanks"], Float[Array, "velocities flanks"]]:
     """Columns b with δ̇ = b·w, and columns b with v_t = b·w, of both flanks."""
-    return contact_directions(at.approach, jnp.asarray(SIDE), at.arm, P, T, N, bool(mechanism.spins))
+    origin = at.kin.point(T, (0.0, 0.0))
+    return contact_directions(
+        mechanism.system, at.approach, jnp.asarray(SIDE), at.centre, origin, bool(mechanism.spins)
+    )

@@ -15,6 +15,28 @@ from .quantities import QUANTITIES
 from .summary import first_impact_line, first_impact_record, summary
 from .system import CONTACTS, ENDS, CaptureMechanism
 
+
+def names(design: Design) -> Names:
+    """What the parts of a design are called; a hinge with play has no rows."""
+    hinge = {} if design.hinge.play is not None else {"hinge x": "N", "hinge y": "N"}
+    return Names(
+        bodies=("active", "cylinder", "probe", "passive"),
+        contacts=CONTACTS,
+        multipliers={**hinge, "prismatic moment": "N m", "prismatic force": "N"},
+        others={
+            "tip_spin": "rad/s",
+            "hinge_force": "N",
+            "buffer_force": "N",
+            "stop_force": "N",
+            "stroke": "m",
+            "hinge_angle": "rad",
+            "throat_distance": "m",
+            "hinge_gap": "m",
+            "bending": "m",
+        },
+    )
+
+
 PROBE_CONE = register(
     Mechanism(
         name="probe_cone",
@@ -39,21 +61,8 @@ PROBE_CONE = register(
         notes=lambda run: [first_impact_line(run)],
         panels=panels,
         record=lambda run: {"first_impact": first_impact_record(run)},
-        names=Names(
-            bodies=("active", "cylinder", "probe", "passive"),
-            contacts=CONTACTS,
-            contact="flank",
-            multipliers={"hinge x": "N", "hinge y": "N", "prismatic moment": "N m", "prismatic force": "N"},
-            others={
-                "tip_spin": "rad/s",
-                "hinge_force": "N",
-                "buffer_force": "N",
-                "stop_force": "N",
-                "stroke": "m",
-                "hinge_angle": "rad",
-                "throat_distance": "m",
-            },
-        ),
+        names=names,
+        contact="flank",
         defaults=Defaults(
             duration=8.0,
             parameters=("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "probe.tip_mass"),

@@ -14,6 +14,7 @@ def panels(capture: "Capture") -> list[Panel]:
     """Gap and distance to capture, energy, stroke and hinge angle, of a capture with a history."""
     seen = capture.history
     assert seen is not None
+    more = [panel for panel in (_bending(capture), _play(capture)) if panel is not None]
     return [
         Panel(
             "Gap and distance to capture",
@@ -32,7 +33,22 @@ def panels(capture: "Capture") -> list[Panel]:
             "hinge angle [deg]",
             (Curve("", np.degrees(seen.hinge_angle)),),
         ),
+        *more,
     ]
+
+
+def _bending(capture: "Capture") -> Panel | None:
+    if capture.design.probe.bending_stiffness is None:  # type: ignore[attr-defined]
+        return None
+    title = f"Bending of the probe, largest {1e3 * float(capture.bending):.3g} mm"
+    return Panel(title, "tip off the axis [mm]", (Curve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
+
+
+def _play(capture: "Capture") -> Panel | None:
+    if capture.design.hinge.play is None:  # type: ignore[attr-defined]
+        return None
+    gap = Curve("", 1e6 * capture.history.hinge_gap)  # type: ignore[union-attr]
+    return Panel("Hinge, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
 
 
 def _energy(capture: "Capture") -> Panel:
@@ -46,6 +62,10 @@ def _energy(capture: "Capture") -> Panel:
     }
     if capture.design.buffer.stop_stiffness is not None:  # type: ignore[attr-defined]
         parts["end stop, stored and lost"] = energy.stop + energy.stop_damper
+    if capture.design.hinge.play is not None:  # type: ignore[attr-defined]
+        parts["hinge's play, stored and lost"] = energy.hinge + energy.hinge_play
+    if capture.design.probe.bending_stiffness is not None:  # type: ignore[attr-defined]
+        parts["lost in bending"] = energy.bending
     curves = tuple(Curve(name, 1e3 * np.asarray(value)) for name, value in parts.items())
     return Panel("Energy, adding up to the total", "energy [mJ]", curves, stacked=True)
 

@@ -20,13 +20,14 @@ from ...errors import (
     concrete,
     inside,
 )
-from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number, whole
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
 TIP_RADIUS = 0.015  # m, R_tip of Table 2
 PROBE_LENGTH = 0.2  # m, L_P of Table 2
 HERTZ_EXPONENT = 1.5  # -
+BENDING_MODES = 3
 
 
 class Active(Part):
@@ -117,6 +118,10 @@ class Probe(Part):
     - ``tip_radius``: R [m].
     - ``tip_mass``: m_t [kg] (default: M7).
     - ``free_tip``: whether the tip spins freely (M8).
+    - ``bending_stiffness``: E I of the rod, which is clamped in the cylinder's guide [N m²] (M108); None: it does not
+      bend. `with_bending` finds it for a frequency.
+    - ``bending_modes``: how many modes bend it; the first two let the tip move and turn.
+    - ``bending_damping``: β, the damping of the bending over its stiffness [s]: the mode of ω has the ratio β ω/2.
     """
 
     section: ClassVar[str] = "probe"
@@ -125,6 +130,47 @@ class Probe(Part):
     tip_radius: Scalar = number(TIP_RADIUS, "m", **POSITIVE)
     tip_mass: Scalar = number(ALUMINIUM_DENSITY * 4.0 / 3.0 * math.pi * TIP_RADIUS**3, "kg", **POSITIVE)
     free_tip: bool = eqx.field(default=False, static=True, metadata={"flag": True})
+    bending_stiffness: Scalar | None = number(None, "N m²", **POSITIVE)
+    bending_modes: int = whole(BENDING_MODES, 2)
+    bending_damping: Scalar = number(0.0, "s", **NON_NEGATIVE)
+
+    @property
+    def tip_inertia(self) -> Scalar:
+        """I_t of the tip about its centre [kg m²] (M6)."""
+        return 0.4 * self.tip_mass * self.tip_radius**2
+
+
+class Hinge(Part):
+    """Play in the hinge between active vehicle and cylinder: a pin on the vehicle in a bush on the cylinder.
+
+    Force of the contact: K δ^{3/2} (1 + a δ̇), Hunt and Crossley's, without friction (M109).
+
+    - ``play``: radial clearance, the bush's radius less the pin's [m]; None: none, the hinge holds.
+    - ``bush_radius``: [m].
+    - ``damping``: a [s/m]; two free bodies part with the restitution 1 - ⅔ a v, while that is near 1.
+    - ``young_modulus`` [Pa], ``poisson_ratio`` [-]: of pin and bush.
+    """
+
+    section: ClassVar[str] = "hinge"
+    play: Scalar | None = number(None, "m", **POSITIVE)
+    bush_radius: Scalar = number(0.005, "m", **POSITIVE)
+    damping: Scalar = number(5.0, "s/m", **NON_NEGATIVE)
+    young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+
+    def check_together(self) -> None:
+        if self.play is not None:
+            check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius)
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.play is not None:
+            yield inside(self.play, high=self.bush_radius, high_open=True, **POSITIVE)
+
+    @property
+    def pin_radius(self) -> Scalar:
+        """The bush's radius less the play [m]."""
+        return self.bush_radius - (0.0 if self.play is None else self.play)
 
 
 class Cone(Part):

@@ -1,7 +1,8 @@
 """A design in a scenario at one instant: where everything is, and what acts on it.
 
-The state is ``[q (12), v (12), tip spin (if free), energy lost (4, with an end stop 5), contact memory (2)]``. Contacts
-are the lower and the upper flank and, if there is one, the buffer's end stop.
+The state is ``[q, v, tip spin (if free), energy lost, contact memory (2)]``: 12 coordinates and those of a probe that
+bends; losses as `ProbeInCone.losses` says. Contacts are the lower and the upper flank and, where there are these, the
+buffer's end stop and the pin of a hinge with play.
 """
 
 from typing import NamedTuple
@@ -11,11 +12,21 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._types import Scalar, Values
-from ...contact import Approach, Ball, BallOnSegments, Carrier, KelvinVoigt
-from ...multibody import AxialSpringDamper, AxialState, Kinematics, Load, Motion, System, load_at
+from ...contact import Approach, Ball, BallPair, Carrier, KelvinVoigt, Segment
+from ...multibody import AxialSpringDamper, AxialState, Kinematics, Load, MaterialPoint, Motion, System, load_at
 from ...plane import Vector
-from .assembly import FLANKS, B, Masses, N, P, T, assemble_contact, assemble_system, end_stop, probe_masses
+from .assembly import (
+    FLANKS,
+    Masses,
+    P,
+    T,
+    assemble_contact,
+    assemble_system,
+    end_stop,
+    probe_masses,
+)
 from .design import Design, Scenario
+from .hinge_play import HingePlay, PinPosture
 
 
 class Posture(NamedTuple):
@@ -24,21 +35,23 @@ class Posture(NamedTuple):
     - ``state``: (state,).
     - ``kin``: the bodies' frames.
     - ``tip``: the tip ball (M29).
-    - ``arm``: from the probe's centre of mass to the tip's centre, in inertial axes [m].
+    - ``centre``: the tip's centre on the probe.
     - ``approach``: geometry and relative motion of the tip against both flanks (M31, M32).
     - ``axial``: the buffer's axial element (M22).
     - ``stroke``: s = l_0 - L [m] (M28).
     - ``stroke_rate``: ṡ [m/s].
+    - ``pin``: of a hinge with play.
     """
 
     state: Float[Array, " state"]
     kin: Kinematics
     tip: Ball
-    arm: Vector
+    centre: MaterialPoint
     approach: Approach
     axial: AxialState
     stroke: Scalar
     stroke_rate: Scalar
+    pin: PinPosture | None
 
 
 class Forces(NamedTuple):
@@ -62,14 +75,16 @@ class ProbeInCone(eqx.Module):
     - ``system``: bodies, joints and buffer, with Baumgarte's gain ``stabilisation`` [1/s] (M16).
     - ``pair``: tip against flanks.
     - ``stop``: the law of the buffer's end stop, or None.
+    - ``hinge``: its play, or None.
     """
 
     design: Design
     scenario: Scenario
     probe: Masses
     system: System
-    pair: BallOnSegments
+    pair: BallPair
     stop: KelvinVoigt | None
+    hinge: HingePlay | None
 
     def __init__(self, design: Design, scenario: Scenario, stabilisation: Scalar = 20.0):
         self.design, self.scenario = design, scenario
@@ -77,6 +92,7 @@ class ProbeInCone(eqx.Module):
         self.system = assemble_system(design, self.probe, stabilisation)
         self.pair = assemble_contact(design)
         self.stop = end_stop(design)
+        self.hinge = None if design.hinge.play is None else HingePlay(design)
 
     @property
     def axial(self) -> AxialSpringDamper:
@@ -92,8 +108,8 @@ class ProbeInCone(eqx.Module):
 
     @property
     def contact_count(self) -> int:
-        """Both flanks, and the end stop if there is one."""
-        return FLANKS + (self.stop is not None)
+        """Both flanks, the end stop if there is one, and a hinge with play."""
+        return FLANKS + (self.stop is not None) + (self.hinge is not None)
 
     # --- the state's layout -------------------------------------------------------------------------------------------
 
@@ -103,21 +119,27 @@ class ProbeInCone(eqx.Module):
         return int(self.design.probe.free_tip)
 
     @property
+    def coordinates(self) -> int:
+        """Number of coordinates: three for each body, and the probe's modes."""
+        return self.system.coordinates
+
+    @property
     def velocities(self) -> int:
         """Number of velocities: the coordinates' and the tip's spin."""
-        return N + self.spins
+        return self.coordinates + self.spins
 
     def kinematics(self, state: Float[Array, " state"]) -> Kinematics:
         """Frames of the bodies. ``state``: (state,)."""
-        return Kinematics(state[:N], state[N : 2 * N])
+        n = self.coordinates
+        return self.system.kinematics(state[:n], state[n : 2 * n])
 
     def losses(self, state: Float[Array, " state"]) -> Float[Array, " losses"]:
-        """Energy lost so far in axial damper, torsional damper, contact, friction and end stop, if there is one [J]
-        (M76).
+        """Energy lost so far in axial damper, torsional damper, contact, friction and, where there are these, end stop,
+        hinge's play and bending probe [J] (M76).
 
         **Arguments:** ``state``: (state,).
         """
-        return state[2 * N + self.spins : -2]
+        return state[2 * self.coordinates + self.spins : -2]
 
     def memory(self, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
         """(flanks,) δ̇⁻ [m/s] (M36). ``state``: (state,)."""
@@ -125,22 +147,21 @@ class ProbeInCone(eqx.Module):
 
     # --- what acts ----------------------------------------------------------------------------------------------------
 
-    def tip(self, kin: Kinematics, state: Float[Array, " state"]) -> tuple[Ball, Vector]:
-        """The tip ball, and its arm from the probe's centre of mass in inertial axes [m] (M29)."""
-        probe = kin.frame(P)
-        arm = probe.turn(Vector(self.probe.front, 0.0))
-        centre, velocity = probe.origin + arm, probe.velocity_at(arm)
-        spin = state[2 * N] if self.spins else probe.spin
-        return Ball(centre.x, centre.y, velocity.x, velocity.y, spin), arm
+    def tip(self, kin: Kinematics, state: Float[Array, " state"]) -> tuple[Ball, MaterialPoint]:
+        """The tip ball, and its centre on the probe (M29)."""
+        centre = kin.point(P, self.probe.tip_centre)
+        spin = state[2 * self.coordinates] if self.spins else centre.spin
+        return Ball(*centre.place, *centre.velocity, spin), centre
 
     def posture(self, state: Float[Array, " state"]) -> Posture:
         """Where everything is; tip against both flanks, and the buffer. ``state``: (state,)."""
         kin = self.kinematics(state)
-        (tip, arm), cone = self.tip(kin, state), kin.frame(T)
+        (tip, centre), cone = self.tip(kin, state), kin.frame(T)
         carrier = Carrier(cone.origin.x, cone.origin.y, cone.cos, cone.sin, cone.velocity.x, cone.velocity.y, cone.spin)
         axial = self.axial.state(kin)
         stroke = self.axial.free_length - axial.length
-        return Posture(state, kin, tip, arm, self.pair.approach(tip, carrier), axial, stroke, -axial.rate)
+        pin = None if self.hinge is None else self.hinge.posture(kin)
+        return Posture(state, kin, tip, centre, self.pair.approach(tip, carrier), axial, stroke, -axial.rate, pin)
 
     def contact(self, at: Posture, active: Float[Array, " contacts"]) -> Forces:
         """Contact forces of both flanks; an open one exerts none (the smooth contact knows no open and closed).
@@ -170,7 +191,7 @@ class ProbeInCone(eqx.Module):
         if self.stop is None:
             return ()
         push = at.axial.along * self.stop_force(at, active)
-        return load_at(B, -push, at.axial.first_arm), load_at(P, push, at.axial.second_arm)
+        return load_at(at.axial.first, -push), load_at(at.axial.second, push)
 
     def rounded(self, approach: Approach) -> Approach:
         """With the smooth contact, the approach with its penetration rounded over the onset length (M60)."""
@@ -190,22 +211,24 @@ class ProbeInCone(eqx.Module):
         foot_x: Values | Scalar = a.foot_x
         foot_y: Values | Scalar = a.foot_y
         if self.design.contact.arms == "published":
-            flanks, cone = self.pair.segments, at.kin.frame(T)
+            flanks, cone = self.pair.shape, at.kin.frame(T)
+            assert isinstance(flanks, Segment)
             frozen_x = flanks.start_x + self.scenario.contact_distance * flanks.direction_x
             frozen_y = flanks.start_y + self.scenario.contact_distance * flanks.direction_y
             foot_x, foot_y = cone.cos * frozen_x - cone.sin * frozen_y, cone.sin * frozen_x + cone.cos * frozen_y
             tip_moment = jnp.zeros(())
         cone_moment = -jnp.sum(foot_x * force_y - foot_y * force_x)
-        on_probe = load_at(P, total, at.arm)
-        if not self.spins:
-            on_probe = on_probe._replace(moment=on_probe.moment + tip_moment)
+        on_probe = load_at(at.centre, total, 0.0 if self.spins else tip_moment)
         return on_probe, Load(T, -total, cone_moment), tip_moment
 
     def dynamics(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Motion, Forces, Scalar]:
         """Accelerations and multipliers (M16), contact forces, and the moment on the tip about its centre [N m]."""
         forces = self.contact(at, active)
         on_probe, on_cone, tip_moment = self._contact_loads(at, forces)
-        return self.system.motion(at.kin, (on_probe, on_cone, *self._stop_loads(at, active))), forces, tip_moment
+        loads = [on_probe, on_cone, *self._stop_loads(at, active)]
+        if self.hinge is not None and at.pin is not None:
+            loads += self.hinge.loads(at.pin, active[-1])
+        return self.system.motion(at.kin, tuple(loads)), forces, tip_moment
 
     def throat(self, kin: Kinematics, tip: Ball) -> tuple[Float[Array, ""], Float[Array, ""]]:
         """How far the tip centre is before the capture plane [m] (M65), and how that changes [m/s].
@@ -223,16 +246,20 @@ class ProbeInCone(eqx.Module):
         kin = self.kinematics(state)
         return self.throat(kin, self.tip(kin, state)[0])
 
-    def stored(self, at: Posture, active: Float[Array, " contacts"]) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-        """Energy in motion, in the springs, in the contacts and in the end stop [J] (M76)."""
-        kinetic = self.system.kinetic_energy(at.kin.v)
+    def stored(self, at: Posture, active: Float[Array, " contacts"]) -> dict[str, Scalar]:
+        """Energy in motion, in the springs and a probe that bends, in the contacts, in the end stop and, if the hinge
+        has play, in its pin [J] (M76)."""
+        kinetic = self.system.kinetic_energy(at.kin)
         if self.spins:
-            kinetic = kinetic + 0.5 * self.probe.tip_inertia * at.state[2 * N] ** 2
+            kinetic = kinetic + 0.5 * self.probe.tip_inertia * at.state[2 * self.coordinates] ** 2
         elastic = jnp.sum(self.exerting(active) * self.pair.stored_energy(self.rounded(at.approach)))
         stop: Scalar = 0.0
         if self.stop is not None:
             stop = active[FLANKS] * self.stop.energy(self._stop_depth(at))
-        return kinetic, self.system.stored_energy(at.kin), elastic, stop
+        stored = {"kinetic": kinetic, "spring": self.system.stored_energy(at.kin), "contact": elastic, "stop": stop}
+        if self.hinge is not None and at.pin is not None:
+            stored["hinge"] = self.hinge.stored(at.pin, active[-1])
+        return stored
 
     def stop_loss(self, at: Posture, active: Float[Array, " contacts"]) -> Scalar:
         """Power lost in the end stop [W]: what the stop takes less what the spring in it takes (M28)."""

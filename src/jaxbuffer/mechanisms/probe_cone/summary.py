@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 import jax
 import numpy as np
 
+from .bending import bending_frequencies
+from .hinge_play import pin_law
 from .label import scenario_label
 from .law_validity import warnings
 from .outcome import Outcome
@@ -36,17 +38,50 @@ def summary(capture: "Capture") -> str:
         f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
         f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
+        *_bending(capture),
+        *_play(capture),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
         f"  capture margin       {_margin(capture)}",
         f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
         f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
-        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}"
-        + (")" if capture.design.buffer.stop_stiffness is None else f", end stop {float(e.stop_damper):.3g})"),
+        f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}{_other_losses(capture)})",
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
         f" {float(b.angular_momentum):.1e} angular, constraint drift {float(b.drift):.1e} m",
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _bending(capture: "Capture") -> list[str]:
+    probe = capture.design.probe
+    if probe.bending_stiffness is None:
+        return []
+    frequencies = np.asarray(bending_frequencies(capture.design))
+    return [
+        f"  bending              at most {1e3 * float(capture.bending):.4g} mm at the tip; {probe.bending_modes} modes,"
+        f" {frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz, the first damped to"
+        f" {100.0 * np.pi * frequencies[0] * float(probe.bending_damping):.3g} %"
+    ]
+
+
+def _play(capture: "Capture") -> list[str]:
+    hinge = capture.design.hinge
+    if hinge.play is None:
+        return []
+    depth = float(pin_law(capture.design).depth(capture.peak_hinge_force))
+    return [f"  play in the hinge    {1e3 * float(hinge.play):.4g} mm; the pin goes up to {1e6 * depth:.3g} µm into it"]
+
+
+def _other_losses(capture: "Capture") -> str:
+    energy, design = capture.energy, capture.design
+    there = {
+        "end stop": (design.buffer.stop_stiffness, "stop_damper"),
+        "hinge's play": (design.hinge.play, "hinge_play"),
+        "bending": (design.probe.bending_stiffness, "bending"),
+    }
+    return "".join(
+        f", {name} {float(getattr(energy, loss)):.3g}" for name, (given, loss) in there.items() if given is not None
+    )
 
 
 def _which_impact(capture: "Capture") -> str:

@@ -10,7 +10,8 @@ from ...multibody import Kinematics
 from ..energy import Energy
 from ..snapshot import Snapshot
 from ..system import SLOWEST_TOUCHDOWN, ContactSystem
-from .assembly import FLANKS, LOWER, B, N, S, start_motion
+from .assembly import FLANKS, LOWER, B, P, S, start_motion
+from .bending import modal_scales
 from .design import Design, Scenario
 from .linearisation import linearisation
 from .posture import Posture, ProbeInCone
@@ -27,10 +28,6 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
 
     def __init__(self, design: Design, scenario: Scenario, stabilisation: Scalar = 20.0):
         super().__init__(design, scenario, stabilisation)
-
-    @property
-    def coordinates(self) -> int:
-        return N
 
     @property
     def impact_contacts(self) -> int:
@@ -58,7 +55,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
     @property
     def _losses(self) -> int:
         """In how many places energy is lost."""
-        return 4 + (self.stop is not None)
+        return 4 + (self.stop is not None) + (self.hinge is not None) + (self.probe.bending is not None)
 
     def derivative(
         self, time: Scalar, state: Float[Array, " state"], active: Float[Array, " contacts"]
@@ -69,8 +66,12 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         hysteresis = jnp.sum(self.exerting(active) * pair.hysteresis_power(self.rounded(at.approach), forces.normal))
         friction = -jnp.sum(forces.friction * at.approach.slip)
         spin = [tip_moment / self.probe.tip_inertia] if self.spins else []
-        stop = [] if self.stop is None else [self.stop_loss(at, active)]
-        rest = stacked([*spin, axial, torsional, hysteresis, friction, *stop])
+        others = [] if self.stop is None else [self.stop_loss(at, active)]
+        if self.hinge is not None and at.pin is not None:
+            others.append(self.hinge.loss(at.pin, active[-1]))
+        if self.probe.bending is not None:
+            others.append(self.system.dissipation(at.kin) - axial - torsional)
+        rest = stacked([*spin, axial, torsional, hysteresis, friction, *others])
         return jnp.concatenate([at.kin.v, motion.acceleration, rest, self._memory_rate(at.approach, state)])
 
     def _memory_rate(self, approach: Approach, state: Float[Array, " state"]) -> Float[Array, " flanks"]:
@@ -85,9 +86,12 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
     def gaps_at(self, at: Posture) -> tuple[Float[Array, " contacts"], Float[Array, " contacts"]]:
         """Distance of each contact [m], and how fast it closes [m/s]."""
         gap, closing = at.approach.gap, at.approach.approach_speed
-        if self.stop is None:
-            return gap, closing
-        return jnp.append(gap, self.design.buffer.end - at.stroke), jnp.append(closing, at.stroke_rate)
+        if self.stop is not None:
+            gap, closing = jnp.append(gap, self.design.buffer.end - at.stroke), jnp.append(closing, at.stroke_rate)
+        if at.pin is not None:
+            gap = jnp.append(gap, at.pin.approach.gap)
+            closing = jnp.append(closing, at.pin.approach.approach_speed)
+        return gap, closing
 
     @property
     def jumps(self) -> bool:
@@ -105,19 +109,23 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
     @property
     def observed(self) -> tuple[str, ...]:
         """What `observables` are: F_n of both flanks and F_s of the end stop, if there is one [N], hinge force [N],
-        buffer force [N], stroke [m], hinge angle [rad]."""
+        buffer force [N], stroke [m], hinge angle [rad], and the bending of a probe that bends [m]."""
         stop = () if self.stop is None else ("stop_force",)
-        return (*CONTACTS, *stop, "hinge_force", "buffer_force", "stroke", "hinge_angle")
+        bending = () if self.probe.bending is None else ("bending",)
+        return (*CONTACTS, *stop, "hinge_force", "buffer_force", "stroke", "hinge_angle", *bending)
 
     def observables_at(
         self, at: Posture, rate: Float[Array, " state"], active: Float[Array, " contacts"]
     ) -> Float[Array, " observables"]:
         kin = at.kin
-        reaction = rate[N : N + 2] * self.design.active.mass
+        n = self.coordinates
+        reaction = rate[n : n + 2] * self.design.active.mass
         hinge_force = jnp.sqrt(reaction[0] ** 2 + reaction[1] ** 2 + 1e-24)
         angle = kin.frame(B).angle - kin.frame(S).angle
         stop = [] if self.stop is None else [self.stop_force(at, active)]
         others = [*stop, hinge_force, jnp.abs(self.axial.tension(kin)), at.stroke, jnp.abs(angle)]
+        if self.probe.bending is not None:
+            others.append(jnp.abs(self.bending(kin)))
         return jnp.concatenate([self.contact(at, active).normal, stacked(others)])
 
     def rate_observables(self) -> tuple[bool, ...]:
@@ -125,17 +133,18 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
 
     def negligible(self) -> Float[Array, " observables"]:
         force = ROUNDED_FORCE * self.energy_scale
-        sizes = {"stroke": ROUNDED_LENGTH, "hinge_angle": ROUNDED_LENGTH}
+        sizes = {"stroke": ROUNDED_LENGTH, "hinge_angle": ROUNDED_LENGTH, "bending": ROUNDED_LENGTH}
         return stacked([sizes.get(name, force) for name in self.observed])
 
     def scales(self) -> Float[Array, " state"]:
         """Positions by the penetration of a typical impact, velocities by the approach speed, energies by ½ m v²."""
         speed, energy = self.scenario.approach_speed, self.energy_scale
-        length = 1e-3
-        position = [length, length, length / 0.1]
-        velocity = [speed, speed, speed / 0.1]
+        length, bending = 1e-3, self.probe.bending
+        bent, bending_rate = ([], []) if bending is None else modal_scales(bending, speed)
+        position = [length, length, length / 0.1] * 4 + bent
+        velocity = [speed, speed, speed / 0.1] * 4 + bending_rate
         spin = [speed / self.design.probe.tip_radius] * self.spins
-        return stacked(position * 4 + velocity * 4 + spin + [energy] * self._losses + [speed] * 2)
+        return stacked(position + velocity + spin + [energy] * self._losses + [speed] * 2)
 
     def normal_force_at(self, at: Posture, active: Float[Array, " contacts"]) -> Float[Array, " flanks"]:
         return self.contact(at, active).normal
@@ -153,35 +162,48 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
             friction=forces.friction,
             multipliers=motion.multipliers,
             others={
-                "tip_spin": at.state[2 * N] if self.spins else at.kin.v[8],
+                "tip_spin": at.tip.spin,
                 "hinge_force": seen["hinge_force"],
                 "buffer_force": jnp.copysign(seen["buffer_force"], self.axial.tension(at.kin)),
                 "stop_force": jnp.asarray(self.stop_force(at, active)),
                 "stroke": seen["stroke"],
                 "hinge_angle": jnp.copysign(seen["hinge_angle"], at.kin.q[5] - at.kin.q[2]),
                 "throat_distance": self.throat(at.kin, at.tip)[0],
+                **({} if at.pin is None else {"hinge_gap": at.pin.approach.gap[0]}),
+                "bending": self.bending(at.kin),
             },
         )
 
     def energy_at(self, at: Posture, active: Float[Array, " contacts"]) -> Energy:
-        kinetic, spring, contact, stop = map(jnp.asarray, self.stored(at, active))
-        losses = self.losses(at.state)
-        names = ("axial_damper", "torsional_damper", "hysteresis", "friction", "stop_damper")
-        lost = dict(zip(names, [*losses, jnp.zeros(())][: len(names)], strict=True))
-        return Energy({"kinetic": kinetic, "spring": spring, "contact": contact, "stop": stop}, lost)
+        names = ["axial_damper", "torsional_damper", "hysteresis", "friction"]
+        there = {
+            "stop_damper": self.stop is not None,
+            "hinge_play": self.hinge is not None,
+            "bending": self.probe.bending is not None,
+        }
+        names += [name for name, is_there in there.items() if is_there]
+        none = {name: jnp.zeros(()) for name in there}
+        lost = none | dict(zip(names, self.losses(at.state), strict=True))
+        return Energy({name: jnp.asarray(energy) for name, energy in self.stored(at, active).items()}, lost)
 
     def momentum(self, state: Float[Array, " state"]) -> tuple[Float[Array, " 2"], Float[Array, ""]]:
         kin = self.kinematics(state)
-        angular = self.system.angular_momentum(kin.q, kin.v)
+        angular = self.system.angular_momentum(kin)
         if self.spins:
-            angular = angular + self.probe.tip_inertia * state[2 * N]
-        return self.system.linear_momentum(kin.v), angular
+            angular = angular + self.probe.tip_inertia * state[2 * self.coordinates]
+        return self.system.linear_momentum(kin), angular
 
     def constraint_errors(self, kin: Kinematics) -> Float[Array, " rows"]:
         return self.system.errors(kin)
 
     def penetration(self, force: Float[Array, ""]) -> Float[Array, ""]:
         return jnp.asarray(self.pair.law.depth(force))
+
+    def bending(self, kin: Kinematics) -> Scalar:
+        """How far the tip is bent off the probe's axis [m], 0 if it does not bend."""
+        if self.probe.bending is None:
+            return jnp.zeros(())
+        return self.probe.bending.end.displacement(kin.modal(P)[0]).y
 
     @property
     def energy_scale(self) -> Scalar:
@@ -198,7 +220,10 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         return not (self.smooth or self.design.contact.arms == "published")
 
     def other_forces_at(self, at: Posture, active: Float[Array, " contacts"]) -> Scalar:
-        return jnp.abs(self.axial.tension(at.kin)) + self.stop_force(at, active)
+        forces = jnp.abs(self.axial.tension(at.kin)) + self.stop_force(at, active)
+        if self.hinge is not None and at.pin is not None:
+            forces = forces + self.hinge.force(at.pin, active[-1])[0]
+        return forces
 
     def impact_step(self, state: Float[Array, " state"]) -> Float[Array, ""]:
         """A fifteenth of the duration of an impact of the probe's mass at the memorised speed [s]."""

@@ -1,0 +1,89 @@
+"""A probe that bends: its modes (M108), its frequencies, and the design that has a given one."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._types import Scalar
+from ...errors import InputError, check_single, check_type
+from ...fields import NON_NEGATIVE, POSITIVE, replace
+from ...multibody.flexible import Bar, FlexibleBar, cantilever_bar
+from .design import Design
+from .parts import BENDING_MODES, Probe
+
+CLOSER = 0.1  # of the natural scale: errors of a mode that rings add up over thousands of steps
+ONE = "{} is one number"
+
+
+def bending_probe(probe: Probe) -> FlexibleBar | None:
+    """The rod, clamped at its rear end, with the tip at its front end (M108); None for a probe that does not bend."""
+    if probe.bending_stiffness is None:
+        return None
+    rod = Bar(
+        probe.length,
+        area=1.0,
+        second_moment=probe.bending_stiffness,
+        density=probe.rod_mass / probe.length,
+        youngs_modulus=1.0,
+    )  # of which only mass and bending stiffness matter
+    inertia = 0.0 if probe.free_tip else probe.tip_inertia
+    bar = cantilever_bar(rod, probe.bending_modes - 2, tip_mass=probe.tip_mass, tip_inertia=inertia)
+    modes = bar.modes.with_damping(probe.bending_damping * bar.modes.stiffness)
+    return eqx.tree_at(lambda b: b.modes, bar, modes)
+
+
+def modal_scales(bar: FlexibleBar, speed: Scalar) -> tuple[list[Scalar], list[Scalar]]:
+    """Magnitudes that matter of each modal coordinate [m] and of its rate [m/s], as large in energy as each other.
+
+    **Arguments:** ``bar``; ``speed``: of the approach [m/s].
+    """
+    mass, stiffness = bar.modes.mass_matrix, bar.modes.stiffness
+    slow = CLOSER * speed
+    return [slow * jnp.sqrt(mass[k, k] / stiffness[k, k]) for k in range(bar.modes.size)], [slow] * bar.modes.size
+
+
+def bending_frequencies(design: Design) -> Float[Array, " modes"]:
+    """(modes,) natural frequencies of the probe with its tip, clamped in its guide [Hz], in ascending order (M108).
+
+    **Arguments:** ``design``: one whose probe bends.
+
+    **Raises:** `InputError` if it does not.
+
+    **Example:**
+
+    >>> import math
+    >>> aluminium = jb.replace(jb.table2(), {"probe.bending_stiffness": 71.7e9 * math.pi * 0.009**4 / 4})  # N m²
+    >>> [round(float(f), 1) for f in jb.bending_frequencies(aluminium)[:2]]
+    [220.4, 1592.8]
+    """
+    check_type("design", design, Design, "jb.table2(), say")
+    bar = bending_probe(design.probe)
+    if bar is None:
+        raise InputError("the probe does not bend: give probe.bending_stiffness [N m²]")
+    return bar.modes.frequencies()
+
+
+def with_bending(design: Design, frequency: float, damping_ratio: float = 0.02, modes: int = BENDING_MODES) -> Design:
+    """The design with a probe that bends at a given first frequency (M108).
+
+    **Arguments:** ``design``; ``frequency``: the first one, clamped in the guide, with the tip [Hz]; ``damping_ratio``:
+    ζ of that mode [-], the k-th has ζ f_k/f_1; ``modes``: how many.
+
+    **Raises:** `InputError` for values out of range.
+
+    **Example:**
+
+    >>> soft = jb.with_bending(jb.table2(), 50.0)
+    >>> print(f"{float(soft.probe.bending_stiffness):.4g} N m², {float(jb.bending_frequencies(soft)[0]):.4g} Hz")
+    19.01 N m², 50 Hz
+    """
+    check_single("frequency", frequency, "Hz", ONE.format("frequency"), **POSITIVE)
+    check_single("damping_ratio", damping_ratio, "-", ONE.format("damping_ratio"), **NON_NEGATIVE)
+    unit = replace(design, {"probe.bending_stiffness": 1.0, "probe.bending_modes": modes})
+    first = float(bending_frequencies(unit)[0])
+    values = {
+        "probe.bending_stiffness": (frequency / first) ** 2,
+        "probe.bending_damping": damping_ratio / (np.pi * frequency),
+    }
+    return replace(unit, values)
