@@ -11,7 +11,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
 
-studies: $(READY)  ## the five studies of optimise/, into results/studies
+studies: $(READY)  ## the six studies of optimise/, into results/studies
 	$(BIN)/python -m optimise --resume
 
 test: $(READY)  ## every test, the slow ones too

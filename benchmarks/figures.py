@@ -89,6 +89,7 @@ class Part:
     checks: tuple[Check, ...] = ()
     plots: tuple[Plot, ...] = ()
     notes: tuple[str, ...] = ()
+    figures: tuple[Figure, ...] = ()  # the product's own, held against nothing
 
 
 def milliseconds(setting: Setting, label: str | None = None) -> Figure:

@@ -21,6 +21,7 @@ from .figures import Check, Figure, Part, Ratio
 PACKAGES = ("jax", "jaxlib", "numba", "scipy", "scikit-sundae", "numpy")
 HEADINGS = ("what", "jaxbuffer", "other", "ratio", "target", "met")
 CHECK_HEADINGS = ("what", "measured", "bound", "met")
+FIGURE_HEADINGS = ("what", "measured", "of")
 
 
 def machine() -> dict[str, Any]:
@@ -86,6 +87,7 @@ def restored(found: Mapping[str, Any]) -> list[Part]:
             ),
             tuple(Check(of["what"], figure(of["figure"]), of["bound"], of["at_least"]) for of in part["checks"]),
             notes=tuple(part["notes"]),
+            figures=tuple(figure(of) for of in part.get("figures", ())),  # results of before had none
         )
         for part in found["parts"]
     ]
@@ -135,6 +137,11 @@ def check_row(check: Check) -> tuple[str, ...]:
     return check.what, number(check.figure.value, check.figure.unit), bound, mark(check.met)
 
 
+def figure_row(figure: Figure) -> tuple[str, ...]:
+    """Cells under FIGURE_HEADINGS."""
+    return figure.label, number(figure.value, figure.unit), figure.setting
+
+
 def markdown(parts: Sequence[Part], run: Mapping[str, Any]) -> str:
     """results.md."""
     found = run["machine"]
@@ -153,6 +160,8 @@ def markdown(parts: Sequence[Part], run: Mapping[str, Any]) -> str:
             lines += ["", *_table(HEADINGS, [ratio_row(ratio) for ratio in part.ratios])]
         if part.checks:
             lines += ["", *_table(CHECK_HEADINGS, [check_row(check) for check in part.checks])]
+        if part.figures:
+            lines += ["", *_table(FIGURE_HEADINGS, [figure_row(figure) for figure in part.figures])]
         if part.notes:
             lines += ["", *(f"- {note}" for note in part.notes)]
         if part.plots:
@@ -188,6 +197,9 @@ def show(parts: Sequence[Part], console: Console) -> None:
         for check in part.checks:
             what, value, bound, met = check_row(check)
             table.add_row(f"{part.name}: {what.replace('`', '')}", value, "", "", bound, met)
+        for figure in part.figures:
+            what, value, of = figure_row(figure)
+            table.add_row(f"{part.name}: {what}", ", ".join(filter(None, (value, of))), "", "", "", "")
     console.print(table)
     for note in (note for part in parts for note in part.notes):
         console.print(f"- {note}", highlight=False)

@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-STUDIES = ("speeds", "misalignment", "pareto", "tip", "robust")
+STUDIES = ("speeds", "misalignment", "pareto", "tip", "robust", "bending", "bar", "slider_crank")
 
 
 def main(arguments: list[str] | None = None) -> int:

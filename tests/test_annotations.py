@@ -7,7 +7,6 @@ import jaxtyping
 import pytest
 
 from jaxbuffer.hybrid.rungekutta.time_transform import TimeTransform
-from jaxbuffer.mechanisms.probe_cone.assembly import N
 from jaxbuffer.multibody import Kinematics
 from jaxbuffer.plane import inverse
 
@@ -19,7 +18,7 @@ def test_a_wrong_shape_is_refused():
     with pytest.raises(jaxtyping.TypeCheckError, match="after_touchdown"):
         TimeTransform.after_touchdown(jnp.zeros(2), jnp.zeros(()))
     with pytest.raises(jaxtyping.TypeCheckError, match="Kinematics"):
-        Kinematics(jnp.zeros(N), jnp.zeros(N + 1))
+        Kinematics(jnp.zeros(12), jnp.zeros(13))
 
 
 def test_every_module_on_the_list_is_there(pytestconfig):

@@ -36,6 +36,7 @@ def part(ours=2.0, theirs=10.0, name="capture", key="best-peer") -> Part:
         ),
         (Plot("a plot", "Work", "wall time [s]", "error [-]", (Curve("jaxbuffer", (1.0, 2.0), (1e-3, 1e-4)),), 1e-4),),
         ("a note",),
+        (Figure("a turn", 7.5, "ms", setting="28 impacts"),),
     )
 
 
@@ -163,6 +164,7 @@ def test_unknown_parts_are_refused(capsys):
 
 def test_the_report_says_everything():
     text = report.markdown([part()], RUN)
+    assert "| a turn | 7.5 ms | 28 impacts |" in text.splitlines()
     assert "`python -m benchmarks --quick`, 2025-01-02, 2 min on 2 cores of abacus, load average 0.1" in text
     ours, theirs = "2 ms (jaxbuffer; rtol 1e-06; peak 1.0e-05, end 2.0e-06)", "10 ms (LSODA; peak 3.0e-05, end inf)"
     assert f"| against the best peer | {ours} | {theirs} | 5 | ≥ 4 | met |" in text.splitlines()
@@ -190,3 +192,8 @@ def test_fresh_processes_do_not_find_a_cache_of_ours(monkeypatch, tmp_path):
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", "warm")
     environment = fresh.environment(tmp_path)
     assert "JAX_COMPILATION_CACHE_DIR" not in environment and environment["JAXBUFFER_CACHE"] == str(tmp_path)
+
+
+def test_a_long_part_takes_part_in_a_quick_run_only_where_it_is_named():
+    assert "slider_crank" in command.parsed([]).only and "slider_crank" not in command.parsed(["--quick"]).only
+    assert command.parsed(["--quick", "--only", "slider_crank"]).only == ["slider_crank"]

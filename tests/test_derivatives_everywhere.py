@@ -101,7 +101,7 @@ NUMBERS = [
     *(f"impacts.{name}" for name in ("time", "approach_speed", "peak_force", "release_time")),
     *(f"first_impact.{f.name}" for f in dataclasses.fields(jb.FirstImpact)),
     *(f"energy.{name}" for name in ("kinetic", "spring", "contact", "stop", "axial_damper", "torsional_damper",
-                                    "hysteresis", "friction", "stop_damper")),
+                                    "hysteresis", "friction", "stop_damper", "hinge_play", "bending")),
 ]  # fmt: skip
 
 

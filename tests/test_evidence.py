@@ -39,7 +39,7 @@ def test_what_fails_is_in_the_report_too():
     evidence(**told(1e-4))
     with pytest.raises(AssertionError):
         evidence(**told(float("nan")))
-    assert "| claim | nan | 0.001 |" in markdown(list(evidence.records.values()), None, [], [])
+    assert "| claim | nan | 0.001 |" in markdown(list(evidence.records.values()), None, [], {})
 
 
 def test_a_breakage_nobody_noticed_and_a_check_that_cannot_fail_are_named():
@@ -48,7 +48,7 @@ def test_a_breakage_nobody_noticed_and_a_check_that_cannot_fail_are_named():
         {"name": "second", "what": "", "checks": {"b": "crashed"}},
     ]
     assert uncaught(records) == ["breakage 'second' is caught by nothing", "check b catches nothing"]
-    page = markdown([], None, records, [])
+    page = markdown([], None, records, {})
     assert "| second |  | **none**; crashed `b` |" in page
     assert "| `b` | **nothing** |" in page
 

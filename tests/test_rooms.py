@@ -15,7 +15,7 @@ TOP = PACKAGE.name
 # A room imports only from rooms above it; "" is the package itself, whose public names are imported when asked for.
 ROOMS = (
     *("errors", "files", "tables", "version", "_types", "fields", "plane", "multibody", "contact", "compiling"),
-    *("hybrid", "mechanisms", "run", "sensitivities", "sweeps", "tuning", "study", "output", "paper", "", "cli"),
+    *("hybrid", "mechanisms", "run", "sensitivities", "sweeps", "tuning", "study", "output", "papers", "", "cli"),
     "__main__",
 )
 HYBRID = (
@@ -23,7 +23,7 @@ HYBRID = (
     *("diffrax_problem", "locate_events", "diffeqsolve", "event_times", "solve"),
     "",  # the room's own list of names
 )
-# Outside its own folder and the paper's studies, the probe-cone mechanism is named here only.
+# Outside its own folder and the papers' studies, the probe-cone mechanism is named here only.
 NAMED = (
     "__init__.py",  # for type checkers
     "mechanisms/__init__.py",  # the list of mechanisms
@@ -184,6 +184,6 @@ def test_what_is_generic_names_no_mechanism():
         for path in MODULES.values()
         if "probe_cone" in path.read_text(encoding="utf-8")
         and not path.is_relative_to(PACKAGE / "mechanisms" / "probe_cone")
-        and not path.is_relative_to(PACKAGE / "paper")
+        and not path.is_relative_to(PACKAGE / "papers")
     }
     assert naming <= set(NAMED)

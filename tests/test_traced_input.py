@@ -10,13 +10,13 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer import InputError, Outcome
-from jaxbuffer.fields import paths
+from jaxbuffer.fields import paths, unit
 from jaxbuffer.mechanisms.probe_cone.design import check_fit, valid
 
 ORDINARY = (-2.0, -0.8, -0.1, 0.0, 1e-3, 0.015, 0.06, 0.07, 0.1365, 0.49, 0.6, 1.0, 1.5, 2.0)
 CANDIDATES = (-math.inf, *ORDINARY, math.inf, math.nan)
 NUMBERS = [
-    *(path for path in paths(jb.table2()) if not isinstance(jb.get(jb.table2(), path), (str, bool))),
+    *(path for path in paths(jb.table2()) if unit(jb.table2(), path)),
     *(f"scenario.{path}" for path in paths(jb.Scenario())),
 ]
 

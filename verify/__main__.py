@@ -1,4 +1,4 @@
-"""Run every check, break the physics, run the paper's studies, and write docs/verification.md."""
+"""Run every check, break the physics, run the papers' studies, and write docs/verification.md."""
 
 import argparse
 import json
@@ -8,6 +8,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
+
+from jaxbuffer.papers import PAPERS
 
 from . import report, run
 from .breakages import BREAKAGES
@@ -30,16 +32,26 @@ def main() -> int:
             run.breakages(folder, jobs, _told)
         status |= int(tested is not None and tested.result() != 0)
     if "paper" in options.only:
-        command = [sys.executable, "-m", "jaxbuffer", "reproduce", "--output", str(folder / "paper"), "--force"]
-        done = subprocess.run(command, cwd=run.ROOT, env=run.environment(), stdout=subprocess.DEVNULL, check=False)
-        status |= int(done.returncode != 0)
+        for paper in PAPERS:
+            command = [
+                sys.executable,
+                "-m",
+                "jaxbuffer",
+                "reproduce",
+                paper,
+                "--output",
+                str(folder / paper),
+                "--force",
+            ]
+            done = subprocess.run(command, cwd=run.ROOT, env=run.environment(), stdout=subprocess.DEVNULL, check=False)
+            status |= int(done.returncode != 0)
     broken = _read(folder / "breakages.json", [])
     unnoticed = report.uncaught(broken)
     page = report.markdown(
         _read(folder / "evidence.json", []),
         folder / "tests.xml",
         broken,
-        _read(folder / "paper" / "studies.json", {"claims": []})["claims"],
+        {paper: _read(folder / paper / "studies.json", {"claims": []})["claims"] for paper in PAPERS},
     )
     options.page.write_text(page)
     print(page)

@@ -3,8 +3,8 @@
 Each breakage replaces one method or function before anything is traced; `broken` applies it in a process of its own.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from .breakage import Breakage
+from .flexible_breakages import FLEXIBLE
 
 JOINTS = "tests/multibody/test_joints.py"
 MECHANISMS = "tests/multibody/test_motion.py::test_slider_crank_follows_its_kinematics_and_keeps_its_energy"
@@ -15,6 +15,10 @@ ELEMENTS = "tests/multibody/test_elements.py"
 SYMMETRY = "tests/properties/test_symmetry.py::test_mirror_image_swaps_the_flanks"
 GEOMETRY = "tests/contact/test_geometry.py"
 IMPACT = "tests/contact/test_impact.py"
+PINS = "tests/contact/test_pin_in_hole.py"
+WRITTEN = f"{PINS}::test_one_form_for_the_laws_as_they_are_written"
+FITS = f"{PINS}::test_fits_of_a_bearing"
+DELIVERED = "tests/contact/test_laws.py::test_carvalho_and_martins_deliver_as_published"
 PROBE = "tests/mechanisms/test_start.py::test_probe_is_the_composite_of_rod_and_ball"
 INVARIANTS = "tests/properties/test_invariants.py"
 NEVER = f"{INVARIANTS}::test_what_a_capture_never_does[False]"
@@ -31,16 +35,44 @@ STOPPED = "tests/verification/test_buffer_end.py::test_an_end_stop_pushes_back"
 BOTTOMED = "tests/verification/test_buffer_end.py::test_a_run_ends_where_the_buffer_does"
 THROUGH = "tests/verification/test_buffer_end.py::test_gradients_go_right_through[end stop]"
 DROPPED = "tests/mechanisms/test_bar_drop.py::test_an_independent_programs_numbers"
+RUBBED = "tests/mechanisms/test_slider_crank.py::test_four_impacts_of_independent_programs[rubbing-1e-09]"
+CRANKED = "tests/mechanisms/test_slider_crank.py::test_energy_and_drift_over_a_turn"
+BENDING_PLATE = "tests/mechanisms/test_bar_drop_plate.py::test_a_clamped_plate"
 UNITS = f"{INVARIANTS}::test_units_may_be_changed"
 
+BENT = "tests/mechanisms/test_bending_probe.py::test_first_impact_of_an_independent_program[2000.0-2]"
+CLAMPED = "tests/mechanisms/test_bending_probe.py::test_frequencies_of_a_clamped_beam_with_a_ball"
+LOOSE = "tests/mechanisms/test_hinge_play.py"
+PINNED = f"{LOOSE}::test_first_impact_of_an_independent_program[1e-08]"
+PLAYED = f"{LOOSE}::test_a_whole_capture_conserves[0.0001]"
 
-class Breakage(NamedTuple):
-    """What is broken, how, and the checks that are run against it."""
+COUPLINGS = "tests/multibody/test_flexible_bars.py::test_kinetic_energy_by_integrals_and_by_points"
+REDUCTION = "tests/multibody/test_flexible_elements.py::test_the_free_beams_table"
+ROTATING = "tests/multibody/test_flexible_bars.py::test_a_rotating_beam_stiffens"
+SPUN_UP = "tests/multibody/test_flexible_spin.py::test_the_tips_largest_deflection"
 
-    name: str
-    what: str
-    apply: Callable[[], None]
-    checks: tuple[str, ...]
+
+def _lose_modal_force() -> None:
+    from jaxbuffer.mechanisms import ball_contact
+
+    at = ball_contact.load_at
+    ball_contact.load_at = lambda *given: at(*given)._replace(modal=())
+
+
+def _gap_of_flat_plate() -> None:
+    from jaxbuffer.mechanisms.ball_contact import BallContact
+    from jaxbuffer.multibody import GROUND
+
+    approach = BallContact.approach
+
+    def broken(self, kin):
+        if self.carrier == GROUND:
+            return approach(self, kin)
+        origin, moved = kin.frame(self.carrier).origin, kin.point(self.carrier, self.carrier_point).place
+        found, centre, carrier = approach(self, kin)
+        return found._replace(gap=found.gap - (origin.y - moved.y)), centre, carrier
+
+    BallContact.approach = broken
 
 
 def _flip_gamma() -> None:
@@ -81,7 +113,7 @@ def _freeze_arm() -> None:
 
     def broken(self, at, forces):
         probe, cone, moment = loads(self, at, forces)
-        flanks, b = self.pair.segments, self.scenario.contact_distance
+        flanks, b = self.pair.shape, self.scenario.contact_distance
         frame = at.kin.frame(3)
         x, y = flanks.start_x + b * flanks.direction_x, flanks.start_y + b * flanks.direction_y
         arm_x, arm_y = frame.cos * x - frame.sin * y, frame.sin * x + frame.cos * y
@@ -94,10 +126,10 @@ def _freeze_arm() -> None:
 
 
 def _drop_spin() -> None:
-    from jaxbuffer.contact import BallOnSegments
+    from jaxbuffer.contact import BallPair
 
-    approach = BallOnSegments.approach
-    BallOnSegments.approach = lambda self, ball, body: approach(self, ball._replace(spin=0.0), body)
+    approach = BallPair.approach
+    BallPair.approach = lambda self, ball, body: approach(self, ball._replace(spin=0.0), body)
 
 
 def _friction_sign() -> None:
@@ -205,8 +237,8 @@ def _crooked() -> None:
 
     def broken(design):
         pair = assemble(design)
-        moved = pair.segments.start_y * np.array([1.0, 1.002])
-        return dataclasses.replace(pair, segments=dataclasses.replace(pair.segments, start_y=moved))
+        moved = pair.shape.start_y * np.array([1.0, 1.002])
+        return dataclasses.replace(pair, shape=dataclasses.replace(pair.shape, start_y=moved))
 
     probe_in_cone.assemble_contact = broken
 
@@ -295,10 +327,132 @@ def _no_ramp() -> None:
     adams.step = lambda penetration, x0, h0, x1, h1: h1 + 0.0 * penetration
 
 
+def _still_bush() -> None:
+    from jaxbuffer.contact import BallPair, Hole
+
+    approach = BallPair.approach
+
+    def broken(self, ball, body):
+        found = approach(self, ball, body)
+        turning = self.side * body.spin * self.shape.radius if isinstance(self.shape, Hole) else 0.0
+        return found._replace(slip=found.slip + turning)
+
+    BallPair.approach = broken
+
+
+def _foot_on_pin() -> None:
+    from jaxbuffer.contact import Hole
+
+    foot = Hole.foot
+
+    def broken(self, x, y, side):
+        found = foot(self, x, y, side)
+        off = 5e-4  # m, the default clearance
+        return found._replace(x=found.x + off * found.normal_x, y=found.y + off * found.normal_y)
+
+    Hole.foot = broken
+
+
+def _drive_power() -> None:
+    from jaxbuffer.multibody import System
+
+    power = System.drive_power
+    System.drive_power = lambda self, kin, multipliers: -power(self, kin, multipliers)
+
+
+def _drive_stands() -> None:
+    from jaxbuffer.multibody import DrivenAngle
+
+    rows = DrivenAngle.rows
+    DrivenAngle.rows = lambda self, kin: tuple(row._replace(rate=0.0 * row.rate) for row in rows(self, kin))
+
+
+def _lost_pi() -> None:
+    from jaxbuffer.contact.laws import PinInHoleLaw
+
+    # σ = (1 - ν²)/E where the laws of a pin have (1 - ν²)/(π E), as a public program has it.
+    PinInHoleLaw.line_stiffness = property(lambda self: self.modulus * self.length)
+
+
+def _carvalho_sign() -> None:
+    from jaxbuffer.contact.laws import CarvalhoMartins
+
+    CarvalhoMartins.hysteresis = property(
+        lambda self: 1.5 * (1.0 - self.restitution) * (11.0 + self.restitution) / (1.0 + 9.0 * self.restitution)
+    )
+
+
+def _turn_coupling() -> None:
+    from jaxbuffer.multibody.flexible.bar_shapes import BarShapes
+
+    integrals = BarShapes.integrals.func
+    BarShapes.integrals = property(lambda self: integrals(self)._replace(coupling=-integrals(self).coupling))
+
+
+def _even_tension() -> None:
+    from jaxbuffer.multibody.flexible.bar_shapes import BarShapes
+
+    integrals = BarShapes.integrals.func
+
+    def broken(self):
+        found = integrals(self)
+        return found._replace(slopes=found.slopes[[0, 1, 1]])
+
+    BarShapes.integrals = property(broken)
+
+
+def _loose_constraint_modes() -> None:
+    from jaxbuffer.multibody.flexible import craig_bampton
+
+    solve = craig_bampton._solve
+    craig_bampton._solve = lambda matrix, right: 0.999 * solve(matrix, right)
+
+
+def _light_ball() -> None:
+    from jaxbuffer.mechanisms.probe_cone.parts import Probe
+
+    found = Probe.tip_inertia.fget
+    Probe.tip_inertia = property(lambda self: 0.9 * found(self))
+
+
+def _stiff_rod() -> None:
+    from jaxbuffer.mechanisms.probe_cone import assembly, bending
+
+    made = bending.bending_probe
+
+    def broken(probe):
+        import equinox as eqx
+
+        bar = made(probe)
+        return None if bar is None else eqx.tree_at(lambda b: b.modes.stiffness, bar, 1.001 * bar.modes.stiffness)
+
+    assembly.bending_probe = bending.bending_probe = broken
+
+
+def _pin_damping() -> None:
+    from jaxbuffer.contact.laws import DampedHertz
+
+    DampedHertz.force = lambda self, depth, speed, memory: self.elastic(depth) * (1.0 - self.damping * speed)
+
+
+def _play_loss() -> None:
+    from jaxbuffer.mechanisms.probe_cone.hinge_play import HingePlay
+
+    HingePlay.loss = lambda self, at, closed: 0.0 * closed
+
+
 BREAKAGES = (
+    Breakage("light ball", "the bending probe's tip turns 10 % too easily", _light_ball, (CLAMPED,)),
+    Breakage("stiff rod", "the probe's bending 0.1 % too stiff", _stiff_rod, (BENT,)),
+    Breakage("pin's damping", "the pin's contact damped with the wrong sign", _pin_damping, (PINNED,)),
+    Breakage("pin's books", "the loss in the hinge's play not booked", _play_loss, (PLAYED,)),
     Breakage("light", "forces that are applied, such as weight, 0.1 % too small", _light, (DROPPED,)),
     Breakage("no back", "a ball that a step carried through a flank counts as before it", _no_back, (DROPPED,)),
     Breakage("no ramp", 'the damper of the law "adams" at full strength from touchdown on', _no_ramp, (DROPPED,)),
+    Breakage("still bush", "the slip of a pin in a bush without the bush's spin", _still_bush, (RUBBED,)),
+    Breakage("foot on the pin", "forces of a pin in a bush act on the pin's surface", _foot_on_pin, (RUBBED,)),
+    Breakage("drive's books", "the work of a drive booked with the other sign", _drive_power, (CRANKED,)),
+    Breakage("drive stands", "Φ_t of a drive lost: its speed counts as drift", _drive_stands, (RUBBED, CRANKED)),
     Breakage("stop pulls", "the buffer's end stop pulls while the probe leaves it", _stop_pulls, (STOPPED,)),
     Breakage("stop's books", "the end stop's loss not booked", _stop_loss, (STOP, STOPPED)),
     Breakage("no jump at the stop", "sensitivities do not jump with the end stop's force", _stop_jump, (THROUGH,)),
@@ -341,6 +495,8 @@ BREAKAGES = (
         _wrong_inertia,
         (PROBE, EQUATIONS),
     ),
+    Breakage("lost π", "σ = (1 - ν²)/E for (1 - ν²)/(π E) in the laws of a pin in a hole", _lost_pi, (WRITTEN, FITS)),
+    Breakage("Carvalho's sign", "11 + e for 11 - e in Carvalho and Martins' damping", _carvalho_sign, (DELIVERED,)),
     Breakage("exponent", "penetration to the power 1.49", _exponent, (IMPACT, FIRST)),
     Breakage("one-sided spring", "the buffer pulls one end only", _one_sided_spring, (ELEMENTS, MOMENTUM)),
     Breakage("damper's books", "the torsional damper's loss booked as a gain", _damper_sign, (ENERGY,)),
@@ -354,4 +510,12 @@ BREAKAGES = (
         (TURNED, TRAVELLING),
     ),
     Breakage("tableau", "one coefficient of every step method off by 1e-3", _tableau, (ORDERS,)),
+    Breakage("modal force", "a contact pushes a plate's frame, but not its modes", _lose_modal_force, (BENDING_PLATE,)),
+    Breakage("flat plate", "the gap is that above the plate at rest", _gap_of_flat_plate, (BENDING_PLATE,)),
+    Breakage("gyroscopic sign", "lateral and axial modes coupled the wrong way", _turn_coupling, (COUPLINGS,)),
+    Breakage("even tension", "centrifugal tension linear along a cantilever", _even_tension, (ROTATING, SPUN_UP)),
+    Breakage(
+        "constraint modes", "static shapes of the interface 0.1 % too small", _loose_constraint_modes, (REDUCTION,)
+    ),
+    *FLEXIBLE,
 )

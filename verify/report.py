@@ -1,7 +1,7 @@
 """From what the runs left to docs/verification.md."""
 
 import ast
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -23,14 +23,15 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def markdown(
-    evidence: Sequence[Record], tests: Path | None, breakages: Sequence[Record], claims: Sequence[Record]
+    evidence: Sequence[Record], tests: Path | None, breakages: Sequence[Record], claims: Mapping[str, Sequence[Record]]
 ) -> str:
     """The whole page; parts that were not run are left out and said to be."""
     parts = [HEAD]
     for topic in dict.fromkeys(record["topic"] for record in evidence):
         parts += [f"## {topic}", claims_of(evidence, topic)]
     parts += ["## Deliberate breakages", broken(breakages) if breakages else "Not run."]
-    parts += ["## The paper's claims", judged(claims) if claims else "Not run."]
+    for paper, said in claims.items():
+        parts += [f"## The {paper} paper's claims", judged(said) if said else "Not run."]
     parts += ["## Where no evidence exists", table(("of", "why"), GAPS)]
     if tests is not None and tests.exists():
         parts += ["## All tests behind this page", modules(tests)]
@@ -80,7 +81,7 @@ def uncaught(records: Sequence[Record]) -> list[str]:
 
 
 def judged(claims: Sequence[Record]) -> str:
-    """The paper's claims as `jaxbuffer reproduce` judges them."""
+    """A paper's claims as `jaxbuffer reproduce` judges them."""
     rows = [(c["claim"], c["section"], c["model"], f"**{c['verdict']}**") for c in claims]
     return table(("the paper's text", "section", "the model", "verdict"), rows)
 

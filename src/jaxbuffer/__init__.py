@@ -76,6 +76,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "run.with_diffrax": ("as_diffrax",),
     "run.simulate": ("simulate",),
     "sensitivities.certificate": ("Certificate", "Verdict"),
+    "sensitivities.horizon": ("horizon",),
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
     "sweeps.sweep": ("Sweep", "sweep"),
     "tuning.objective": ("Limits", "Objective", "Then"),

@@ -27,6 +27,13 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "probe.rod_mass": (0, ABOVE, "kg"),
     "probe.tip_radius": (-0.015, ABOVE, "m"),
     "probe.tip_mass": (0, ABOVE, "kg"),
+    "probe.bending_stiffness": (0, ABOVE, "N m²"),
+    "probe.bending_damping": (-1e-5, FROM, "s"),
+    "hinge.play": (0, ABOVE, "m"),
+    "hinge.bush_radius": (-0.005, ABOVE, "m"),
+    "hinge.damping": (-1, FROM, "s/m"),
+    "hinge.young_modulus": (0, ABOVE, "Pa"),
+    "hinge.poisson_ratio": (0.6, "(-1, 0.5]", ""),
     "cone.half_angle": (2, "(0, 1.5708)", "rad"),
     "cone.offset": (-0.1, FROM, "m"),
     "cone.throat_radius": (0, ABOVE, "m"),
@@ -55,6 +62,7 @@ CHOICES = {
     "contact.memory": "event, smooth",
     "contact.arms": "moving, published",
     "probe.free_tip": "true or false",
+    "probe.bending_modes": "a whole number of at least 2",
 }
 
 

@@ -39,7 +39,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
     nothing = 0 * ramp
     stored = {"kinetic": 1.0 - ramp, "spring": 0.2 * ramp, "contact": nothing, "stop": nothing}
     lost = {"axial_damper": 0.3 * ramp, "torsional_damper": 0.2 * ramp, "hysteresis": 0.1 * ramp,
-            "friction": 0.2 * ramp, "stop_damper": nothing}  # fmt: skip
+            "friction": 0.2 * ramp, "stop_damper": nothing, "hinge_play": nothing, "bending": nothing}  # fmt: skip
     energy = jax.tree.map(jnp.asarray, Energy(stored, lost))
     two, bodies = np.zeros((STEPS, 2)), np.zeros((STEPS, 4, 3))
     history = History(
@@ -69,7 +69,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
             "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
-            "capture_share": 1.0, "attempts": STEPS + 20, "accepted": STEPS,
+            "capture_share": 1.0, "bending": 0.0, "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},
         design=design,
         scenario=scenario,
@@ -127,7 +127,7 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
         impacts=np.full(cases, 9),
         peaks=peaks,
         slots=np.tile(np.arange(PEAKS), (cases, 1)),
-        rest=np.column_stack([rest, np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)]),
+        rest=np.column_stack([rest, np.zeros(cases), np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)]),
         margin=np.ones(cases),
         first=0.5 * peaks[:, 0],
         peaks_slope=np.zeros((cases, PEAKS, n)),
@@ -200,6 +200,7 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "contact_time": 1.0,
         "throat_distance": 0.03,
         "capture_margin": 0.3,
+        "bending": 0.0,
     }
     columns = {"code": code, "peak_force": peak, "peak_flank": whole, "impact_count": 3 * whole}
     columns |= {"attempts": 400 * whole} | {name: value * share for name, value in numbers.items()}

@@ -5,9 +5,11 @@ import math
 import pytest
 
 from jaxbuffer.cli.entry import run as command
-from jaxbuffer.paper import STUDIES, run
-from jaxbuffer.paper.claims import CLAIMS, NO, PARTLY, YES, Claim
-from jaxbuffer.paper.figures import figure
+from jaxbuffer.papers.docking import CAPTURES
+from jaxbuffer.papers.docking.claims import CLAIMS
+from jaxbuffer.papers.docking.figures import figure
+from jaxbuffer.papers.docking.studies import STUDIES
+from jaxbuffer.papers.study import NO, PARTLY, YES, Claim, run
 
 BY_NAME = {study.name: study for study in STUDIES}
 
@@ -64,7 +66,7 @@ def test_existing_results_are_refused_before_anything_runs(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_study_runs_and_draws():
-    (studied,) = run((BY_NAME["motion"],))
+    (studied,) = run(CAPTURES, (BY_NAME["motion"],))
     assert studied.rows[0]["outcome"] == "captured"
     assert studied.rows[0]["capture_time"] == pytest.approx(0.71934, abs=1e-5)
     assert figure(studied).startswith(b"\x89PNG")

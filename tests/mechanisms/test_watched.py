@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from jaxbuffer.hybrid.system import HybridSystem
-from jaxbuffer.mechanisms.probe_cone.assembly import N
 from mechanisms.states import PLACES, TIPS, mechanism, pressed
+
+N = 12  # coordinates
 
 each_place = pytest.mark.parametrize("place", PLACES)
 each_tip = pytest.mark.parametrize("tip", TIPS)

@@ -108,6 +108,10 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     )
     if run.outcome.failed:
         return fail(run.outcome.reason)
+    if study.mechanism.chaotic:
+        from ..sensitivities.horizon import horizon
+
+        note(str(horizon(run)))
     if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
         note(f"the history holds the first {kept} steps only")
     from ..output.results import run_files
@@ -241,4 +245,4 @@ verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
 app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)
-app.command(cls=Plain, short_help="The paper's own studies: figures, and its claims held against the model.")(reproduce)
+app.command(cls=Plain, short_help="A paper's own studies: figures, and its claims held against the model.")(reproduce)

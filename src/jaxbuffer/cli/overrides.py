@@ -19,7 +19,10 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             (default: no end stop), stop_damping [N s/m],
             damping (physical, published)
   probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
-            free_tip (true, false)
+            free_tip (true, false), bending_stiffness [N m²] (default: rigid),
+            bending_modes (2, 3, …), bending_damping [s]
+  hinge     play [m] (default: none), bush_radius [m], damping [s/m],
+            young_modulus [Pa], poisson_ratio [-]
   cone      half_angle [rad], offset [m], throat_radius [m], length [m]
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
@@ -37,7 +40,7 @@ WITH_QUANTITIES = (
 \b
 Quantities (each as --of QUANTITY; whole run, then the first impact's closed form, then any impact;
 those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
-  peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], end_time [s],
+  peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], bending [m], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
   capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
@@ -45,7 +48,8 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   capture_share [-]    of the tip beyond that plane at the duration, over its distance from it at the start
   stroke_share [-]     share of the buffer's stroke that is used, above 1 where the run bottoms
   peak_stop_force [N], penetration [m], contact_pressure [Pa]
-  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J], dissipated [J]
+  axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J],
+  bending_loss [J], play_loss [J], dissipated [J]
   effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
   impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s]
 

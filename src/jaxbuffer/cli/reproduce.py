@@ -1,4 +1,4 @@
-"""`jaxbuffer reproduce`: the paper's own studies, as figures and as claims that hold or don't."""
+"""`jaxbuffer reproduce`: a paper's own studies, as figures and as claims that hold or don't."""
 
 import functools
 from pathlib import Path
@@ -12,10 +12,16 @@ from .request import cache_folder
 
 def reproduce(
     output: Annotated[Path, typer.Option("--output", metavar="DIR", help="Folder for figures and tables.")],
+    paper: Annotated[str, typer.Argument(metavar="[PAPER]", help="docking or impact.")] = "docking",
     force: Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")] = False,
 ) -> int:
-    """Run the paper's studies: rigid against buffered probe, approach speed, angular velocity, misalignment, friction,
-    welded against free tip. Prints claim by claim whether the model bears the paper's text out.
+    """Run a paper's studies, and print claim by claim whether the model bears its text out.
+
+    \b
+    docking  the buffer: rigid against buffered probe, approach speed, angular velocity, misalignment, friction,
+             welded against free tip
+    impact   a bar dropped on a plate: damping, plate and bar that bend, coarse steps;
+             a slider-crank with play in a pin: exponent, stiffness, a rod that bends
 
     \b
     Files in DIR:
@@ -24,36 +30,40 @@ def reproduce(
       NAME.png      a figure a study
 
     \b
-    Example: jaxbuffer reproduce --output results/paper
+    Example: jaxbuffer reproduce impact --output results/impact
     """
     from ..compiling.process import configure
+    from ..errors import check_choice
     from ..output.formats import Contents, csv_text, json_text
     from ..output.style import require_matplotlib
+    from ..papers import PAPERS, paper_named
     from .output import Output
 
+    check_choice("PAPER", paper, tuple(PAPERS))
     require_matplotlib()
     configure(cache=cache_folder())
-    from ..paper import STUDIES, judged, run
-    from ..paper.run import COLUMNS, captures
-    from ..paper.tables import claims_table, markdown
+    from ..papers.study import judged, run_paper, runs
+    from ..papers.tables import NAMED, claims_table, markdown
     from .progress import counting
 
-    figures = [f"{study.name}.png" for study in STUDIES]
+    chosen = paper_named(paper)
+    figures = [f"{study.name}.png" for study in chosen.studies]
     files = Output(output, ["claims.md", "studies.csv", "studies.json", *figures], force)
-    studied = counting(captures(), lambda done: run(done=done))
-    failed = [row for found in studied for row in found.rows if str(row["outcome"]).startswith("failed")]
+    studied = counting(runs(chosen.studies), lambda done: run_paper(chosen, done))
+    rows = [row for found in studied for row in found.rows]
+    failed = [row for row in rows if str(row["outcome"]).startswith("failed")]
     if failed:
         return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
-    from ..paper.figures import figure
-
-    verdicts = judged(studied)
-    rows = [row for found in studied for row in found.rows]
-    heads = [f"{name} [{unit}]" if unit else name for name, unit in COLUMNS.items()]
+    verdicts = judged([claim for part in chosen.parts for claim in part.claims], studied)
+    columns = {**NAMED, **chosen.columns}
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in columns.items()]
     contents: Contents = {
-        "claims.md": lambda: markdown(studied, verdicts),
-        "studies.csv": lambda: csv_text(heads, ([row[name] for name in COLUMNS] for row in rows)),
-        "studies.json": lambda: json_text({"units": COLUMNS, "captures": rows, "claims": verdicts}),
-        **{f"{found.study.name}.png": functools.partial(figure, found) for found in studied},
+        "claims.md": lambda: markdown(chosen, studied, verdicts),
+        "studies.csv": lambda: csv_text(heads, ([row.get(name, "") for name in columns] for row in rows)),
+        "studies.json": lambda: json_text({"units": columns, "captures": rows, "claims": verdicts}),
+        **{
+            f"{found.study.name}.png": functools.partial(chosen.part_of(found.study).figure, found) for found in studied
+        },
     }
     files.save_and_show(lambda: contents, claims_table(verdicts))
     return OK

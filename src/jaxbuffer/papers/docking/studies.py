@@ -1,35 +1,10 @@
 """Which captures each figure of the paper shows. Values the text leaves open are marked as assumed."""
 
 import math
-from typing import NamedTuple
 
-from ..fields import replace
-from ..mechanisms.probe_cone.design import Design, Scenario, rigid_probe, table2
-
-
-class Case(NamedTuple):
-    """One capture of a study: its label in figures and tables, and the varied number in the label's unit."""
-
-    label: str
-    value: float
-    design: Design
-    scenario: Scenario
-
-
-class Study(NamedTuple):
-    """One or two figures of the paper.
-
-    ``name``: in file names; ``figures``: the paper's; ``varied``: what distinguishes the cases, with its unit;
-    ``assumed``: what the paper's text leaves open.
-    """
-
-    name: str
-    figures: str
-    title: str
-    varied: str
-    assumed: str
-    cases: tuple[Case, ...]
-
+from ...fields import replace
+from ...mechanisms.probe_cone.design import Design, Scenario, rigid_probe, table2
+from ..study import Case, Study
 
 SPEEDS = (0.05, 0.1, 0.15, 0.2)  # m/s
 RATES = (0.0, 0.05, 0.1)  # °/s, the paper's

@@ -2,27 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
-from .run import Row, Studied
-
-Rows = dict[str, tuple[Row, ...]]
-YES, PARTLY, NO = "borne out", "in part", "not borne out"
-
-
-class Verdict(NamedTuple):
-    """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY` or `NO`."""
-
-    said: str
-    verdict: str
-
-
-class Claim(NamedTuple):
-    """A statement of the paper's text, where it stands, and how the rows answer it."""
-
-    claim: str
-    where: str
-    judge: Callable[[Rows], Verdict]
+from ..study import NO, YES, Claim, Row, Rows, Verdict
+from ..study import verdict as _verdict
 
 
 def _of(rows: Sequence[Row], name: str) -> list[float]:
@@ -31,10 +13,6 @@ def _of(rows: Sequence[Row], name: str) -> list[float]:
 
 def _listed(values: Sequence[float], form: str = ".3g") -> str:
     return ", ".join(format(value, form) for value in values)
-
-
-def _verdict(parts: Sequence[bool]) -> str:
-    return YES if all(parts) else PARTLY if any(parts) else NO
 
 
 def _rising(values: Sequence[float]) -> bool:
@@ -136,12 +114,3 @@ CLAIMS = (
     Claim("Captured at all misalignments with a free tip", "8, fig. 17", _success("misalignment_free")),
     Claim("Capture is faster with a free tip", "8", _faster),
 )
-
-
-def judged(studied: Sequence[Studied]) -> list[dict[str, str]]:
-    """Claim by claim: what the text says, what the model says, and whether they agree."""
-    rows = {found.study.name: found.rows for found in studied}
-    return [
-        {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}
-        for c, v in ((claim, claim.judge(rows)) for claim in CLAIMS)
-    ]

@@ -7,9 +7,9 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..mechanisms.history import History
-from ..output.style import png
-from .run import Studied
+from ...mechanisms.history import History
+from ...output.style import png
+from ..study import Studied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,81 @@
+"""(f) The bar dropped on a plate that bends: contact and plate tuned, and a scan without gradients beside it."""
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxbuffer import Tuned, replace, simulate, sweep
+from jaxbuffer.output.formats import csv_text
+from jaxbuffer.study.config import Config
+
+from .study import config, figure, tuned, write
+
+POINTS, ROUNDS, NARROWER = 7, 6, 0.45  # of the scan: values a variable, grids, width of each to the one before
+MANY = 24  # modes, to check the tuned design with
+SCANNED = ("peak_force", "penetration", "plate_deflection")
+
+
+def main(folder: Path, resume: bool = False) -> None:
+    """The tuning, the scan beside it, and the tuned design's peak with more modes."""
+    study = config("bar")
+    found = tuned(study, folder, resume)
+    rows = scan(study)
+    best = min((row for row in rows if row[-1]), key=lambda row: row[3])
+    worst = found.after.quantities.max(axis=0)
+    most = simulate(replace(found.design, {"plate.modes": MANY}), highest(study), study.options.duration)
+    told = [
+        ["tuned", *(float(value) for value in values_of(found)), float(worst[0])],
+        ["scanned", *best[:4]],
+        [f"tuned, {MANY} modes", *(float(value) for value in values_of(found)), float(most.peak_force)],
+    ]
+    names = [variable.path for variable in study.problem().variables]
+    write(folder, "bar.csv", csv_text(["design", *names, "peak_force [N]"], told))
+    write(folder, "scan.csv", csv_text([*names, "peak_force [N]", "penetration [m]", "deflection [m]", "kept"], rows))
+    peaks = [f"{row[-1]:.6g} N" for row in told]
+    print(f"tuned {peaks[0]}, best of {len(rows)} scanned {peaks[1]}, tuned with {MANY} modes {peaks[2]}")
+
+    def draw(axes: Any) -> None:
+        kept, left = [np.array([row for row in rows if row[-1] == flag]) for flag in (True, False)]
+        for one, k, name in zip(axes, range(3), names, strict=True):
+            one.loglog(left[:, k], left[:, 3], ".", color="#BBBBBB", markersize=2, label="beyond a limit")
+            one.loglog(kept[:, k], kept[:, 3], ".", color="C0", markersize=2, label="within limits")
+            one.loglog(values_of(found)[k], worst[0], "*", color="C3", markersize=10, label="tuned")
+            one.set(xlabel=name, ylabel="peak force from 194 mm [N]")
+        axes[0].legend()
+
+    figure(folder, "bar.png", draw, columns=3)
+
+
+def values_of(found: Tuned) -> list[float]:
+    """The tuned variables."""
+    design = found.design
+    return [float(x) for x in (design.impact.stiffness, design.impact.damping, design.plate.thickness)]
+
+
+def highest(study: Config) -> Any:
+    """The scenario of the greatest height, whose peak is the worst."""
+    return max(study.problem().scenarios_met, key=lambda scenario: float(scenario.height))
+
+
+def scan(study: Config) -> list[list[Any]]:
+    """Grids of designs dropped from the greatest height, each narrower and about the best of the one before."""
+    problem = study.problem()
+    low = np.log([variable.low for variable in problem.variables])
+    high = np.log([variable.high for variable in problem.variables])
+    limits = problem.limits.at_most
+    centre, width, rows = 0.5 * (low + high), high - low, []
+    for _ in range(ROUNDS):
+        start = np.clip(centre - 0.5 * width, low, high - width)
+        axes = [np.exp(np.linspace(a, a + w, POINTS)) for a, w in zip(start, width, strict=True)]
+        grid = np.array(list(itertools.product(*axes)))
+        changes = {variable.path: grid[:, k] for k, variable in enumerate(problem.variables)}
+        found = sweep(replace(problem.design, changes), highest(study), study.options.duration, rtol=study.options.rtol)
+        values = np.array([getattr(found, name) for name in SCANNED]).T
+        kept = (values[:, 1] <= limits["penetration"]) & (values[:, 2] <= limits["plate_deflection"])
+        numbers = np.concatenate([grid, values], axis=1)
+        rows += [[*map(float, row), bool(good)] for row, good in zip(numbers, kept, strict=True)]
+        best = int(np.argmin(np.where(kept, values[:, 0], np.inf)))
+        centre, width = np.log(grid[best]), NARROWER * width
+    return rows

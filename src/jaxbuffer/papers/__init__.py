@@ -1,0 +1,20 @@
+"""The papers' own studies, run again: scenarios as data, figures, and what the texts claim beside what the models say.
+
+A folder a paper; its `PAPER` names its parts, one for each mechanism.
+"""
+
+import importlib
+
+from .study import Paper
+
+PAPERS = {
+    "docking": "the buffer in a docking mechanism",
+    "impact": "a bar dropped on a plate, a slider-crank with play",
+}
+
+
+def paper_named(name: str) -> Paper:
+    """The paper of a name in `PAPERS`."""
+    found = importlib.import_module(f".{name}", __name__).PAPER
+    assert isinstance(found, Paper)
+    return found

@@ -1,0 +1,19 @@
+"""*An Efficient Buffering Mechanism for Mechanical Capturing Systems*, sections 7 and 8.
+
+Its figures are lost and its text prints no force, so its statements are all there is to compare with.
+"""
+
+from ..study import Paper, Part
+from .claims import CLAIMS
+from .figures import figure
+from .rows import COLUMNS, SHOWN, row
+from .studies import STUDIES
+
+CAPTURES = Part(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
+PAPER = Paper(
+    "docking",
+    "An Efficient Buffering Mechanism for Mechanical Capturing Systems",
+    "The paper's figures are lost and its text prints no force: its statements are all there is to compare with. "
+    "Values its text leaves open are assumed, as said under each study.",
+    (CAPTURES,),
+)

@@ -1,0 +1,126 @@
+"""What the paper's section 2 says of the dropped bar, and what the model says to each."""
+
+import math
+from collections.abc import Callable
+
+from ..study import NO, PARTLY, YES, Claim, Row, Rows, Verdict, verdict
+
+NEAR = 0.03  # relative: what still counts as the printed number
+LESS = 0.01  # relative: what counts as less
+
+
+def _number(row: Row, name: str) -> float:
+    return float(row[name])
+
+
+def _near(value: float, printed: float) -> bool:
+    return abs(value / printed - 1.0) < NEAR
+
+
+def _time(rows: Rows) -> Verdict:
+    drop, slower = rows["drop"][1], rows["speed"][1]
+    said = f"{_number(drop, 'contact_at'):.4f} s from 194 mm, {_number(slower, 'contact_at'):.4f} s from 59.65 mm"
+    return Verdict(said, verdict([_near(_number(drop, "contact_at"), printed) for printed in (0.1824, 0.18426)]))
+
+
+def _speed(rows: Rows) -> Verdict:
+    speed = _number(rows["drop"][1], "speed")
+    said = f"√(3 g H) = {speed:.4f} m/s; 1.325 m/s belongs to a height of 59.65 mm"
+    return Verdict(said, verdict([_near(speed, 1.325)]))
+
+
+def _analytical(rows: Rows) -> Verdict:
+    none, one = (_number(row, "spring_peak") for row in rows["speed"][:2])
+    damped = _number(rows["speed"][1], "peak_force")
+    said = (
+        f"at 1.325 m/s {none:.4g} N without damper; with c = 1 N s/mm {one:.4g} N, and {damped:.4g} N in all: the "
+        "printed number fits N and mm and a spring alone"
+    )
+    return Verdict(said, YES if _near(one, 250.0) else PARTLY if _near(none, 250.0) else NO)
+
+
+def _spring_grows(rows: Rows) -> Verdict:
+    one, six = (_number(row, "spring_peak") for row in rows["speed"][1:])
+    said = f"at 1.325 m/s {one:.3g} N for c = 1, {six:.3g} N for c = 6: a damper takes from the penetration"
+    return Verdict(said, verdict([six > one, _near(six, 450.0)]))
+
+
+def _viscous(rows: Rows) -> Verdict:
+    one, six = (_number(row, "damper_peak") for row in rows["speed"][1:])
+    said = f"at 1.325 m/s {one:.4g} N and {six:.4g} N; c v, which no damper passes, is 1325 N and 7950 N"
+    return Verdict(said, verdict([_near(one, 3000.0), _near(six, 5e4)]))
+
+
+def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict]:
+    """Whether any of our models gives the printed forces [N], and what steps of the paper's length would see."""
+
+    def judge(rows: Rows) -> Verdict:
+        names = {"drop": "rigid", "speed": "rigid at 1.325 m/s", "plate": "bending plate", "bodies": "both bend"}
+        found = {said: _number(rows[name][case], "peak_force") for name, said in names.items()}
+        seen = _number(rows["drop"][case], "seen_at_1e-4")
+        said = "; ".join(f"{name} {value:.4g} N" for name, value in found.items())
+        said += f"; a step of 1e-4 s sees {seen:.3g} N of the first (median)"
+        return Verdict(said, verdict([any(_near(value, p) for value in found.values()) for p in printed]))
+
+    return judge
+
+
+def _stays(rows: Rows) -> Verdict:
+    found = [rows[name][2] for name in ("drop", "plate", "bodies")]
+    times = [math.inf if row["stays"] else _number(row, "first_contact") for row in found]
+    shown = ["stays" if math.isinf(t) else f"{1e3 * t:.3g} ms" for t in times]
+    said = f"first contact with c = 6: rigid {shown[0]}, bending plate {shown[1]}, both bend {shown[2]}"
+    return Verdict(said, verdict([t > 0.0441 for t in times]))
+
+
+def _harmonics(rows: Rows) -> Verdict:
+    pairs = [[int(row["harmonics"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
+    said = "rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both bend {2[0]}, {2[1]}".format(*pairs)
+    return Verdict(f"maxima in the first 3.8 ms, c = 1 and 6: {said}", verdict([six > one for one, six in pairs]))
+
+
+def _displacement(rows: Rows) -> Verdict:
+    pairs = [[1e6 * _number(row, "plate_deflection") for row in rows[name][1:]] for name in ("plate", "bodies")]
+    said = "c = 1 and 6: {0[0]:.5g}, {0[1]:.5g} µm under a rigid bar; {1[0]:.5g}, {1[1]:.5g} µm if both bend"
+    return Verdict(said.format(*pairs), verdict([six < (1.0 - LESS) * one for one, six in pairs]))
+
+
+def _contacts(rows: Rows) -> Verdict:
+    counts = [[int(row["impacts"]) for row in rows[name][1:]] for name in ("drop", "plate", "bodies")]
+    said = "contacts, c = 1 and 6: rigid {0[0]}, {0[1]}; bending plate {1[0]}, {1[1]}; both {2[0]}, {2[1]}"
+    return Verdict(said.format(*counts), verdict([b < a for a, b in zip(counts[0], counts[2], strict=True)]))
+
+
+def _small(rows: Rows) -> Verdict:
+    one = rows["plate"][1]
+    share, bent = _number(one, "plate_share_at_peak"), 1e6 * _number(one, "plate_deflection")
+    said = f"at the force's peak the plate has {share:.1%} of its largest deflection, {bent:.3g} µm"
+    return Verdict(said, verdict([share < 0.1]))
+
+
+def _later(rows: Rows) -> Verdict:
+    pairs = [(_number(row, "first_peak"), _number(row, "later_peak")) for row in rows["bodies"]]
+    said = "first and largest later peak, both bend: " + ", ".join(f"{a:.3g} and {b:.3g} N" for a, b in pairs)
+    return Verdict(said, verdict([b < a for a, b in pairs]))
+
+
+CLAIMS = (
+    Claim("Contact at 0.1824 s (Adams), 0.18426 s (finite elements)", "2.2, 2.3", _time),
+    Claim("The bar's end arrives with 1.325 m/s", "2.2, fig. 16", _speed),
+    Claim("The spring's part reaches 250 N for c = 1", "2.1, fig. 7", _analytical),
+    Claim("The spring's part grows to 450 N for c = 6", "2.1, fig. 9", _spring_grows),
+    Claim("The damper's part reaches 3000 N for c = 1 and 5e4 N for c = 6", "2.1, fig. 8, 10", _viscous),
+    Claim("The force is 205.5 N, one harmonic 406.66 N, for c = 6", "2.2, fig. 17", _force_of((205.5, 406.66), 2)),
+    Claim("The force is 433 N (frictionless), 915 N (rough) by finite elements", "2.3", _force_of((433.0, 915.0), 1)),
+    Claim("The force is 450 N by Abaqus", "2.4, fig. 28", _force_of((450.0,), 1)),
+    Claim("For c = 6 the bar stays on the plate for 44 ms", "2.2, fig. 16", _stays),
+    Claim("More damping, more harmonics", "2.2, fig. 12, 16", _harmonics),
+    Claim("More damping, less transversal displacement of the plate", "2.2, fig. 13, 18", _displacement),
+    Claim(
+        "Fewer contacts than in the case before (read: if bodies bend)",
+        "2.2, fig. 14",
+        _contacts,
+    ),
+    Claim("The elastic displacement is small while the force is at its peak", "2.2, fig. 13", _small),
+    Claim("After the first impact forces are smaller", "2.3, fig. 24", _later),
+)

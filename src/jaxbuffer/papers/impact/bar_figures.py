@@ -1,0 +1,60 @@
+"""A figure a study of the dropped bar: force, displacement and speed of the bar's end, and detailed views."""
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+
+from ...output.style import COLOURS, STYLE, label, panels, png
+from ..study import Studied
+from .bar_rows import STEPS, WINDOW, seen_by
+
+EARLY = 60e-6  # s from the first contact: the first peak
+FORCE, SINCE = "contact force [N]", "time from the first contact [ms]"
+
+
+def figure(studied: Studied) -> bytes:
+    """The study's figure as PNG."""
+    with matplotlib.rc_context(STYLE):
+        drawn, grid = panels(10.0, 9.0, 3, 2)
+        for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
+            _whole(grid, case.label, COLOURS[number], run)
+        bends = bool(studied.captures[0].design.plate.modes)
+        for axes, title, x, y in (
+            (grid[0, 0], "Height of the bar's end above the plate", "time [s]", "height [mm]"),
+            (grid[0, 1], "Speed of the bar's end, downwards", "time [s]", "speed [m/s]"),
+            (grid[1, 0], "Contact force, first milliseconds", SINCE, FORCE),
+            (grid[1, 1], "Contact force, first peak", "time from the first contact [µs]", FORCE),
+            (grid[2, 0], "Deflection of the plate", SINCE, "deflection [µm]")
+            if bends
+            else (grid[2, 0], "Penetration", SINCE, "penetration [µm]"),
+        ):
+            label(axes, title, x, y)
+        _steps(grid[2, 1], studied)
+        drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
+        return png(drawn)
+
+
+def _whole(grid: Any, name: str, colour: str, run: Any) -> None:
+    seen = run.history
+    time, first = np.asarray(seen.time), float(run.impacts.time[0])
+    force, drawn = np.asarray(seen.contact_force)[:, 0], {"color": colour, "label": name}
+    grid[0, 0].plot(time, 1e3 * np.asarray(seen.gap)[:, 0], **drawn)
+    grid[0, 1].plot(time, np.asarray(seen.approach_speed)[:, 0], **drawn)
+    near = (time > first - 0.05 * WINDOW) & (time < first + WINDOW)
+    grid[1, 0].plot(1e3 * (time - first)[near], force[near], **drawn)
+    close = (time > first - 0.05 * EARLY) & (time < first + EARLY)
+    grid[1, 1].plot(1e6 * (time - first)[close], force[close], **drawn)
+    below = seen.plate_deflection if run.design.plate.modes else np.maximum(np.asarray(seen.penetration), 0.0)
+    grid[2, 0].plot(1e3 * (time - first)[near], 1e6 * np.asarray(below)[near], **drawn)
+
+
+def _steps(axes: Any, studied: Studied) -> None:
+    """The largest force that fixed steps see, over the share of all beginnings that see less."""
+    for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
+        time, force = np.asarray(run.history.time), np.asarray(run.history.contact_force)[:, 0]
+        for step, dashes in zip(STEPS, (":", "-"), strict=True):
+            seen = np.sort(seen_by(step, time, force))
+            name = f"{case.label}, {step:.0e} s"
+            axes.plot(np.linspace(0.0, 1.0, len(seen)), seen, dashes, color=COLOURS[number], label=name)
+    label(axes, "What fixed steps see of the largest force", "share of all beginnings of the grid", FORCE)

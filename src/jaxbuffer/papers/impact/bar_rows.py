@@ -1,0 +1,94 @@
+"""One row of numbers a drop, and what a run at a fixed step would have seen of it."""
+
+import numpy as np
+
+from ...mechanisms.bar_drop.run import BarDropRun
+from ..study import Case, Row
+
+STEPS = (1e-3, 1e-4)  # s, the paper's two
+BEGINNINGS = 200  # of the grids that are tried
+WINDOW = 3.8e-3  # s from the first contact: the paper's detailed view, 0.1824 to 0.1862 s
+COUNTED = 0.01  # of the peak: a maximum of the force that counts as a harmonic
+COLUMNS = {
+    "outcome": "",
+    "contact_at": "s",
+    "speed": "m/s",
+    "first_peak": "N",
+    "peak_force": "N",
+    "later_peak": "N",
+    "spring_peak": "N",
+    "damper_peak": "N",
+    "first_contact": "s",
+    "stays": "-",
+    "impacts": "-",
+    "harmonics": "-",
+    "penetration": "m",
+    "plate_deflection": "m",
+    "plate_share_at_peak": "-",
+    "bar_deflection": "m",
+    "seen_at_1e-3": "N",
+    "seen_at_1e-4": "N",
+    "plate_modes": "-",
+    "bar_modes": "-",
+}
+SHOWN = (
+    *("contact_at", "speed", "first_peak", "peak_force", "spring_peak", "damper_peak", "impacts", "harmonics"),
+    *("plate_deflection", "bar_deflection", "seen_at_1e-3", "seen_at_1e-4", "plate_modes", "bar_modes"),
+)
+
+
+def row(case: Case, run: BarDropRun) -> Row:
+    """The numbers of one drop, with a history. What a step sees is the median over grids that begin anywhere in it."""
+    history, hits, design = run.history, run.impacts, run.design
+    assert history is not None
+    impact, deepest = design.impact, float(run.maxima["penetration"])
+    peaks = np.asarray(hits.peak_force)[: int(hits.count)]
+    time, force = np.asarray(history.time), np.asarray(history.contact_force)[:, 0]
+    bent = float(np.asarray(run.quantity("plate_deflection")))
+    at_peak = float(np.interp(float(run.peak_time), time, history.plate_deflection)) / bent if bent else 0.0
+    seen = {f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(seen_by(step, time, force))) for step in STEPS}
+    stays = bool(np.isnan(hits.release_time[0]))
+    return {
+        "outcome": run.outcome.name,
+        "contact_at": float(hits.time[0]),
+        "speed": float(hits.approach_speed[0]),
+        "first_peak": float(peaks[0]),
+        "peak_force": float(run.peak_force),
+        "later_peak": float(peaks[1:].max(initial=0.0)),
+        "spring_peak": float(impact.stiffness) * deepest ** float(impact.exponent),
+        "damper_peak": damper_peak(run),
+        "first_contact": (float(run.end_time) if stays else float(hits.release_time[0])) - float(hits.time[0]),
+        "stays": int(stays),
+        "impacts": int(run.impact_count),
+        "harmonics": harmonics(time - float(hits.time[0]), force),
+        "penetration": deepest,
+        "plate_deflection": bent,
+        "plate_share_at_peak": at_peak,
+        "bar_deflection": float(np.asarray(run.quantity("bar_deflection"))),
+        **seen,
+        "plate_modes": design.plate.modes,
+        "bar_modes": design.bar.modes,
+    }
+
+
+def damper_peak(run: BarDropRun) -> float:
+    """The largest of c STEP(δ) δ̇ [N]."""
+    history, impact = run.history, run.design.impact
+    assert history is not None
+    depth, speed = np.asarray(history.penetration), np.asarray(history.approach_speed)[:, 0]
+    share = np.clip(depth / float(impact.ramp_depth), 0.0, 1.0)
+    return float(np.max(float(impact.damping) * share**2 * (3.0 - 2.0 * share) * speed, initial=0.0))
+
+
+def seen_by(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """The largest force [N] that samples a fixed ``step`` [s] apart meet, for many beginnings of the samples."""
+    grids = (np.arange(first * step, time[-1], step) for first in np.linspace(0.0, 1.0, BEGINNINGS, endpoint=False))
+    return np.array([np.interp(grid, time, force).max() for grid in grids])
+
+
+def harmonics(since: np.ndarray, force: np.ndarray) -> int:
+    """How many maxima the force has in the paper's detailed view. ``since``: the time from the first contact [s]."""
+    inside = (since >= 0.0) & (since < WINDOW)
+    seen = np.concatenate([[0.0], force[inside], [0.0]])
+    higher = (seen[1:-1] > seen[:-2]) & (seen[1:-1] >= seen[2:]) & (seen[1:-1] > COUNTED * force.max())
+    return int(np.sum(higher))

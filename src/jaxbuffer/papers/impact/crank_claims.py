@@ -1,0 +1,177 @@
+"""What the paper's section 3 says of the slider-crank, and what the model says to each."""
+
+from collections.abc import Callable, Sequence
+
+from ..study import NO, Claim, Row, Rows, Verdict, verdict
+
+NEAR = 0.03  # relative: what still counts as the printed number
+LOWEST, MIDDLE, HIGHEST, STIFF, STIFF_ONLY = range(5)  # the rigid cases: e = 0.01, 0.1, 0.2, and 0.2 with k = 1e5
+
+
+def _number(row: Row, name: str) -> float:
+    return float(row[name])
+
+
+def _numbers(rows: Sequence[Row], name: str) -> list[float]:
+    return [_number(row, name) for row in rows]
+
+
+def _near(value: float, printed: float) -> bool:
+    return abs(value / printed - 1.0) < NEAR
+
+
+def _list(values: Sequence[float], form: str = ".4g") -> str:
+    return ", ".join(f"{value:{form}}" for value in values)
+
+
+def _swing(row: Row) -> float:
+    """Largest size of the torque after the start [N m]."""
+    return max(abs(_number(row, name)) for name in ("least_torque", "largest_torque"))
+
+
+def _cycle(rows: Rows) -> Verdict:
+    turns = [time for name in ("first_turn", "second_turn") for time in _numbers(rows["crank"], name)]
+    said = f"{min(turns):.4f} to {max(turns):.4f} s a turn in all printed sets: 2π/ω0, whatever the contact"
+    return Verdict(said, verdict([_near(time, 0.63) for time in turns]))
+
+
+def _start(rows: Rows) -> Verdict:
+    pairs = [(_number(row, "torque_at_start"), _number(row, "largest_torque")) for row in rows["crank"][:STIFF_ONLY]]
+    said = f"M₀ at rest by its formula, {_list([a for a, _ in pairs])} N m; later {_list([b for _, b in pairs])} N m"
+    return Verdict(said, verdict([start > later for start, later in pairs]))
+
+
+def _inertia(rows: Rows) -> Verdict:
+    times = _numbers(rows["crank"][:STIFF_ONLY], "start_takes")
+    said = f"a tenth of it is left after {_list([1e3 * t for t in times], '.2g')} ms, with the assumed inertia"
+    return Verdict(said, verdict([t < 5e-3 for t in times]))
+
+
+def _torque_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict]:
+    """Whether the least or the largest torque after the start is a printed one [N m], of either sign."""
+
+    def judge(rows: Rows) -> Verdict:
+        row = rows["crank"][case]
+        found = [_number(row, name) for name in ("least_torque", "largest_torque")]
+        said = f"{found[0]:.4g} to {found[1]:.4g} N m; cannot be compared, as no geometry is printed"
+        return Verdict(said, verdict([any(_near(abs(x), p) for x in found) for p in printed]))
+
+    return judge
+
+
+def _order(rows: Rows) -> Verdict:
+    pairs = [(_number(row, "across"), _number(row, "along")) for row in rows["crank"][:STIFF_ONLY]]
+    said = f"across over along {_list([a / b for a, b in pairs], '.3f')}; the printed ratios are 3.5 to 4.2"
+    return Verdict(said, verdict([a > b for a, b in pairs]))
+
+
+def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], Verdict]:
+    """Whether the largest components are the printed ones [N]."""
+
+    def judge(rows: Rows) -> Verdict:
+        found = [_number(rows["crank"][case], name) for name in ("across", "along")]
+        said = f"{found[0]:.5g} N across, {found[1]:.5g} N along"
+        return Verdict(said, verdict([_near(a, p) for a, p in zip(found, printed, strict=True)]))
+
+    return judge
+
+
+def _exponent(first: int, second: int) -> Callable[[Rows], Verdict]:
+    """Whether both components are larger in the second case."""
+
+    def judge(rows: Rows) -> Verdict:
+        pairs = [_numbers([rows["crank"][k] for k in (first, second)], name) for name in ("across", "along")]
+        deep = 1e6 * max(_numbers(rows["crank"], "depth"))
+        said = (
+            f"across {_list(pairs[0])} N, along {_list(pairs[1])} N: for depths below 1 mm, here {deep:.2g} µm at "
+            "most, δ^e falls as e grows"
+        )
+        return Verdict(said, verdict([b > a for a, b in pairs]))
+
+    return judge
+
+
+def _stiffness(rows: Rows) -> Verdict:
+    one, only, both = (rows["crank"][k] for k in (HIGHEST, STIFF_ONLY, STIFF))
+    parts = []
+    for name in ("across", "along"):
+        parts.append(f"{name} {_list(_numbers((one, only, both), name))} N")
+    said = "; ".join(parts) + " for k = 1e4, k = 1e5, and k = 1e5 with ten times the torque"
+    return Verdict(said, verdict([_number(both, name) > _number(one, name) for name in ("across", "along")]))
+
+
+def _torque_needed(rows: Rows) -> Verdict:
+    small, large = (_number(rows["crank"][k], "second_turn") for k in (STIFF_ONLY, STIFF))
+    said = f"with the smaller torque a turn takes {small:.4f} s, with the larger {large:.4f} s: it is not needed"
+    return Verdict(said, verdict([not _near(small, large)]))
+
+
+def _cyclic(rows: Rows) -> Verdict:
+    pairs = [(_number(row, "across"), _number(row, "across_second_turn")) for row in rows["crank"][:STIFF_ONLY]]
+    said = ", ".join(f"{a:.4g} and {b:.4g} N" for a, b in pairs)
+    said = f"the turns repeat in time; the largest force across, overall and in the second turn, does not: {said}"
+    return Verdict(said, verdict([True, *(_near(b, a) for a, b in pairs)]))
+
+
+def _jump(rows: Rows) -> Verdict:
+    found = rows["crank_rod"]
+    said = (
+        f"the torque is M₀ at rest and a tenth after {_list([1e3 * t for t in _numbers(found, 'start_takes')])} ms; "
+        f"the first touch comes at {_list([1e3 * t for t in _numbers(found, 'first_impact')])} ms, rigid, 2 and 4 modes"
+    )
+    return Verdict(said, verdict([_number(row, "first_impact") < _number(row, "start_takes") for row in found]))
+
+
+def _amplitude(rows: Rows) -> Verdict:
+    found = [_swing(row) for row in rows["crank_rod"]]
+    said = f"rigid, 2 and 4 modes {_list(found, '.3g')} N m in the first 0.1 s, after the start"
+    return Verdict(said, verdict([_near(x, 50.0) for x in found[1:]]))
+
+
+def _lower(name: str) -> Callable[[Rows], Verdict]:
+    """Whether a rod that bends lowers torque and both components, in every number of modes."""
+
+    def judge(rows: Rows) -> Verdict:
+        forces = [_numbers(rows[name], one) for one in ("across", "along")]
+        torques = [_swing(row) for row in rows[name]]
+        said = (
+            f"across {_list(forces[0])} N; along {_list(forces[1])} N; torque {_list(torques, '.3g')} N m; impacts "
+            f"{_list(_numbers(rows[name], 'impacts'))}: rigid, 2 and 4 modes"
+        )
+        return Verdict(said, verdict([b < values[0] for values in (*forces, torques) for b in values[1:]]))
+
+    return judge
+
+
+def _frequencies(rows: Rows) -> Verdict:
+    row = rows["crank_rod"][-1]
+    lowest, highest = (1e-3 * _number(row, name) for name in ("lowest_mode", "highest_mode"))
+    said = (
+        "frequencies rise with the number of the mode, so that the two are swapped at the least; ours go from "
+        f"{lowest:.3g} to {highest:.3g} kHz in 4 modes"
+    )
+    return Verdict(said, NO)
+
+
+CLAIMS = (
+    Claim("Torque and forces repeat at an interval of 0.63 s", "3.1, fig. 30", _cycle),
+    Claim("The mechanism runs in correct cycles after the start", "3.1", _cyclic),
+    Claim("The torque is largest at start-up", "3.1, fig. 30-33", _start),
+    Claim("The start takes the first milliseconds, by the inertia", "3.1", _inertia),
+    Claim("The torque is -825 to 409 N m a cycle for e = 0.1", "3.1, fig. 30", _torque_of((825.0, 409.0), MIDDLE)),
+    Claim("The force along y is above that along z", "3.1, fig. 30-33", _order),
+    Claim("12 375 and 3500 N for e = 0.1", "3.1, fig. 30", _forces((12375.0, 3500.0), MIDDLE)),
+    Claim("6182 and 1462.5 N for e = 0.01", "3.1, fig. 31", _forces((6181.81, 1462.5), LOWEST)),
+    Claim("23 875 and 5750 N for e = 0.2", "3.1, fig. 32", _forces((23875.0, 5750.0), HIGHEST)),
+    Claim("The force is lower for e = 0.01 than for 0.1", "3.1, fig. 31", _exponent(LOWEST, MIDDLE)),
+    Claim("The force is significantly higher for e = 0.2 than for 0.1", "3.1, fig. 32", _exponent(MIDDLE, HIGHEST)),
+    Claim("The force grows with k and M₀", "3.1, fig. 33", _stiffness),
+    Claim("8630 N m for k = 1e5, M₀ = 1e8", "3.1, fig. 33", _torque_of((8630.0,), STIFF)),
+    Claim("2.7e5 and 64 925 N for k = 1e5, M₀ = 1e8", "3.1, fig. 33", _forces((2.7e5, 64925.0), STIFF)),
+    Claim("A stiffer contact needs a larger M₀", "3.1", _torque_needed),
+    Claim("Mode 3 of the rod has 65.15 kHz, mode 10 has 10.61 kHz", "3.2.2, fig. 35", _frequencies),
+    Claim("With the rod that bends the torque's amplitude is 50 N m", "3.2.2, fig. 39", _amplitude),
+    Claim("Its jump at start-up comes from the shock in the joint", "3.2.2, fig. 39", _jump),
+    Claim("Extreme values are lower if the rod bends (read: same k, e, M₀)", "3.1, 4", _lower("crank_rod")),
+    Claim("The same, for e = 1.5 (ours)", "3.1, 4", _lower("crank_contact")),
+)

@@ -1,0 +1,61 @@
+"""A figure a study of the slider-crank: the drive's torque, the force by components, the pin's path, the rod."""
+
+import math
+from typing import Any
+
+import matplotlib
+import numpy as np
+
+from ...mechanisms.slider_crank import journal_path
+from ...output.style import COLOURS, STYLE, label, panels, png
+from ..study import Studied
+from .crank_rows import STARTED, components, torque_of
+
+START = 4.0  # times what the torque takes to a tenth: the view of the start
+DETAIL = 0.1  # s: the first impacts
+TIME = "time [s]"
+
+
+def figure(studied: Studied) -> bytes:
+    """The study's figure as PNG."""
+    bends = any(run.design.rod.modes for run in studied.captures)
+    with matplotlib.rc_context(STYLE):
+        drawn, grid = panels(10.0, 9.0, 3, 2)
+        for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
+            _one(grid, case.label, COLOURS[number], run, bends)
+        longest = max(float(row["start_takes"]) for row in studied.rows)
+        grid[0, 0].set_xlim(0.0, 1e3 * START * longest)
+        for axes, title, x, y in (
+            (grid[0, 0], "Torque of the drive at the start, share of M₀", "time [ms]", "torque [-]"),
+            (grid[0, 1], f"Torque of the drive after {1e3 * STARTED:g} ms", TIME, "torque [N m]"),
+            (grid[1, 0], "Contact force across (y)", TIME, "force [N]"),
+            (grid[1, 1], "Contact force along (z)", TIME, "force [N]"),
+            (grid[2, 0], f"Path of the pin in its bush, first {1e3 * DETAIL:g} ms", "along [mm]", "across [mm]"),
+            (grid[2, 1], "Deflection of the rod's middle", TIME, "deflection [µm]")
+            if bends
+            else (grid[2, 1], "Turns of the crank", TIME, "turns [-]"),
+        ):
+            label(axes, title, x, y)
+        clearance = 1e3 * float(studied.captures[0].design.piston_pin.clearance)
+        corners = clearance * np.array([-1.0, 1.0])
+        grid[2, 0].plot(corners[[0, 1, 1, 0, 0]], corners[[0, 0, 1, 1, 0]], "k:", linewidth=0.8)
+        grid[2, 0].set_aspect("equal")
+        drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
+        return png(drawn)
+
+
+def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
+    seen, drawn = run.history, {"color": colour, "label": name, "linewidth": 0.8}
+    time, torque = np.asarray(seen.time), torque_of(run)
+    along, across = components(run)
+    path = 1e3 * np.asarray(journal_path(run))
+    later, early = time >= STARTED, time <= DETAIL
+    grid[0, 0].plot(1e3 * time, torque / torque[0], **drawn)
+    grid[0, 1].plot(time[later], torque[later], **drawn)
+    grid[1, 0].plot(time, across, **drawn)
+    grid[1, 1].plot(time, along, **drawn)
+    grid[2, 0].plot(*path[early].T, **drawn)
+    if not bends:
+        grid[2, 1].plot(time, np.asarray(seen.position)[:, 0, 2] / (2.0 * math.pi), **drawn)
+    elif run.design.rod.modes:
+        grid[2, 1].plot(time, 1e6 * np.asarray(seen.rod_deflection), **drawn)

@@ -1,0 +1,145 @@
+"""What a paper's studies are: cases as data, their runs and rows of numbers, claims and how the rows answer them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ..mechanisms.run import Run
+from ..run.simulate import simulate
+
+YES, PARTLY, NO = "borne out", "in part", "not borne out"
+Row = dict[str, str | float | int]
+
+
+class Case(NamedTuple):
+    """One run of a study.
+
+    ``label``: in figures and tables; ``value``: the varied number in the label's unit; ``design``, ``scenario`` of any
+    mechanism; ``options``: further arguments of `jaxbuffer.simulate`, such as ``duration``.
+    """
+
+    label: str
+    value: float
+    design: Any
+    scenario: Any
+    options: Mapping[str, Any] = {}
+
+
+class Study(NamedTuple):
+    """One or several figures of a paper.
+
+    ``name``: in file names; ``figures``: the paper's; ``varied``: what distinguishes the cases, with its unit;
+    ``assumed``: what the paper's text leaves open.
+    """
+
+    name: str
+    figures: str
+    title: str
+    varied: str
+    assumed: str
+    cases: tuple[Case, ...]
+
+
+class Studied(NamedTuple):
+    """A study with its runs (histories included) and their rows."""
+
+    study: Study
+    captures: tuple[Any, ...]
+    rows: tuple[Row, ...]
+
+
+Rows = dict[str, tuple[Row, ...]]
+
+
+class Verdict(NamedTuple):
+    """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY` or `NO`."""
+
+    said: str
+    verdict: str
+
+
+class Claim(NamedTuple):
+    """A statement of a paper's text, where it stands, and how the rows answer it."""
+
+    claim: str
+    where: str
+    judge: Callable[[Rows], Verdict]
+
+
+class Part(NamedTuple):
+    """The studies of one mechanism.
+
+    ``studies``; ``columns``: of a row after study and case, with units; ``shown`` of them in tables; ``row``: the
+    numbers of a case and its run; ``claims``; ``figure``: of a study, as PNG.
+    """
+
+    studies: tuple[Study, ...]
+    columns: Mapping[str, str]
+    shown: tuple[str, ...]
+    row: Callable[[Case, Any], Row]
+    claims: tuple[Claim, ...]
+    figure: Callable[[Studied], bytes]
+
+
+class Paper(NamedTuple):
+    """A paper: its ``name`` on the command line, ``title``, a ``note`` above its claims, and its parts."""
+
+    name: str
+    title: str
+    note: str
+    parts: tuple[Part, ...]
+
+    @property
+    def studies(self) -> tuple[Study, ...]:
+        """Of all parts."""
+        return tuple(study for part in self.parts for study in part.studies)
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Of all parts' rows, with units."""
+        return {name: unit for part in self.parts for name, unit in part.columns.items()}
+
+    def part_of(self, study: Study) -> Part:
+        """Which part a study belongs to."""
+        return next(part for part in self.parts if study in part.studies)
+
+
+def verdict(parts: Sequence[bool]) -> str:
+    """`YES` if all of a claim's parts hold, `PARTLY` if some do."""
+    return YES if all(parts) else PARTLY if any(parts) else NO
+
+
+def runs(studies: Sequence[Study]) -> int:
+    """How many runs they take."""
+    return sum(len(study.cases) for study in studies)
+
+
+def run(
+    part: Part, studies: Sequence[Study] | None = None, done: Callable[[str], None] = lambda _: None
+) -> list[Studied]:
+    """Simulate every case of a part's studies (default: all of them); ``done`` hears of each."""
+    found = []
+    for study in part.studies if studies is None else studies:
+        made: list[Run] = []
+        for case in study.cases:
+            made.append(simulate(case.design, case.scenario, history=True, **case.options))
+            done(f"{study.title}: {case.label}")
+        pairs = zip(study.cases, made, strict=True)
+        named = (
+            {"study": study.name, "case": case.label, "value": case.value, **part.row(case, one)} for case, one in pairs
+        )
+        found.append(Studied(study, tuple(made), tuple(named)))
+    return found
+
+
+def run_paper(paper: Paper, done: Callable[[str], None] = lambda _: None) -> list[Studied]:
+    """All studies of a paper; ``done`` hears of each run."""
+    return [studied for part in paper.parts for studied in run(part, done=done)]
+
+
+def judged(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dict[str, str]]:
+    """Claim by claim: what the text says, what the model says, and whether they agree."""
+    rows = {found.study.name: found.rows for found in studied}
+    return [
+        {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}
+        for c, v in ((claim, claim.judge(rows)) for claim in claims)
+    ]
