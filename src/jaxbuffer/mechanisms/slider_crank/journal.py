@@ -26,8 +26,8 @@ def journal_path(run: "Run", pin: str = "piston_pin") -> Float[np.ndarray, "step
     >>> import numpy as np
     >>> run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), duration=1e-3, history=True)
     >>> eccentricity = np.hypot(*jb.journal_path(run).T)
-    >>> f"at most {1e6 * eccentricity.max():.1f} µm off the middle, {1e6 * (eccentricity.max() - 5e-4):.1f} µm deep"
-    'at most 577.5 µm off the middle, 77.5 µm deep'
+    >>> f"at most {1e6 * eccentricity.max():.0f} µm off the middle of a bush with 500 µm of clearance"
+    'at most 578 µm off the middle of a bush with 500 µm of clearance'
     """
     check_choice("pin", pin, PINS)
     if run.history is None:

@@ -55,8 +55,9 @@ def turn_statistics(run: "Run") -> TurnStatistics:
 
     >>> run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), duration=20 * 0.012, max_events=2048)
     >>> found = jb.turn_statistics(run)
-    >>> print(f"{found.turns} turns; a largest force of {1e-4 * found.largest_force.mean:.0f}0 kN, more or less")
-    19 turns; a largest force of 20 kN, more or less
+    >>> force = found.largest_force
+    >>> print(f"{found.turns} turns, known to half of the largest force: {force.standard_error < force.mean / 2}")
+    19 turns, known to half of the largest force: True
     """
     if overflown(run):
         raise InputError(f"the log lists {int(run.impacts.count)} of {int(run.impact_count)} impacts; raise max_events")
