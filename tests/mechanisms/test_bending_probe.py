@@ -139,11 +139,12 @@ def test_many_stiffnesses_at_once():
 
 def test_what_a_run_shows():
     run = jb.simulate(soft(5.0), history=True)
+    highest = f"{float(jb.bending_frequencies(run.design)[-1]):.4g}"
     assert_allclose(np.max(np.abs(run.history.bending)), float(run.bending), rtol=1e-3)
     text = str(run)
-    assert "2 modes, 5 to 36.9 Hz, the first damped to 2 %" in text
+    assert f"2 modes, 5 to {highest} Hz, the first damped to 2 %" in text
     assert "outside the linear theory of bending" not in text
-    assert "too few modes: the highest, 36.9 Hz" in text
+    assert f"too few modes: the highest, {highest} Hz" in text
     assert ", bending " in text
     fast = jb.simulate(soft(500.0, modes=5))
     assert "too few modes" not in str(fast)
