@@ -41,7 +41,9 @@ def test_statistics_are_those_of_the_history(run):
 
 def test_a_motor_turns_are_counted_by_its_angle():
     drive = {"drive.kind": "torque", "drive.torque": 20.0, "drive.no_load_speed": 400.0, "crank.inertia": 0.01}
-    run = jb.simulate(jb.replace(jb.SliderCrank(), drive), jb.SliderCrankScenario(crank_speed=0.0), 0.3, history=True)
+    run = jb.simulate(
+        jb.replace(jb.SliderCrank(), drive), jb.SliderCrankScenario(crank_speed=0.0), 0.3, max_events=4096, history=True
+    )
     angle, time = np.asarray(run.history.position)[:, 0, 2], np.asarray(run.history.time)
     starts = turn_starts(run)
     assert len(starts) == int(angle[-1] / (2.0 * np.pi)) + 1 > 5

@@ -1,6 +1,5 @@
 """A figure a study of the slider-crank: the drive's torque, the force by components, the pin's path, the rod."""
 
-import math
 from typing import Any
 
 import matplotlib
@@ -33,9 +32,9 @@ def figure(studied: Studied) -> bytes:
             (grid[2, 0], f"Path of the pin in its bush, first {1e3 * DETAIL:g} ms", "along [mm]", "across [mm]"),
             (grid[2, 1], "Deflection of the rod's middle", TIME, "deflection [µm]")
             if bends
-            else (grid[2, 1], "Turns of the crank", TIME, "turns [-]"),
+            else (grid[2, 1], "Speed of the crank", TIME, "speed [rad/s]"),
         ):
-            label(axes, title, x, y)
+            label(axes, title, x, y, legend=axes is grid[0, 0])
         clearance = 1e3 * float(studied.captures[0].design.piston_pin.clearance)
         corners = clearance * np.array([-1.0, 1.0])
         grid[2, 0].plot(corners[[0, 1, 1, 0, 0]], corners[[0, 0, 1, 1, 0]], "k:", linewidth=0.8)
@@ -56,6 +55,6 @@ def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
     grid[1, 1].plot(time, along, **drawn)
     grid[2, 0].plot(*path[early].T, **drawn)
     if not bends:
-        grid[2, 1].plot(time, np.asarray(seen.position)[:, 0, 2] / (2.0 * math.pi), **drawn)
+        grid[2, 1].plot(time, np.asarray(seen.velocity)[:, 0, 2], **drawn)
     elif run.design.rod.modes:
         grid[2, 1].plot(time, 1e6 * np.asarray(seen.rod_deflection), **drawn)

@@ -74,10 +74,10 @@ STUDIES = (
     ),
     Study(
         "crank_contact",
-        "none",
+        "36-39",
         "The rod bends, with an exponent that a contact can have: e = 1.5",
         "modes of the rod [-]",
-        "ours: k = 2e4 N/mm^1.5 and all else as before, over 0.5 s",
+        "exponent and unit of k are ours: k = 2e4 N/mm^1.5 and all else as in the study before, over 0.5 s",
         rods(*CONTACT, LONGER),
     ),
 )
