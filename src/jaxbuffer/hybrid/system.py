@@ -113,6 +113,13 @@ class HybridSystem(eqx.Module):
         raise NotImplementedError
 
     @property
+    def sudden(self) -> bool:
+        """Whether an observable of the state's rate may rise within a step from far below its largest value to above
+        it, as a reaction does where something rings. It is then followed closely at every step, not only near its
+        largest value, which takes two right-hand sides more."""
+        return False
+
+    @property
     def observed(self) -> tuple[str, ...]:
         """A name for each of `observables`, in order."""
         return tuple(f"observable_{k}" for k in range(len(self.rate_observables())))

@@ -190,6 +190,10 @@ class Assembled(ContactSystem):
     def rate_observables(self) -> tuple[bool, ...]:
         return (*(False for _ in self.contacts), *(shown.of_rate for shown in self.shown))
 
+    @property
+    def sudden(self) -> bool:
+        return True
+
     def snapshot_at(self, at: Posture, active: Float[Array, " contacts"]) -> Snapshot:
         motion, normal, friction = self.motion_at(at, active)
         gap, closing = self.gaps_at(at)

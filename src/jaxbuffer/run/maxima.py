@@ -14,7 +14,16 @@ from .moving import shifted
 from .survey import state_at, state_of_maximum
 
 
-def maxima(system: ContactSystem, log: Log) -> Maxima:
+def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
+    """The largest values over the start (posture, closed contacts), all located events and the end."""
+    at, active = start
+    first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
+    found = _located(system, log)
+    pairs = zip(found.others.items(), first[system.impact_contacts :], strict=True)
+    return found._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})
+
+
+def _located(system: ContactSystem, log: Log) -> Maxima:
     """The largest values over all located events and the end.
 
     By the envelope theorem a maximum's derivative needs the state's at fixed time only; its time's needs the slope's.

@@ -193,7 +193,7 @@ def _read_off(
     code = outcome_code(mechanism.outcomes, mechanism.ends, mechanism.time_is_up, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log), impacts(system, log, seen)
+    top, hits = maxima(system, log, start), impacts(system, log, seen)
     energy, conserved = balance(system, start, log, seen.drift)
     common = {
         "design": parameters[0],

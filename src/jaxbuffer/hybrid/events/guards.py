@@ -61,8 +61,10 @@ def signed(guards: Guards, active: Float[Array, " contacts"]) -> SignedGuards:
 
 
 def near_largest(system: HybridSystem, state: Array, rate: Array, active: Array, largest: Array) -> Bool[Array, ""]:
-    """Whether an observable of the state's rate comes near its largest value so far: its own rate takes the state's
-    second derivative, which costs two right-hand sides."""
+    """Whether an observable of the state's rate comes near its largest value so far, or may do so at any time: its own
+    rate takes the state's second derivative, which costs two right-hand sides."""
+    if system.sudden:
+        return jnp.asarray(True)
     value = system.observables(state, rate, active)
     # one by one, so that what the others take is not evaluated
     near = [value[k] > NEAR_LARGEST * largest[k] for k, of_rate in enumerate(system.rate_observables()) if of_rate]

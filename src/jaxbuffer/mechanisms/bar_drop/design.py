@@ -11,6 +11,7 @@ from ..._types import Scalar
 from ...contact import LAWS, hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside
 from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...multibody.flexible import Bar as UniformBar
 
 HERTZ_EXPONENT = 1.5  # -
 SEED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the seed's 48 049 N/mm^2.2
@@ -40,6 +41,11 @@ class Bar(Part):
     def mass(self) -> Scalar:
         """Of the bar [kg]; the ball's own is part of it."""
         return self.density * math.pi / 4.0 * self.diameter**2 * self.length
+
+    @property
+    def rod(self) -> UniformBar:
+        """As a uniform bar."""
+        return UniformBar.circle(self.length, self.diameter, self.density, self.young_modulus)
 
 
 class Impact(Part):
@@ -94,6 +100,11 @@ class Plate(Part):
     damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
     density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
     young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+
+    @property
+    def strip(self) -> UniformBar:
+        """As a uniform bar."""
+        return UniformBar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
 
 
 class BarDrop(Part):

@@ -62,15 +62,13 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
 def bending_bar(design: BarDrop) -> FlexibleBar:
     """The bar in modes of a free one, whose axes keep its centre of mass and angular momentum."""
     bar = design.bar
-    rod = Bar.circle(bar.length, bar.diameter, bar.density, bar.young_modulus)
-    return free_bar(rod, bar.modes - 2, damping_ratio=bar.damping_ratio)
+    return free_bar(bar.rod, bar.modes - 2, damping_ratio=bar.damping_ratio)
 
 
 def bending_plate(design: BarDrop) -> FlexibleBar:
     """The plate in those of its modes that move where it is struck."""
     plate = design.plate
-    strip = Bar.rectangle(plate.length, plate.width, plate.thickness, plate.density, plate.young_modulus)
-    return plate_strip(strip, moving_modes(design), support=plate.support, damping_ratio=plate.damping_ratio)
+    return plate_strip(plate.strip, moving_modes(design), support=plate.support, damping_ratio=plate.damping_ratio)
 
 
 def moving_modes(design: BarDrop) -> tuple[int, ...]:

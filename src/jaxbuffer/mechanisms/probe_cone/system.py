@@ -131,6 +131,11 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
     def rate_observables(self) -> tuple[bool, ...]:
         return tuple(name == "hinge_force" for name in self.observed)
 
+    @property
+    def sudden(self) -> bool:
+        """Where the probe rings or the hinge's pin bounces."""
+        return self.hinge is not None or self.probe.bending is not None
+
     def negligible(self) -> Float[Array, " observables"]:
         force = ROUNDED_FORCE * self.energy_scale
         sizes = {"stroke": ROUNDED_LENGTH, "hinge_angle": ROUNDED_LENGTH, "bending": ROUNDED_LENGTH}

@@ -5,7 +5,6 @@ from ..registry import register
 from .design import SliderCrank, SliderCrankScenario, check_fit, valid
 from .picture import panels
 from .quantities import QUANTITIES
-from .run import cranked
 from .summary import label, summary, validity, warnings
 from .system import slider_crank
 
@@ -37,7 +36,6 @@ SLIDER_CRANK = register(
         quantities=QUANTITIES,
         check_fit=check_fit,
         valid=valid,
-        run=cranked,
         summary=summary,
         label=label,
         approach=label,
