@@ -44,6 +44,11 @@ def test_a_release_is_not_a_touchdown(left):
     np.testing.assert_allclose(float(found.at), 2.0 * SPEED / FALL, rtol=1e-9)
 
 
+def test_a_step_too_short_to_leave_by_is_no_touchdown():
+    """Left below the surface by more than the next short step rises: still on its way out at the end of it."""
+    assert int(searched(thrown(-1e-12, 0.0), thrown(-1e-12, 5e-12), OPEN, step=5e-12).guard) == -1
+
+
 @pytest.mark.parametrize("left", [0.0, -1e-15])
 def test_a_contact_missed_by_rounding_acts_at_once(left):
     """On the surface or a little beyond it and going on."""

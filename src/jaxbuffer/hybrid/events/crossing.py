@@ -79,14 +79,16 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     (infinite if it does not), and a fraction at which it is above zero.
 
     Three cases take care. A guard left at zero or a little above it by the step that ended on its last event, and on
-    its way back down, has not crossed. One that is above zero at the start and stays there has crossed already (it was
-    missed by the tolerance of an earlier location): an open contact then closes at once. And a contact may touch and
-    leave, or leave and touch, within one step: its guard is negative at both ends and has a maximum above zero inside.
+    its way back down, has not crossed, though a short step may end before it is below zero. One that is above zero at
+    the start and stays there has crossed already (it was missed by the tolerance of an earlier location): an open
+    contact then closes at once. And a contact may touch and leave, or leave and touch, within one step: its guard is
+    negative at both ends and has a maximum above zero inside.
     """
     contacts, terminals = before.gap.shape[0], before.terminal.shape[0]
     these = slice(0, contacts + terminals)
     start, end = (SignedGuards(*(part[these] for part in signed(guards, active))) for guards in (before, after))
     leaving = (start.value >= 0.0) & (start.rate < 0.0)
+    still_leaving = leaving & (end.rate < 0.0)
     start = start._replace(value=jnp.where(leaving, NOT_YET, start.value))
     z0, z1, m0, m1 = start.value, end.value, start.rate * step, end.rate * step
     maximum = _stationary(z0, z1, m0, m1)
@@ -97,7 +99,7 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     far = jnp.where(dips, maximum, 1.0)
     root = _polynomial_root(start, end, step, far, contact)
     root = jnp.where(z0 > 0.0, jnp.where(open_contact, 0.0, 1.0), root)
-    return jnp.where((z1 > 0.0) | dips, root, jnp.inf), far
+    return jnp.where((z1 > 0.0) & ~still_leaving | dips, root, jnp.inf), far
 
 
 def _maxima(before: Guards, after: Guards, step: Array, largest: Array) -> Float[Array, " observables"]:

@@ -28,8 +28,8 @@ class Mean(NamedTuple):
 class TurnStatistics(NamedTuple):
     """Means over the whole turns of a run.
 
-    ``turns``: how many, the first one left out; ``impacts`` that begin in a turn [-]; ``largest_force`` of its contacts
-    [N]; ``mean_peak`` of those impacts [N], over the turns that have any; ``contact_share`` [-].
+    ``turns``: how many, the first one left out; ``impacts`` that begin in a turn [-]; ``largest_force`` and
+    ``mean_peak`` of those impacts' peaks [N], over the turns that have any; ``contact_share`` [-].
     """
 
     turns: int
@@ -69,11 +69,11 @@ def turn_statistics(run: "Run") -> TurnStatistics:
     count = int(hits.count)
     turn = np.searchsorted(starts, hits.time[:count], side="right") - 1
     peaks = [hits.peak_force[:count][turn == k] for k in range(1, turns + 1)]
-    mean_peak = [np.mean(peak) if peak.size else np.nan for peak in peaks]
+    largest, mean_peak = ([of(peak) if peak.size else np.nan for peak in peaks] for of in (np.max, np.mean))
     return TurnStatistics(
         turns,
         _mean([peak.size for peak in peaks], "-"),
-        _mean(largest_forces(run, starts)[1:], "N"),
+        _mean(largest, "N"),
         _mean(mean_peak, "N"),
         _mean(contact_shares(run, starts)[1:], "-"),
     )
@@ -92,15 +92,6 @@ def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
     begin = float(np.asarray(run.scenario.crank_angle))
     turned = np.abs(np.append(begin, np.asarray(log.rows)[:count, 0, 2]) - begin) / (2.0 * np.pi)
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, time)
-
-
-def largest_forces(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
-    """Largest contact force of each turn [N]: all maxima are events of the log."""
-    log = run._located
-    count = min(int(log.count), log.room)
-    force = np.max(np.asarray(log.values)[:count, : log.missed.shape[0]], axis=1)
-    turn = np.searchsorted(starts, np.asarray(log.time)[:count], side="right") - 1
-    return np.array([np.max(force[turn == k], initial=0.0) for k in range(len(starts) - 1)])
 
 
 def contact_shares(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
