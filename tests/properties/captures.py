@@ -68,7 +68,7 @@ def _watch(parameters, duration, rtol) -> Seen:
     return Seen(
         result.status,
         log.time[jnp.maximum(log.count - 1, 0)],
-        maxima(mechanism, log),
+        maxima(mechanism, log, (mechanism.posture(state), closed)),
         impacts(mechanism, log, seen),
         balance(mechanism, (mechanism.posture(state), closed), log, seen.drift)[1],
         history(mechanism, result.steps),
