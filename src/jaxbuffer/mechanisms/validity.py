@@ -5,10 +5,15 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
+BEYOND_LAW = "outside the contact law's validity: "
+
 
 class Limit(NamedTuple):
-    """How near runs come to a limit: ``beyond``, what happens there in words; ``share`` [-] of the limit, one for each
-    run, valid up to 1 (NaN: not known)."""
+    """How near runs come to a limit.
+
+    ``beyond``: what happens there in words, after `BEYOND_LAW` where it is the contact law's; ``share`` [-] of the
+    limit, one for each run, valid up to 1 (NaN: not known).
+    """
 
     beyond: str
     share: Float[np.ndarray, "..."]

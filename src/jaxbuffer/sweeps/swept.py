@@ -60,7 +60,7 @@ def swept_summary(swept: Swept) -> str:
 
 
 def _beyond_validity(swept: Swept) -> list[str]:
-    """How many answers lie beyond what the contact law is good for, and the worst of them."""
+    """How many answers lie beyond each limit of validity, and the worst of them."""
     found, mechanism = swept.found, swept.found.mechanism
     design, _ = swept.grid.applied(swept.design, swept.scenario)
     lines = []
@@ -70,7 +70,7 @@ def _beyond_validity(swept: Swept) -> list[str]:
             share = np.asarray(limit.share)
             worst = int(np.argmax(np.where(beyond, share, -np.inf)))
             lines.append(
-                f"outside the contact law's validity: {count} {mechanism.run_name}s, {limit.beyond};"
+                f"{limit.beyond}, {count} {mechanism.run_name}s;"
                 f" by a factor of {share[worst]:.3g} at {swept.grid.point(worst)}"
             )
     return lines

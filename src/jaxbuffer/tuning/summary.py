@@ -34,7 +34,7 @@ def tuned_table(tuned: "Tuned") -> str:
         f" slopes of the search within {tuned.gradient_error:.1e} of it;"
         f" {tuned.captures} {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
-    facts += [f"outside the contact law's validity: {line}" for line in tuned_warnings(tuned)]
+    facts += tuned_warnings(tuned)
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
@@ -42,7 +42,7 @@ def tuned_table(tuned: "Tuned") -> str:
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
-    """In how many scenarios the tuned design lies beyond what the contact law is good for, a line each reason."""
+    """In how many scenarios the tuned design lies beyond a limit of validity, a line each."""
     problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, peaks, strict=True):

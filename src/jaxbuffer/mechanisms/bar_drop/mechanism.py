@@ -10,7 +10,7 @@ from ..mechanism import Defaults, Mechanism, Names
 from ..picture import Curve, Level, Panel
 from ..registry import register
 from ..summary import plain_summary
-from ..validity import Limit
+from ..validity import BEYOND_LAW, Limit
 from .bending import limits, told
 from .design import BarDrop, BarDropScenario, check_fit, valid
 from .quantities import QUANTITIES
@@ -30,14 +30,14 @@ def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[
     if penetration is None:
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
-    deep = Limit("the ball goes deeper into the plate than a tenth of its radius", share)
+    deep = Limit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
     return [deep, *limits(design, peak_force, penetration)]
 
 
 def warnings(run: BarDropRun) -> list[str]:
     """The same of one run."""
     deep, *few = validity(run.design, run.peak_force, run.maxima["penetration"])
-    lines = [f"outside the contact law's validity: {deep.beyond}"] if deep.passed else []
+    lines = [deep.beyond] if deep.passed else []
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 
 

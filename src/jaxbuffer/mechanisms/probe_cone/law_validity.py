@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
-from ..validity import Limit
+from ..validity import BEYOND_LAW, Limit
 from .assembly import assemble_contact
 from .bending import bending_frequencies
 from .design import Design
@@ -58,8 +58,8 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Lim
         penetration = assemble_contact(design).law.depth(peak_force)
     found = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
-        Limit("the tip goes deeper into a flank than a tenth of its radius", found.depth),
-        Limit("the materials yield", found.pressure),
+        Limit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", found.depth),
+        Limit(f"{BEYOND_LAW}the materials yield", found.pressure),
     ]
 
 
@@ -76,13 +76,13 @@ def warnings(capture: "Capture") -> list[str]:
     if found.too_deep:
         radius = float(design.probe.tip_radius)
         lines.append(
-            f"outside the contact law's validity: the tip goes up to {1e3 * depth:.3g} mm deep into a flank, more than"
+            f"{BEYOND_LAW}the tip goes up to {1e3 * depth:.3g} mm deep into a flank, more than"
             f" a tenth of its radius of {1e3 * radius:.3g} mm"
         )
     if found.yields:
         stress, reached = float(np.asarray(design.contact.yield_stress)), float(pressure(design, np.asarray(force)))
         lines.append(
-            f"outside the contact law's validity: the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
+            f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
     return [*lines, *_of_bending(capture), *_of_play(capture)]
@@ -118,6 +118,6 @@ def _of_play(capture: "Capture") -> list[str]:
     if area**2 <= DEEP * pin**2:
         return []
     return [
-        f"outside the contact law's validity: the pin touches its bush on an area with a radius of {1e3 * area:.3g} mm,"
+        f"{BEYOND_LAW}the pin touches its bush on an area with a radius of {1e3 * area:.3g} mm,"
         f" not small against its own of {1e3 * pin:.3g} mm; the play is too small for Hertz's law"
     ]

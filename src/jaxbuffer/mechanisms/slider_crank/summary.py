@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..summary import plain_summary
-from ..validity import Limit
+from ..validity import BEYOND_LAW, Limit
 from .bending import limits as bending_limits
 from .bending import told
 from .design import SliderCrank, SliderCrankScenario
@@ -41,7 +41,11 @@ def contact_validity(design: SliderCrank, peak_force: Any) -> list[Limit]:
     if not limits:
         return []
     least = np.min([np.broadcast_to(np.asarray(limit), np.shape(peak_force)) for limit in limits], axis=0)
-    return [Limit("the contact is too wide for the law, which takes it for small", np.asarray(peak_force) / least)]
+    return [
+        Limit(
+            f"{BEYOND_LAW}the contact is too wide for the law, which takes it for small", np.asarray(peak_force) / least
+        )
+    ]
 
 
 def warnings(run: "Run") -> list[str]:
@@ -55,7 +59,7 @@ def warnings(run: "Run") -> list[str]:
     if any(pin.law == ADAMS and np.any(np.asarray(pin.exponent) < 1.0) for pin in loose(run.design)):
         lines.append("an exponent below 1 is no elastic contact's: its stiffness falls as the pin goes deeper")
     limits = contact_validity(run.design, run.peak_force)
-    lines += [f"outside the contact law's validity: {limit.beyond}" for limit in limits if limit.passed]
+    lines += [limit.beyond for limit in limits if limit.passed]
     few = bending_limits(run.design, run.peak_force, deepest(run)) if int(run.impact_count) else []
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 
