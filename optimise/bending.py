@@ -96,7 +96,7 @@ def draw_peaks(axes: Any, bent: list[tuple[float, list[Any]]], play: list[tuple[
         for k, (name, column) in enumerate((("first impact", 3), ("contact", 4), ("hinge", 6))):
             one.plot([scale * x for x, _ in rows], [row[column] for _, row in rows], "o-", color=f"C{k}", label=name)
             one.axhline(limit[column], ls="--", lw=0.8, color=f"C{k}")
-        one.set(title=f"Peak forces; dashed: {what}", ylabel="force [N]", yscale="log", xlabel=label, xscale="log")
+        one.set(title=f"Peak forces; dashed: {what}", ylabel="force [N]", ylim=(0.0, None), xlabel=label, xscale="log")
     axes[0].legend()
 
 
@@ -114,5 +114,6 @@ def draw_elasticities(axes: Any, bent: list[tuple[float, list[Any]]], play: list
             one.plot(x[trusted], values[trusted], "o", x[~trusted], values[~trusted], "x", color=f"C{k}")
             one.axhline(limit[k], ls="--", lw=0.6, color=f"C{k}")
         one.set(title="Peak force; ×: not trusted", ylabel="elasticity [-]", xlabel=label, xscale="log")
-        one.set_yscale("symlog", linthresh=1.0)
+        if np.max(np.abs([row[: len(PARAMETERS) + 1] for _, row in rows])) > 1.0:
+            one.set_yscale("symlog", linthresh=1.0)
     axes[0].legend(ncols=2)

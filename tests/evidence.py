@@ -37,6 +37,15 @@ class Evidence:
         told = f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
         assert 0.0 <= measured <= tolerance, told
 
+    def add(self, records: list[dict[str, Any]]) -> None:
+        """What another process measured."""
+        for other in records:
+            record = self.records.setdefault((other["topic"], other["claim"]), {"measured": -1.0, "count": 0})
+            count = record["count"] + other["count"]
+            if not other["measured"] <= record["measured"]:
+                record.update(other)
+            record["count"] = count
+
     def write(self, path: Path) -> None:
         """All records as JSON."""
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -34,6 +34,21 @@ def test_the_worst_of_a_claim_is_kept(tmp_path):
     assert (second["claim"], second["measured"]) == ("another", 0.0)
 
 
+def test_the_worst_of_all_processes_is_kept():
+    here, there = Evidence(), Evidence()
+    here(**told(1e-4))
+    there(**told(5e-4))
+    there(**told(2e-4))
+    there(**told(1e-5, claim="another"))
+    with pytest.raises(AssertionError):
+        there(**told(float("nan"), claim="failed"))
+    here.add(list(there.records.values()))
+    first, second, third = here.records.values()
+    assert (first["measured"], first["count"]) == (5e-4, 3)
+    assert (second["claim"], second["measured"], second["count"]) == ("another", 1e-5, 1)
+    assert third["measured"] != third["measured"]
+
+
 def test_what_fails_is_in_the_report_too():
     evidence = Evidence()
     evidence(**told(1e-4))

@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +23,11 @@ def main() -> int:
     folder = options.output.resolve()
     folder.mkdir(parents=True, exist_ok=True)
     status = 0
-    with ThreadPoolExecutor(1) as beside:  # the tests collect evidence in one process, which leaves the other cores
-        tested = beside.submit(run.tests, folder, options.quick) if "tests" in options.only else None
-        if "breakages" in options.only:
-            jobs = max(1, options.jobs - (tested is not None))
-            print(f"{len(BREAKAGES)} breakages, {jobs} at a time", flush=True)
-            run.breakages(folder, jobs, _told)
-        status |= int(tested is not None and tested.result() != 0)
+    if "tests" in options.only:
+        status |= int(run.tests(folder, options.quick, options.jobs) != 0)
+    if "breakages" in options.only:
+        print(f"{len(BREAKAGES)} breakages, {options.jobs} at a time", flush=True)
+        run.breakages(folder, options.jobs, _told)
     if "paper" in options.only:
         for paper in PAPERS:
             command = [

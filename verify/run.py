@@ -16,9 +16,10 @@ TESTS = ("tests/properties", "tests/hybrid", "tests/verification", "tests/multib
 LIMIT = 900  # s for the checks of one breakage
 
 
-def tests(folder: Path, quick: bool) -> int:
+def tests(folder: Path, quick: bool, jobs: int) -> int:
     """Run the tests that carry the claims; evidence.json and tests.xml in ``folder``. The exit status."""
     command = [sys.executable, "-m", "pytest", *TESTS, "tests/contact", "-q", "--evidence", folder / "evidence.json"]
+    command += ["-n", jobs, "--dist", "loadfile"]
     command += ["--junitxml", folder / "tests.xml", *(("-m", "not slow") if quick else ())]
     return subprocess.run([str(word) for word in command], cwd=ROOT, env=environment(), check=False).returncode
 
