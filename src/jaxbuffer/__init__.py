@@ -47,6 +47,8 @@ if TYPE_CHECKING:
         table2 as table2,
     )
     from .mechanisms.run import Run as Run
+    from .output.animation import animate as animate
+    from .output.motion import draw as draw
     from .run.simulate import simulate as simulate
     from .run.with_diffrax import as_diffrax as as_diffrax
     from .sensitivities.certificate import Certificate as Certificate
@@ -73,6 +75,8 @@ _HOME: dict[str, tuple[str, ...]] = {
     "fields": ("get", "paths", "replace"),
     "hybrid.rungekutta.diffrax_solver": ("Diffrax",),
     "mechanisms.run": ("Run",),
+    "output.animation": ("animate",),
+    "output.motion": ("draw",),
     "run.with_diffrax": ("as_diffrax",),
     "run.simulate": ("simulate",),
     "sensitivities.certificate": ("Certificate", "Verdict"),

@@ -7,6 +7,7 @@ import typer
 
 import jaxbuffer
 
+from .animate import animate
 from .exits import OK, fail
 from .fields import fields
 from .laws import laws
@@ -82,7 +83,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     Files in DIR, of a capture:
       capture.json  every number, its unit in the name, and every impact
       history.csv   forces, gaps, motion and energies at each step
-      capture.png   contact force, gap, stroke, hinge angle, energies over time
+      capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
+      motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
       capture.txt   the summary
 
     \b
@@ -90,7 +92,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """
     study = request.one_scenario(scenario_number)
     name = study.mechanism.run_name
-    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt")
+    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt", "motion.png")
     from ..run.simulate import simulate as compute
     from .progress import working
 
@@ -206,7 +208,7 @@ def tune(
       design.toml  the tuned design, a study for the other commands
       tuned.json   result, floor, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
-      tune.png     peaks before and after, objective, variables, worst values
+      tune.png, .svg  the worst scenario before and after, every scenario, variables, search
       tune.txt     the tables
       log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
 
@@ -241,6 +243,7 @@ def tune(
     return OK if tuned.feasible else fail(tuned.message)
 
 
+verb(app, "One run as an animation: the mechanism, its contact forces, slow motion around impacts.")(animate)
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)

@@ -29,7 +29,7 @@ def laws(
     \b
     Files in DIR:
       laws.csv  the table: sources, restitutions, penetration, force, duration
-      laws.png  force over penetration and over time, delivered over asked restitution
+      laws.png, .svg  force over penetration and over time, delivered over asked restitution
 
     \b
     Example: jaxbuffer laws --contact.restitution 0.5 --output results/laws
@@ -48,11 +48,11 @@ def laws(
 def _contents(comparison: "Comparison") -> "Contents":
     from ..output.formats import csv_text
     from ..output.laws_figure import laws_figure
-    from ..output.style import png
+    from ..output.style import both
 
     return {
         "laws.csv": lambda: csv_text(*_rows(comparison)),
-        "laws.png": lambda: png(laws_figure(comparison)),
+        **both("laws", lambda: laws_figure(comparison)),
     }
 
 

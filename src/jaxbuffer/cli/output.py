@@ -10,6 +10,11 @@ from ..output.formats import Contents
 from .streams import note, show
 
 
+def _vector(name: str) -> tuple[str, ...]:
+    """Every figure is written as SVG too."""
+    return (f"{name.removesuffix('.png')}.svg",) if name.endswith(".png") else ()
+
+
 class Output:
     """The files of one command in a folder, or nothing at all without a folder."""
 
@@ -24,6 +29,7 @@ class Output:
         self.folder, self.force = folder, force or resume
         if folder is None:
             return
+        names = [name for one in names for name in (one, *_vector(one))]
         parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
         if not parent.is_dir():
             raise InputError(f"{parent} is a file; --output needs a folder")

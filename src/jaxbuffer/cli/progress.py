@@ -68,8 +68,10 @@ def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
             return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
 
 
-def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T:
-    """Run ``work``, which reports runs done of ``count``: a bar with runs a second on a terminal, a plain line
+def sweeping(
+    count: int, work: "Callable[[Callable[[int, int], None]], T]", doing: str = "sweeping", what: str = "runs"
+) -> T:
+    """Run ``work``, which reports ``what`` it has done of ``count``: a bar with their rate on a terminal, a plain line
     every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""
     console = Console(stderr=True)
     begin = None  # the first report comes after the compilation, which is no part of the rate
@@ -80,10 +82,10 @@ def sweeping(count: int, work: "Callable[[Callable[[int, int], None]], T]") -> T
         if begin is None:
             begin, first = time.monotonic(), done
         seconds = time.monotonic() - begin
-        return f"{(done - first) / seconds:.0f} runs/s" if seconds > 0.0 and done > first else ""
+        return f"{(done - first) / seconds:.0f} {what}/s" if seconds > 0.0 and done > first else ""
 
     if not console.is_terminal:
-        print(f"sweeping {count} runs", file=sys.stderr, flush=True)
+        print(f"{doing} {count} {what}", file=sys.stderr, flush=True)
         due = time.monotonic() + PERIOD
 
         def line(done: int, count: int) -> None:

@@ -2,7 +2,7 @@
 
 import functools
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -27,15 +27,15 @@ def reproduce(
     Files in DIR:
       claims.md     every claim and every study's numbers
       studies.csv, studies.json  the same for machines
-      NAME.png      a figure a study
+      NAME.png, .svg  a figure a study
 
     \b
     Example: jaxbuffer reproduce impact --output results/impact
     """
     from ..compiling.process import configure
     from ..errors import check_choice
-    from ..output.formats import Contents, csv_text, json_text
-    from ..output.style import require_matplotlib
+    from ..output.formats import csv_text, json_text
+    from ..output.style import both, require_matplotlib
     from ..papers import PAPERS, paper_named
     from .output import Output
 
@@ -57,13 +57,12 @@ def reproduce(
     verdicts = judged([claim for part in chosen.parts for claim in part.claims], studied)
     columns = {**NAMED, **chosen.columns}
     heads = [f"{name} [{unit}]" if unit else name for name, unit in columns.items()]
-    contents: Contents = {
+    contents: dict[str, Any] = {
         "claims.md": lambda: markdown(chosen, studied, verdicts),
         "studies.csv": lambda: csv_text(heads, ([row.get(name, "") for name in columns] for row in rows)),
         "studies.json": lambda: json_text({"units": columns, "captures": rows, "claims": verdicts}),
-        **{
-            f"{found.study.name}.png": functools.partial(chosen.part_of(found.study).figure, found) for found in studied
-        },
     }
+    for found in studied:
+        contents |= both(found.study.name, functools.partial(chosen.part_of(found.study).figure, found))
     files.save_and_show(lambda: contents, claims_table(verdicts))
     return OK

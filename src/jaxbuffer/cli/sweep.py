@@ -41,7 +41,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     Files in DIR:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
-      sweep.png  over one field lines, over two heat maps, over more slices of heat maps
+      sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
       sweep.chunks  kept up while running; --resume needs it
 
     \b

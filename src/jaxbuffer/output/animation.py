@@ -15,14 +15,14 @@ from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .motion import Scene, clock, closer, said, scene, whole
 from .pulses import pulses
-from .style import COLOURS, GREY, RED, STYLE, require_matplotlib
+from .style import COLOURS, STYLE, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FORMATS = ("gif", "mp4")
 RATE = 20  # frames a second
-EVEN, SLOW = 110, 30  # frames in between, and of each impact in slow motion
+EVEN, SLOW = 80, 24  # frames in between, and of each impact in slow motion
 IMPACTS = 3  # how many of them
 ROOM = 0.5  # of an impact's duration, before and after it
 STILL = 10  # frames at the end
@@ -55,7 +55,7 @@ def frames_of(run: Run) -> Frames:
             times.append(part)
             steps.append(np.full(len(part), step))
         at = stop
-    return Frames(np.append(np.concatenate(times), end), RATE * np.append(np.concatenate(steps), even))
+    return Frames(np.append(np.concatenate(times), end), 1.0 / (RATE * np.append(np.concatenate(steps), even)))
 
 
 def animate(run: Run, path: str | Path) -> Path:
@@ -101,21 +101,45 @@ def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: 
     if run.history is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
     import matplotlib
-    from matplotlib.animation import FFMpegWriter, PillowWriter
 
     frames = frames_of(run)
-    at, count = scene(run, frames.times), len(frames.times)
-    writer = PillowWriter(RATE) if kind == "gif" else FFMpegWriter(RATE)
-    with matplotlib.rc_context(STYLE), tempfile.TemporaryDirectory() as folder:
-        stage, file = Stage(at), Path(folder) / f"motion.{kind}"
-        with writer.saving(stage.figure, str(file), DOTS_PER_INCH):
-            for k in range(count):
-                stage.show(k, frames.slower[k])
+    with matplotlib.rc_context(STYLE):
+        stage = Stage(scene(run, frames.times))
+        return (_gif if kind == "gif" else _mp4)(stage, frames, report)
+
+
+def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
+    """With 64 colours, which drawings need no more of."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image
+
+    stage.figure.set_dpi(DOTS_PER_INCH)
+    canvas, film = FigureCanvasAgg(stage.figure), []
+    for k, slower in enumerate(frames.slower):
+        stage.show(k, slower)
+        canvas.draw()
+        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        film.append(picture.quantize(64, dither=Image.Dither.NONE))
+        report(k + 1, len(frames.times))
+    content, shown = io.BytesIO(), [1000 // RATE] * (len(film) - 1) + [1000 * STILL // RATE]  # ms
+    film[0].save(content, "GIF", save_all=True, append_images=film[1:], duration=shown, loop=0, optimize=True)
+    return content.getvalue()
+
+
+def _mp4(stage: "Stage", frames: Frames, report: Report) -> bytes:
+    """Through ffmpeg."""
+    from matplotlib.animation import FFMpegWriter
+
+    writer, count = FFMpegWriter(RATE), len(frames.times)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "motion.mp4"
+        with writer.saving(stage.figure, str(file), 2 * (DOTS_PER_INCH // 2)):
+            for k, slower in enumerate(frames.slower):
+                stage.show(k, slower)
                 for _ in range(STILL if k == count - 1 else 1):
                     writer.grab_frame()
                 report(k + 1, count)
-        content = file.read_bytes()
-    return fewer_colours(content) if kind == "gif" else content
+        return file.read_bytes()
 
 
 class Stage:
@@ -172,22 +196,9 @@ def _curves(axes: "Axes", run: Run) -> Any:
         axes.plot(time, force[:, k], color=COLOURS[k], linewidth=0.9, label=label)
     if len(names) > 1:
         axes.legend(loc="upper left", ncols=len(names))
-    axes.set_xlim(time[0], time[-1])
+    room = 0.01 * (time[-1] - time[0])
+    axes.set_xlim(time[0] - room, time[-1] + room)
     axes.set_ylim(0.0, 1.25 * max(float(force.max(initial=0.0)), 1e-12))
     axes.set_xlabel("time [s]")
     axes.set_ylabel("force [N]")
-    axes.axhline(0.0, color=GREY, linewidth=0.5)
-    return axes.axvline(0.0, color=RED, linewidth=1.2)
-
-
-def fewer_colours(content: bytes) -> bytes:
-    """A GIF with 64 colours, which drawings need no more of: half the bytes."""
-    from PIL import Image, ImageSequence
-
-    with Image.open(io.BytesIO(content)) as film:
-        frames = [frame.convert("RGB").quantize(64, dither=Image.Dither.NONE) for frame in ImageSequence.Iterator(film)]
-        duration = film.info["duration"]
-    small = io.BytesIO()
-    first, *rest = frames
-    first.save(small, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=True)
-    return small.getvalue()
+    return axes.axvline(0.0, color="black", linestyle=":", linewidth=1.2)

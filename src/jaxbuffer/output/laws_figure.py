@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from ..mechanisms.probe_cone.comparison import ASKED, CURVE, Comparison
-from .style import label, line, panels, styled
+from .style import GREY, MARKS, label, line, panels, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -12,18 +12,23 @@ if TYPE_CHECKING:
 @styled
 def laws_figure(comparison: Comparison) -> "Figure":
     """Force over penetration and over time in one impact, delivered over asked restitution."""
-    figure, grid = panels(12.0, 4.6, 1, 3)
+    figure, grid = panels(13.0, 5.2, 1, 3)
     loops, pulses, delivered = grid[0]
     for k, entry in enumerate(comparison.laws):
-        drawn = line(k) | {"label": entry.name}
-        loops.plot(1e6 * entry.impact.penetration, entry.impact.force, **drawn)
-        pulses.plot(1e3 * entry.impact.time, entry.impact.force, **drawn)
+        count = len(entry.impact.time)
+        marked = {"marker": MARKS[k % len(MARKS)], "markersize": 5, "markerfacecolor": "white"}
+        drawn = line(k) | {"label": entry.name, **marked}
+        every = {"markevery": (int(count * (0.1 + 0.03 * k)), max(count // 4, 1))}  # each law's at places of its own
+        loops.plot(1e6 * entry.impact.penetration, entry.impact.force, **drawn, **every)
+        pulses.plot(1e3 * entry.impact.time, entry.impact.force, **drawn, **every)
         if hasattr(entry.law, "restitution"):
-            delivered.plot(CURVE, entry.curve, **drawn)
-            delivered.plot(ASKED, entry.delivered, ".", color=drawn["color"])
+            delivered.plot(CURVE, entry.curve, **line(k))
+            delivered.plot(ASKED, entry.delivered, linestyle="", color=drawn["color"], **marked)
     label(loops, "Force over penetration", "penetration [µm]", "contact force [N]", False)
     label(pulses, "Force over time", "time from touchdown [ms]", "contact force [N]", False)
-    label(delivered, "Restitution", "asked [-]", "delivered [-]", False)
+    delivered.plot([0.0, 1.0], [0.0, 1.0], color=GREY, linewidth=0.8, zorder=1)
+    delivered.annotate("as asked", (0.8, 0.8), xytext=(0.82, 0.72), color=GREY)
+    label(delivered, "Restitution", "restitution asked [-]", "restitution delivered [-]", False)
     figure.legend(*loops.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     figure.suptitle(
         f"Contact laws: {comparison.mass:.4g} kg at {comparison.speed:.4g} m/s, "

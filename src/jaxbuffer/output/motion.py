@@ -77,18 +77,17 @@ def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
         for time in times:
             if not 0.0 <= float(time) <= end * (1.0 + 1e-12):
                 raise InputError(f"times: {float(time):.6g} s is outside the run, which lasts from 0 to {end:.6g} s")
-    return motion_figure((run, times))
+    return motion_figure(run, times)
 
 
 @styled
-def motion_figure(what: tuple[Run, Sequence[float] | None]) -> "Figure":
+def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
     """A row for each time: the whole mechanism, and a closer look at the contact.
 
-    **Arguments:** ``what``: a run with a history, and times [s] or None for telling ones.
+    **Arguments:** ``run``: one with a history; ``times`` [s] (default: telling ones).
     """
     from matplotlib.figure import Figure
 
-    run, times = what
     at = scene(run, telling_times(run) if times is None else times)
     count, detail = len(at.times), at.drawing.detail
     wide, high = at.views[0, 1] - at.views[0, 0]

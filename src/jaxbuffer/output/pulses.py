@@ -44,7 +44,7 @@ def pulses(run: Run) -> list[Pulse]:
 def pulse_around(
     time: Float[np.ndarray, " steps"], force: Float[np.ndarray, " steps"], at: float, contact: int = 0
 ) -> Pulse:
-    """The pulse whose largest force is at a given time [s]: from its first to its last step above two per cent of it."""
+    """The pulse whose largest force is at a given time [s]: its steps above two per cent of it."""
     near = int(np.argmin(np.abs(time - at)))
     low = force < LOW * force[near]
     before, after = np.flatnonzero(low[:near]), np.flatnonzero(low[near:])

@@ -1,6 +1,6 @@
 """The files of each command: names, and what makes their contents, in the order in which they are saved."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .formats import ARRAYS, Contents, csv_text, json_text
 
@@ -14,15 +14,17 @@ if TYPE_CHECKING:
 def run_files(run: "Run") -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run."""
     from .figures import run_figure
+    from .motion import motion_figure
     from .records import run_history, run_record
-    from .style import png
+    from .style import both
 
     name = run.mechanism.run_name
     return {
         f"{name}.json": lambda: json_text(run_record(run)),
         "history.csv": lambda: csv_text(*run_history(run)),
         f"{name}.txt": lambda: f"{run!r}\n",
-        f"{name}.png": lambda: png(run_figure(run)),
+        **both(name, lambda: run_figure(run)),
+        **both("motion", lambda: motion_figure(run)),
     }
 
 
@@ -39,28 +41,37 @@ def sensitivity_files(result: "Sensitivity") -> Contents:
 
 def tuned_files(tuned: "Tuned") -> Contents:
     """Of `jaxbuffer tune`."""
+    from ..run.simulate import simulate
     from ..study.config import design_toml
     from .records import tuned_comment, tuned_record, tuning_history
-    from .style import png
-    from .tune_figure import tune_figure
+    from .style import both
+    from .tune_figure import tune_figure, worst_case
+
+    def worst_runs() -> list[Any]:
+        """The worst scenario before and after, with histories."""
+        problem, case = tuned.problem, tuned.problem.cases[worst_case(tuned)]
+        return [
+            simulate(case.of(design), case.scenario, problem.duration, history=True)
+            for design in (problem.design, tuned.design)
+        ]
 
     return {
         "design.toml": lambda: design_toml(tuned.design, tuned.problem.scenarios_met, tuned_comment(tuned)),
         "tuned.json": lambda: json_text(tuned_record(tuned)),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "tune.txt": lambda: f"{tuned!r}\n",
-        "tune.png": lambda: png(tune_figure(tuned)),
+        **both("tune", lambda: tune_figure(tuned, worst_runs())),
     }
 
 
 def swept_files(swept: "Swept") -> Contents:
     """Of `jaxbuffer sweep`."""
-    from .style import png
+    from .style import both
     from .sweep_figures import sweep_figure
     from .sweep_files import FIGURE, TABLE, arrays, rows
 
     return {
         ARRAYS: lambda: arrays(swept),
         TABLE: lambda: csv_text(*rows(swept)),
-        FIGURE: lambda: png(sweep_figure(swept)),
+        **both(FIGURE.removesuffix(".png"), lambda: sweep_figure(swept)),
     }

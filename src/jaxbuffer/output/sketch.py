@@ -117,7 +117,7 @@ def _circle(radius: float) -> Points:
 
 def _spot(points: Points, centre: Spot, frames: Frames) -> Points:
     """Points about a spot, in its body's axes, in inertial axes."""
-    return placed(points + [centre.x, centre.y], centre.body, frames)
+    return placed(points + np.array([centre.x, centre.y]), centre.body, frames)
 
 
 def _faint(colour: str) -> Any:

@@ -3,7 +3,7 @@
 import functools
 import io
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-T = TypeVar("T")
+P = ParamSpec("P")
 
 # Okabe and Ito's colours, told apart by everyone; lightness differs too
 BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
@@ -27,6 +27,7 @@ BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
 )
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
 STYLES = ("-", "--", "-.", ":")
+MARKS = ("o", "s", "^", "v", "D", "P", "X", "<", ">", "p", "h")
 FLANK_COLOURS = (BLUE, ORANGE)
 ITERATION = "iteration [-]"
 COLUMNS = 3
@@ -54,16 +55,16 @@ def require_matplotlib() -> None:
         raise InputError("figures need matplotlib; install it with: pip install matplotlib") from None
 
 
-def styled(draw: "Callable[[T], Figure]") -> "Callable[[T], Figure]":
+def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
     """Draw in our style, and leave matplotlib's settings as they were."""
 
     @functools.wraps(draw)
-    def styled(data: T) -> "Figure":
+    def styled(*data: P.args, **options: P.kwargs) -> "Figure":
         require_matplotlib()
         import matplotlib
 
         with matplotlib.rc_context(STYLE):
-            return draw(data)
+            return draw(*data, **options)
 
     return styled
 
@@ -73,6 +74,22 @@ def png(figure: "Figure") -> bytes:
     content = io.BytesIO()
     figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
     return content.getvalue()
+
+
+def svg(figure: "Figure") -> bytes:
+    """The figure as an SVG file's content; the same figure gives the same bytes."""
+    import matplotlib
+
+    content = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "jaxbuffer"}):
+        figure.savefig(content, format="svg", metadata={"Date": None})
+    return content.getvalue()
+
+
+def both(name: str, draw: "Callable[[], Figure]") -> dict[str, Callable[[], bytes]]:
+    """A figure's two files, NAME.png and NAME.svg, and what makes their contents; it is drawn once."""
+    drawn = functools.cache(draw)
+    return {f"{name}.png": lambda: png(drawn()), f"{name}.svg": lambda: svg(drawn())}
 
 
 def panels(width: float, height: float, rows: int, columns: int) -> "tuple[Figure, np.ndarray]":

@@ -1,92 +1,162 @@
 """The figure of a tuning."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..fields import get
-from .style import BLUE, GREY, ORANGE, RED, label, line, panels, styled
+from ..fields import get, unit
+from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..mechanisms.run import Run
     from ..tuning.tuned import Tuned
+
+POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
+PEAK = 0  # the column of a case's peak force among its quantities
+ROW = 0.2  # inch a scenario
+TIMES = 2000  # drawn of a force over time
 
 
 @styled
-def tune_figure(tuned: "Tuned") -> "Figure":
-    """Peak force in every scenario before and after, objective, variables in their bounds, worst values."""
-    figure, ((cases, objective), (variables, trade)) = panels(10.0, 7.0, 2, 2)
-    problem, floor = tuned.problem, tuned.floor
-    number = np.arange(1, len(problem.cases) + 1)
-    for point, colour, name in ((tuned.before, ORANGE, "before"), (tuned.after, BLUE, "after")):
-        peaks, met = point.quantities[:, 0], point.succeeded
-        cases.plot(number[met], peaks[met], "o", color=colour, markersize=4, label=name)
-        if not np.all(met):
-            missed = f"{name}, not {problem.mechanism.success or 'solved'}"
-            cases.plot(number[~met], peaks[~met], "x", color=colour, label=missed)
-    if floor is not None:
-        cases.plot(number, floor.simulated, "_", color=GREY, markersize=12, label="floor: first impact, no buffer")
-    _integer_axis(cases)
-    label(cases, "Peak contact force", "scenario [-]", "peak force [N]")
-    _convergence(objective, tuned)
-    _variables(variables, tuned)
-    _limits(trade, tuned)
+def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
+    """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
+
+    **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
+    force is drawn over time; none: that panel is left out.
+    """
+    from matplotlib.figure import Figure
+
+    problem = tuned.problem
+    stages = sorted({it["stage"] for it in tuned.records})
+    draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
+    count = len(draws) + bool(worst)
+    high = max(2.3 * count, ROW * len(problem.cases) + 2.0)
+    figure = Figure(figsize=(12.0, high + 0.6), layout="constrained")
+    grid = figure.add_gridspec(count, 2)
+    _cases(figure.add_subplot(grid[:, 0]), tuned)
+    if worst:
+        _force(figure.add_subplot(grid[0, 1]), tuned, worst)
+    for row, draw in enumerate(draws, start=int(bool(worst))):
+        draw(figure.add_subplot(grid[row, 1]), tuned)
     before, after = tuned.objective
     figure.suptitle(f"{problem.objective}: {before:.5g} N before, {after:.5g} N after")
     return figure
 
 
-def _convergence(axes: "Axes", tuned: "Tuned") -> None:
-    """Objective of every evaluated design; a line through each search's accepted ones."""
-    records = tuned.records
-    searches = sorted({(it["stage"], it["search"]) for it in records if it["status"] != "start"})
-    starts = [it for it in records if it["status"] == "start"]
-    axes.plot([it["evaluation"] for it in starts], [it["objective"] for it in starts], ".", color=GREY, label="starts")
-    for k, key in enumerate(searches):
-        mine = [it for it in records if (it["stage"], it["search"]) == key and it["status"] != "start"]
-        taken = [it for it in mine if it["accepted"]]
-        name = f"search {key[1] + 1}" if key[0] == 0 else "then"
-        axes.plot([it["evaluation"] for it in taken], [it["objective"] for it in taken], label=name, **line(k))
-    lost = [it for it in records if not it["feasible"]]
-    if lost:
-        axes.plot(
-            [it["evaluation"] for it in lost], [it["objective"] for it in lost], "x", color=RED, label="infeasible"
-        )
-    label(axes, "Objective of every design tried", "evaluation [-]", "objective [N]")
+def worst_case(tuned: "Tuned") -> int:
+    """Which scenario has the largest contact force with the tuned design."""
+    return int(np.argmax(tuned.after.quantities[:, PEAK]))
+
+
+def _cases(axes: "Axes", tuned: "Tuned") -> None:
+    """A row for each scenario, by name: its peak force before and after."""
+    problem, floor = tuned.problem, tuned.floor
+    row = np.arange(len(problem.cases))
+    peaks = [point.quantities[:, PEAK] for point in (tuned.before, tuned.after)]
+    axes.hlines(row, *peaks, color=GREY, linewidth=1.0, zorder=1)
+    for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
+        met = point.succeeded
+        axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
+        if not np.all(met):
+            missed = f"{name}, not {problem.mechanism.success or 'solved'}"
+            axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
+    if floor is not None:
+        axes.plot(floor.simulated, row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
+    limit = problem.limits.at_most.get("peak_force")
+    if limit is not None:
+        axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
+    axes.set_yticks(row, [case.label(problem.cases) for case in problem.cases])
+    axes.set_ylim(len(row) - 0.4, -0.6)
+    axes.set_xlim(left=0.0)
+    label(axes, "Peak contact force", "peak force [N]", "scenario [-]", legend=False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2)
+    axes.set_title("Peak contact force", pad=34)
+
+
+def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
+    """Contact force over time in the worst scenario."""
+    from ..run.instants import at_times
+
+    for (name, colour, _), run in zip(POINTS, worst, strict=True):
+        assert run.history is not None
+        known = np.asarray(run.history.time)
+        time = np.unique(np.concatenate([known, np.linspace(known[0], known[-1], TIMES)]))
+        force = np.max(np.asarray(at_times(run, time).contact_force), axis=1)
+        axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {float(run.peak_force):.4g} N")
+    problem = tuned.problem
+    named = problem.cases[worst_case(tuned)].label(problem.cases)
+    label(axes, f"Force in the worst scenario, {named}", "time [s]", "contact force [N]")
 
 
 def _variables(axes: "Axes", tuned: "Tuned") -> None:
-    """Where accepted designs of all searches stand between the bounds."""
-    taken = [it for it in tuned.records if it["accepted"] and it["status"] != "start"] or list(tuned.records)
-    for k, variable in enumerate(tuned.problem.variables):
-        scaled = [variable.scaled(it["values"][variable.path]) for it in taken]
-        axes.plot([it["evaluation"] for it in taken], scaled, label=variable.path, marker=".", **line(k))
-        axes.plot(
-            taken[-1]["evaluation"] + 1,
-            variable.scaled(float(get(tuned.design, variable.path))),
-            "D",
-            color=line(k)["color"],
-        )
-    axes.set_ylim(-0.03, 1.5)  # room for the legend
-    axes.set_yticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
-    label(axes, "Accepted designs, and the result (◆)", "evaluation [-]", "place between bounds [-]", columns=2)
+    """Where each variable stands between its bounds, before and after, with its value."""
+    variables = tuned.problem.variables
+    row = np.arange(len(variables))
+    values = [[float(get(design, v.path)) for v in variables] for design in (tuned.problem.design, tuned.design)]
+    scaled = [[v.scaled(value) for v, value in zip(variables, each, strict=True)] for each in values]
+    axes.hlines(row, 0.0, 1.0, color=GREY, linewidth=0.6, zorder=1)
+    for (name, colour, marker), places in zip(POINTS, scaled, strict=True):
+        axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
+    for k, v in enumerate(variables):
+        symbol = unit(tuned.problem.design, v.path)
+        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=8)
+    axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=7)
+    axes.set_xlim(-0.03, 1.45)
+    axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
+    axes.set_ylim(len(row) - 0.5, -0.5)
+    label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "variable [-]", False)
 
 
 def _limits(axes: "Axes", tuned: "Tuned") -> None:
-    """The largest of each quantity over the scenarios, relative to before."""
+    """The largest of each quantity over the scenarios, in shares of its limit, or of what it was where it has none."""
+    problem = tuned.problem
     before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
-    names, catalogue = list(tuned.problem.quantities), tuned.problem.mechanism.quantities
-    share = 100.0 * (np.divide(after, before, out=np.ones_like(after), where=before != 0.0) - 1.0)
-    axes.barh(range(len(names)), share, color=[BLUE if x <= 0.0 else ORANGE for x in share])
-    axes.axvline(0.0, color="black", linewidth=0.6)
-    axes.set_yticks(
-        range(len(names)),
-        [f"{n}: {b:.3g} → {a:.3g} {catalogue[n].unit}" for n, b, a in zip(names, before, after, strict=True)],
-    )
-    axes.invert_yaxis()
-    label(axes, "Worst over the scenarios, before → after", "change [%]", "quantity [-]", False)
+    names, catalogue = list(problem.quantities), problem.mechanism.quantities
+    allowed = {**problem.mechanism.always, **problem.limits.at_most}
+    of = np.array([allowed.get(name, first) for name, first in zip(names, before, strict=True)])
+    row, texts = np.arange(len(names)), []
+    for (name, colour, marker), values in zip(POINTS, (before, after), strict=True):
+        share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
+        axes.plot(share, row, marker, color=colour, markersize=5, label=name)
+    for k, name in enumerate(names):
+        symbol, factor = catalogue[name].shown or (catalogue[name].unit, 1.0)
+        limit = f", limit {factor * allowed[name]:.4g}" if name in allowed else ""
+        texts.append(f"{catalogue[name].title}\n{factor * before[k]:.3g} → {factor * after[k]:.3g} {symbol}{limit}")
+        if name in allowed:
+            axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
+    axes.set_yticks(row, texts, fontsize=7)
+    axes.set_ylim(len(row) - 0.5, -0.5)
+    axes.set_xlim(left=0.0)
+    x = "share of the limit (red), or of the value before [%]"
+    label(axes, "Worst over the scenarios, before → after", x, "quantity [-]", False)
+
+
+def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
+    """Every design tried in a stage, and the best so far among those within all limits."""
+    records = [it for it in tuned.records if it["stage"] == stage]
+    kinds: list[tuple[str, str, str, Any]] = [
+        ("starts", ".", GREY, lambda it: it["status"] == "start" and it["feasible"]),
+        ("search", "o", COLOURS[2], lambda it: it["status"] != "start" and it["feasible"]),
+        ("infeasible", "x", RED, lambda it: not it["feasible"]),
+    ]
+    for name, marker, colour, chosen in kinds:
+        some = [it for it in records if chosen(it)]
+        if some:
+            x, y = [it["evaluation"] for it in some], [it["objective"] for it in some]
+            axes.plot(x, y, marker, color=colour, markersize=4, label=name)
+    best = np.minimum.accumulate([it["objective"] if it["feasible"] else np.inf for it in records])
+    known = np.isfinite(best)
+    if np.any(known):
+        x = np.array([it["evaluation"] for it in records])[known]
+        axes.step(x, best[known], where="post", color=BLUE, label="best so far")
+    _integer_axis(axes)
+    problem = tuned.problem
+    asked = problem.then.objective if stage and problem.then is not None else problem.objective
+    label(axes, f"Every design tried for: {asked}", "evaluation [-]", "objective [N]", columns=2)
 
 
 def _integer_axis(axes: "Axes") -> None:

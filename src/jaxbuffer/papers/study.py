@@ -1,10 +1,13 @@
 """What a paper's studies are: cases as data, their runs and rows of numbers, claims and how the rows answer them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 YES, PARTLY, NO = "borne out", "in part", "not borne out"
 Row = dict[str, str | float | int]
@@ -69,7 +72,7 @@ class Part(NamedTuple):
     """The studies of one mechanism.
 
     ``studies``; ``columns``: of a row after study and case, with units; ``shown`` of them in tables; ``row``: the
-    numbers of a case and its run; ``claims``; ``figure``: of a study, as PNG.
+    numbers of a case and its run; ``claims``; ``figure``: of a study.
     """
 
     studies: tuple[Study, ...]
@@ -77,7 +80,7 @@ class Part(NamedTuple):
     shown: tuple[str, ...]
     row: Callable[[Case, Any], Row]
     claims: tuple[Claim, ...]
-    figure: Callable[[Studied], bytes]
+    figure: Callable[[Studied], "Figure"]
 
 
 class Paper(NamedTuple):

@@ -21,8 +21,8 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     """The history at given times.
 
     Between two steps the state is the cubic that has the state and its rate at both (Hermite's), and forces are those
-    that the system exerts in that state. Its error falls with the fourth power of a step. A history without states, read
-    from a file say, is followed in straight lines.
+    that the system exerts in that state. Its error falls with the fourth power of a step. A history without states,
+    read from a file say, is followed in straight lines.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``times``: [s], those outside the run at its ends.
 

@@ -74,7 +74,8 @@ def closer(pin: Pin, touch: Touch) -> tuple[Detail, Callable[[Any], Float[np.nda
     hole = touch.carrier
     wall: Disc | Outline = Disc(hole, bush, filled=False, part="bush")
     if pin.by_components:
-        corners = [hole.x, hole.y] + np.vstack([box(-bush, bush, -bush, bush), [[-bush, -bush]]])
+        square = box(-bush, bush, -bush, bush)
+        corners = np.vstack([square, square[:1]]) + np.array([hole.x, hole.y])
         wall = Outline(hole.body, corners, filled=False, part="bush")
     journal = Disc(Spot(MAGNIFIED), bush - times * clearance, part="pin")
     title = f"{name} in its bush, play × {times:.3g}" if times > 1.0 else f"{name} in its bush"

@@ -5,39 +5,33 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
 from ...mechanisms.history import History
-from ...output.style import png
+from ...output.style import COLOURS, STYLE, panels
+from ...run.instants import at_times
 from ..study import Studied
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-STYLE: dict[Any, Any] = {
-    "axes.grid": True,
-    "grid.alpha": 0.3,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "font.size": 9,
-}
 FORCE, TIME = "contact force [N]", "time [s]"
+DENSE = 400  # instants of a first impact
 FIRST = 3.0  # of the longest first contact, on the time axis of impact forces
 
 
-def figure(studied: Studied) -> bytes:
-    """The study's figure as PNG."""
+def figure(studied: Studied) -> "Figure":
+    """The study's figure."""
     with matplotlib.rc_context(STYLE):
-        drawn = Figure(figsize=(9.0, 6.5), layout="constrained")
-        axes = drawn.subplots(2, 2).ravel()
+        drawn, grid = panels(9.0, 6.5, 2, 2)
+        axes = grid.ravel()
         _DRAW.get(studied.study.name, _captured)(studied, axes)
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
-        return png(drawn)
+        return drawn
 
 
 def _series(studied: Studied) -> list[tuple[str, History, Any]]:
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, len(studied.captures)))
-    made = zip(studied.study.cases, studied.captures, colours, strict=True)
+    made = zip(studied.study.cases, studied.captures, COLOURS, strict=False)
     return [(case.label, capture.history, colour) for case, capture, colour in made if capture.history is not None]
 
 
@@ -55,28 +49,33 @@ def _force(history: History) -> np.ndarray:
 def _captured(studied: Studied, axes: Any) -> None:
     """Distance sensor, forces of the first impact and of all, and the times over the varied number."""
     longest = max(float(row["first_contact"]) for row in studied.rows)
-    for label, history, colour in _series(studied):
+    for (label, history, colour), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
         axes[0].plot(time, 1e3 * np.asarray(history.throat_distance), color=colour, label=label)
-        early = time < FIRST * longest
-        axes[1].plot(1e3 * time[early], force[early], color=colour, label=label)
+        early = np.linspace(0.0, FIRST * longest, DENSE)
+        axes[1].plot(1e3 * early, _force(at_times(capture, early)), color=colour, label=label)
         axes[2].plot(time, force, color=colour, linewidth=0.8)
     _label(axes[0], TIME, "distance sensor [mm]", legend=True)
     _label(axes[1], "time [ms]", f"{FORCE}, first impact")
     _label(axes[2], TIME, FORCE)
     numbers = [row for row in studied.rows if row["outcome"] == "captured"]
-    for name, mark in (("capture_time", "o-"), ("contact_time", "s--")):
-        at = [float(row["value"]) for row in numbers]
-        axes[3].plot(at, [float(row[name]) for row in numbers], mark, label=name.replace("_", " "))
-    _label(axes[3], studied.study.varied, "time [s]", legend=True)
+    named = "[" not in studied.study.varied  # "tip": its values are words
+    places = [row["case"] if named else float(row["value"]) for row in numbers]
+    for name, mark in (("capture_time", "o"), ("contact_time", "s")):
+        dashes = {"linestyle": "none"} if named else {}
+        axes[3].plot(places, [float(row[name]) for row in numbers], marker=mark, label=name.replace("_", " "), **dashes)
+    if named:
+        axes[3].set_xlim(-0.5, len(places) - 0.5)
+        axes[3].set_ylim(bottom=0.0)
+    _label(axes[3], f"{studied.study.varied} [-]" if named else studied.study.varied, "time [s]", legend=True)
 
 
 def _rigid(studied: Studied, axes: Any) -> None:
     """First impacts together and apart, whole captures, distance."""
-    for label, history, colour in _series(studied):
+    for (label, history, colour), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
-        early = time < 3e-3
-        axes[0].plot(1e3 * time[early], force[early], color=colour, label=label)
+        early = np.linspace(0.0, 3e-3, DENSE)
+        axes[0].plot(1e3 * early, _force(at_times(capture, early)), color=colour, label=label)
         axes[1].semilogy(time, np.maximum(force, 1e-1), color=colour, label=label, linewidth=0.8)
         axes[2].plot(time, 1e3 * np.asarray(history.throat_distance), color=colour, label=label)
         axes[3].plot(time, 1e3 * np.asarray(history.stroke), color=colour, label=label)

@@ -1,20 +1,23 @@
 """A figure a study of the dropped bar: force, displacement and speed of the bar's end, and detailed views."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
 
-from ...output.style import COLOURS, STYLE, label, panels, png
+from ...output.style import COLOURS, STYLE, label, panels
 from ..study import Studied
 from .bar_rows import STEPS, WINDOW, seen_by
 
 EARLY = 60e-6  # s from the first contact: the first peak
 FORCE, SINCE = "contact force [N]", "time from the first contact [ms]"
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def figure(studied: Studied) -> bytes:
-    """The study's figure as PNG."""
+
+def figure(studied: Studied) -> "Figure":
+    """The study's figure."""
     with matplotlib.rc_context(STYLE):
         drawn, grid = panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
@@ -32,7 +35,7 @@ def figure(studied: Studied) -> bytes:
             label(axes, title, x, y)
         _steps(grid[2, 1], studied)
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
-        return png(drawn)
+        return drawn
 
 
 def _whole(grid: Any, name: str, colour: str, run: Any) -> None:

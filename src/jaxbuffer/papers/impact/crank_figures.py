@@ -1,12 +1,12 @@
 """A figure a study of the slider-crank: the drive's torque, the force by components, the pin's path, the rod."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
 
 from ...mechanisms.slider_crank import journal_path
-from ...output.style import COLOURS, STYLE, label, panels, png
+from ...output.style import COLOURS, STYLE, label, panels
 from ..study import Studied
 from .crank_rows import STARTED, components, torque_of
 
@@ -14,9 +14,12 @@ START = 4.0  # times what the torque takes to a tenth: the view of the start
 DETAIL = 0.1  # s: the first impacts
 TIME = "time [s]"
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def figure(studied: Studied) -> bytes:
-    """The study's figure as PNG."""
+
+def figure(studied: Studied) -> "Figure":
+    """The study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
     with matplotlib.rc_context(STYLE):
         drawn, grid = panels(10.0, 9.0, 3, 2)
@@ -40,7 +43,7 @@ def figure(studied: Studied) -> bytes:
         grid[2, 0].plot(corners[[0, 1, 1, 0, 0]], corners[[0, 0, 1, 1, 0]], "k:", linewidth=0.8)
         grid[2, 0].set_aspect("equal")
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
-        return png(drawn)
+        return drawn
 
 
 def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:

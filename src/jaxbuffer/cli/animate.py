@@ -1,0 +1,55 @@
+"""`jaxbuffer animate`: a run of the mechanism as an animation."""
+
+from typing import Annotated
+
+import typer
+
+from ..errors import InputError
+from .exits import OK, fail
+from .request import Request
+
+Format = Annotated[str, typer.Option("--format", metavar="gif|mp4", help="gif (default), or mp4 where ffmpeg is.")]
+ScenarioNumber = Annotated[
+    str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
+]
+
+
+def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Format = "gif") -> int:
+    """Simulate one run and draw it moving, in scale, with its contact forces as arrows.
+
+    Time runs evenly, and slower around the three largest impacts; a clock says the time and how much slower.
+
+    \b
+    Files in DIR:
+      motion.gif or motion.mp4
+
+    \b
+    Example: jaxbuffer animate --scenario.misalignment 0.05 --output results
+    """
+    study = request.one_scenario(scenario_number)
+    if request.output is None:
+        raise InputError("animate needs --output DIR, the folder for its file")
+    from ..output.animation import animation, check_format, frames_of
+    from ..run.simulate import simulate as compute
+    from .progress import sweeping, working
+
+    check_format(kind)
+    name, options = f"motion.{kind}", study.options
+    files = request.files(name)
+    run = working(
+        "simulating",
+        lambda: compute(
+            study.design,
+            study.scenario,
+            options.duration,
+            solver=options.stepper(),
+            rtol=options.rtol,
+            history=True,
+        ),
+    )
+    if run.outcome.failed:
+        return fail(run.outcome.reason)
+    count = len(frames_of(run).times)
+    film = sweeping(count, lambda report: animation(run, kind, report), "drawing", "frames")
+    files.save_and_show(lambda: {name: lambda: film}, run)
+    return OK
