@@ -58,19 +58,38 @@ def test_tune_figure():
     axes = labelled(figure)
     assert list(axes) == [
         "Peak contact force",
-        "Objective of every design tried",
-        "Accepted designs, and the result (◆)",
+        "Variables between their bounds, before → after",
         "Worst over the scenarios, before → after",
+        "Every design tried for: peak_force, worst over the cases",
     ]
-    labels = [text.get_text() for text in axes["Peak contact force"].get_legend().get_texts()]
-    assert labels == ["before", "after", "floor: first impact, no buffer"]
-    objective = axes["Objective of every design tried"]
-    assert [text.get_text() for text in objective.get_legend().get_texts()] == ["starts", "search 1", "infeasible"]
-    for line in axes["Accepted designs, and the result (◆)"].lines:
-        assert 0.0 <= line.get_ydata().min() <= line.get_ydata().max() <= 1.0
+    peaks = axes["Peak contact force"]
+    names = [text.get_text() for text in peaks.get_legend().get_texts()]
+    assert names == ["before", "after", "floor: first impact, no buffer"]
+    named = [text.get_text() for text in peaks.get_yticklabels()]
+    assert named == ["0.1 m/s, 0°", "0.15 m/s, 0°", "0.2 m/s, 0°", "0.25 m/s, 0°"]
+    objective = axes["Every design tried for: peak_force, worst over the cases"]
+    labels = [text.get_text() for text in objective.get_legend().get_texts()]
+    assert labels == ["starts", "search", "infeasible", "best so far"]
+    assert np.all(np.diff(objective.lines[-1].get_ydata()) <= 0.0), "the best so far"
     ticks = [text.get_text() for text in axes["Worst over the scenarios, before → after"].get_yticklabels()]
-    assert ticks[0] == "peak_force: 400 → 320 N"
+    assert ticks[0] == "peak contact force: 400 → 320 N"
+    assert any(text.endswith("limit 25") for text in ticks), "the stroke's"
     assert png(figure).startswith(b"\x89PNG")
+
+
+def test_tune_figure_with_the_worst_scenario_over_time():
+    tuned = made_up_tuning(Config().problem())
+    figure = tune_figure(tuned, [made_up_capture(peak=400.0), made_up_capture(peak=320.0)])
+    force = figure.axes[1]
+    assert force.get_title(loc="left") == "Force in the worst scenario, 0.1 m/s, 0°"
+    names = [text.get_text() for text in force.get_legend().get_texts()]
+    assert names == ["before, at most 400 N", "after, at most 320 N"]
+
+
+def test_time_axes_end_soon_after_the_last_contact():
+    figure = run_figure(made_up_capture(at=0.002))
+    assert "nothing touches from there to 0.04 s" in figure.get_suptitle()
+    assert figure.axes[0].get_xlim()[1] < 0.005
 
 
 def test_settings_of_matplotlib_stay_as_they_were():

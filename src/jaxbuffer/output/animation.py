@@ -41,7 +41,8 @@ def frames_of(run: Run) -> Frames:
     """Evenly spaced times, and many more around each of the run's largest impacts."""
     assert run.history is not None
     end = float(np.asarray(run.history.time)[-1])
-    even, slow = end / EVEN, []
+    even = end / EVEN
+    slow: list[tuple[float, float]] = []
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
         room = ROOM * (pulse.end - pulse.start)
         window = max(pulse.start - room, 0.0), min(pulse.end + room, end)
@@ -109,7 +110,7 @@ def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: 
 
 
 def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
-    """With 64 colours, which drawings need no more of."""
+    """Frame by frame, with 256 colours each."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from PIL import Image
 
@@ -119,7 +120,7 @@ def _gif(stage: "Stage", frames: Frames, report: Report) -> bytes:
         stage.show(k, slower)
         canvas.draw()
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-        film.append(picture.quantize(64, dither=Image.Dither.NONE))
+        film.append(picture.quantize(dither=Image.Dither.NONE))
         report(k + 1, len(frames.times))
     content, shown = io.BytesIO(), [1000 // RATE] * (len(film) - 1) + [1000 * STILL // RATE]  # ms
     film[0].save(content, "GIF", save_all=True, append_images=film[1:], duration=shown, loop=0, optimize=True)
@@ -169,7 +170,7 @@ class Stage:
         self.whole.clear()
         whole(self.whole, self.at, k)
         end = float(np.asarray(self.at.run.history.time)[-1])  # type: ignore[union-attr]
-        self.whole.set_title(f"{clock(self.at.times[k], end)}, {speed_in_words(slower)}", family="monospace")
+        self.whole.set_title(f"{clock(self.at.times[k], end, 2)}, {speed_in_words(slower)}", family="monospace")
         if self.detail is not None:
             self.detail.clear()
             closer(self.detail, self.at, k)

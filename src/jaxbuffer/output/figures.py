@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
-BEYOND, WORTH = 1.2, 0.7  # of the last contact's time; a longer run's time axes end there
+BEYOND, WORTH = 1.2, 0.4  # of the last contact's time; a longer run's time axes end there
 
 
 @styled

@@ -70,9 +70,11 @@ def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
     ['0.0000 s, no contact', '0.1000 s, no contact', '0.2114 s, 1831 N']
     """
     check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
+    if run.history is None:
+        raise InputError("this run has no history to draw; simulate it with history=True")
     if times is not None:
-        if run.history is None or not len(times):
-            raise InputError("jb.draw needs one time [s] at least, and a run simulated with history=True")
+        if not len(times):
+            raise InputError("times is empty; give one time [s] at least, or none at all for telling ones")
         end = float(np.asarray(run.history.time)[-1])
         for time in times:
             if not 0.0 <= float(time) <= end * (1.0 + 1e-12):
@@ -127,9 +129,9 @@ def newtons(force: float, peak: float) -> str:
     return f"{force:.4g} N" if peak < 1e4 else f"{1e-3 * force:.4g} kN"
 
 
-def clock(time: float, end: float) -> str:
-    """A time of a run that lasts until ``end`` [s], in words: "0.4881 s", "0.251 ms"."""
-    return f"{time:.4f} s" if end > 0.1 else f"{1e3 * time:.3f} ms"
+def clock(time: float, end: float, more: int = 0) -> str:
+    """A time of a run that lasts until ``end`` [s], in words: "0.4881 s", "0.251 ms"; with so many ``more`` digits."""
+    return f"{time:.{4 + more}f} s" if end > 0.1 else f"{1e3 * time:.{3 + more}f} ms"
 
 
 def whole(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:

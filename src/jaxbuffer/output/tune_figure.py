@@ -33,11 +33,13 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    count = len(draws) + bool(worst)
-    high = max(2.3 * count, ROW * len(problem.cases) + 2.0)
-    figure = Figure(figsize=(12.0, high + 0.6), layout="constrained")
-    grid = figure.add_gridspec(count, 2)
-    _cases(figure.add_subplot(grid[:, 0]), tuned)
+    heights = [0.4 * len(problem.variables) + 0.9, 0.25 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
+    heights = [2.3, *heights] if worst else heights
+    high = max(sum(heights), ROW * len(problem.cases) + 2.0)
+    figure = Figure(figsize=(13.0, high + 0.6), layout="constrained")
+    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
+    few = ROW * len(problem.cases) + 2.0 < 0.5 * high
+    _cases(figure.add_subplot(grid[:2, 0] if few else grid[:, 0]), tuned)
     if worst:
         _force(figure.add_subplot(grid[0, 1]), tuned, worst)
     for row, draw in enumerate(draws, start=int(bool(worst))):
@@ -57,7 +59,7 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     problem, floor = tuned.problem, tuned.floor
     row = np.arange(len(problem.cases))
     peaks = [point.quantities[:, PEAK] for point in (tuned.before, tuned.after)]
-    axes.hlines(row, *peaks, color=GREY, linewidth=1.0, zorder=1)
+    axes.hlines(row, peaks[0], peaks[1], color=GREY, linewidth=1.0, zorder=1)
     for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
         met = point.succeeded
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
@@ -73,8 +75,7 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
     label(axes, "Peak contact force", "peak force [N]", "scenario [-]", legend=False)
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.02), ncols=2)
-    axes.set_title("Peak contact force", pad=34)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.6 / (ROW * len(row) + 2.0)), ncols=3)
 
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
@@ -115,7 +116,9 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     """The largest of each quantity over the scenarios, in shares of its limit, or of what it was where it has none."""
     problem = tuned.problem
     before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
-    names, catalogue = list(problem.quantities), problem.mechanism.quantities
+    chosen, catalogue = _shown(tuned), problem.mechanism.quantities
+    names = [problem.quantities[k] for k in chosen]
+    before, after = before[chosen], after[chosen]
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
     of = np.array([allowed.get(name, first) for name, first in zip(names, before, strict=True)])
     row, texts = np.arange(len(names)), []
@@ -125,7 +128,8 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     for k, name in enumerate(names):
         symbol, factor = catalogue[name].shown or (catalogue[name].unit, 1.0)
         limit = f", limit {factor * allowed[name]:.4g}" if name in allowed else ""
-        texts.append(f"{catalogue[name].title}\n{factor * before[k]:.3g} → {factor * after[k]:.3g} {symbol}{limit}")
+        change = f"{factor * before[k]:.4g} → {factor * after[k]:.4g}{'' if symbol == '-' else f' {symbol}'}"
+        texts.append(f"{catalogue[name].title}: {change}{limit}")
         if name in allowed:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
     axes.set_yticks(row, texts, fontsize=7)
@@ -133,6 +137,14 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     axes.set_xlim(left=0.0)
     x = "share of the limit (red), or of the value before [%]"
     label(axes, "Worst over the scenarios, before → after", x, "quantity [-]", False)
+
+
+def _shown(tuned: "Tuned") -> list[int]:
+    """The quantities that are limited, or not zero throughout."""
+    problem = tuned.problem
+    allowed = {**problem.mechanism.always, **problem.limits.at_most}
+    largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
+    return [k for k, name in enumerate(problem.quantities) if name in allowed or largest[k] != 0.0]
 
 
 def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
@@ -151,8 +163,8 @@ def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
     best = np.minimum.accumulate([it["objective"] if it["feasible"] else np.inf for it in records])
     known = np.isfinite(best)
     if np.any(known):
-        x = np.array([it["evaluation"] for it in records])[known]
-        axes.step(x, best[known], where="post", color=BLUE, label="best so far")
+        numbers = np.array([it["evaluation"] for it in records])
+        axes.step(numbers[known], best[known], where="post", color=BLUE, label="best so far")
     _integer_axis(axes)
     problem = tuned.problem
     asked = problem.then.objective if stage and problem.then is not None else problem.objective
