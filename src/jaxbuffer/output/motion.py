@@ -173,9 +173,9 @@ def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
         if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * end for other in peaks):
             peaks.append(pulse.peak)
-    chosen = [0.0, *peaks, end]
-    for time in np.linspace(0.0, end, count + 1):
-        if len(chosen) < count and min(abs(time - other) for other in chosen) > APART * end:
+    chosen = list(peaks)
+    for time in [0.0, end, *np.linspace(0.0, end, count + 1)]:
+        if len(chosen) < count and all(abs(time - other) > APART * end for other in chosen):
             chosen.append(float(time))
     return np.sort(chosen)
 

@@ -20,9 +20,9 @@ BLOCK = 512  # instants looked at together
 def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     """The history at given times.
 
-    Between two steps the state is the cubic that has the state and its rate at both (Hermite's), and forces are those
-    that the system exerts in that state. Its error falls with the fourth power of a step. A history without states,
-    read from a file say, is followed in straight lines.
+    Between two steps the state is the polynomial that has the same state and rate at both (Hermite's cubic; positions
+    the same accelerations too, a quintic), and forces are those that the system exerts in that state. A history without
+    states, read from a file say, is followed in straight lines.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``times``: [s], those outside the run at its ends.
 
@@ -80,6 +80,23 @@ def _instants(
         first, last = system.derivative(start, before, closed), system.derivative(end, after, closed)
         value = rest * rest * (1.0 + 2.0 * share) * before + share * share * (3.0 - 2.0 * share) * after
         rate = rest * rest * share * first - share * share * rest * last
-        return seen_at(system, time, closed, value + length * rate)
+        state = value + length * rate
+        # positions take their accelerations at both steps too: the quintic that has these as well
+        n = system.coordinates
+        curved = _quintic(
+            share, length, *((y[:n], dy[:n], dy[n : 2 * n]) for y, dy in ((before, first), (after, last)))
+        )
+        return seen_at(system, time, closed, jnp.concatenate([curved, state[n:]]))
 
     return jax.vmap(at)(start, end, time, closed, before, after)
+
+
+def _quintic(share: Array, length: Array, start: tuple[Array, ...], end: tuple[Array, ...]) -> Array:
+    """Hermite's quintic at a ``share`` of a step's ``length``, from values, rates and their rates at both ends."""
+    rest = 1.0 - share
+    found = jnp.zeros_like(start[0])
+    for here, there, sign, (value, rate, bend) in ((share, rest, 1.0, start), (rest, share, -1.0, end)):
+        weights = 1.0 + 3.0 * here + 6.0 * here**2, here * (1.0 + 3.0 * here), 0.5 * here**2
+        terms = value * weights[0] + sign * length * rate * weights[1] + length**2 * bend * weights[2]
+        found = found + there**3 * terms
+    return found
