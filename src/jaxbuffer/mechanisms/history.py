@@ -14,8 +14,9 @@ class History(eqx.Module):
     ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad] and ``velocity``; ``multipliers`` of the
     joints' rows [N, N m]; for each contact of the mechanism that has impacts ``gap`` [m], ``approach_speed`` and
     ``slip`` [m/s], ``contact_force`` F_n and ``friction_force`` F_t [N]; ``others``: the mechanism's own by name, each
-    an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. Inside `jit` the arrays have their full
-    capacity, the last state repeated.
+    an attribute too (units: `Mechanism.history_units`); ``energy`` [J]. ``state`` of the time stepping and the contacts
+    that are ``closed`` from then on (1, else 0): what instants between the steps are found from (`run.instants`); None
+    if they were not kept. Inside `jit` the arrays have their full capacity, the last state repeated.
 
     Derivatives are those at fixed times, so ``time`` has none, though the steps lie elsewhere for other parameters.
     """
@@ -31,6 +32,8 @@ class History(eqx.Module):
     friction_force: Float[Array, "steps contacts"]
     others: dict[str, Float[Array, " steps"]]
     energy: Energy
+    state: Float[Array, "steps state"] | None = None
+    closed: Float[Array, "steps all_contacts"] | None = None
 
     def __getattr__(self, name: str) -> Any:
         found = object.__getattribute__(self, "others")

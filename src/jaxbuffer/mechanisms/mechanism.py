@@ -8,6 +8,7 @@ from jaxtyping import Array, Bool
 
 from ..errors import InputError
 from ..fields import Part, all_of, paths, unit
+from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
 from .picture import Panel
 from .quantity import Catalogue
@@ -101,8 +102,9 @@ class Mechanism:
       cannot be known, so that the command line tells how many of them are (`jb.horizon`);
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
-      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``record``: tables of
-      numbers that a run's record has besides, by name; ``notes``: lines below a table of a run's sensitivities;
+      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``drawing``: what a
+      design looks like, from it and its bodies' names; ``record``: tables of numbers that a run's record has besides,
+      by name; ``notes``: lines below a table of a run's sensitivities;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
       peak forces [N] and penetrations [m];
     - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
@@ -132,6 +134,7 @@ class Mechanism:
     validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
     notes: Callable[[Any], list[str]] = lambda run: []
     panels: Callable[[Any], list[Panel]] = lambda run: []
+    drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
     names: Callable[[Any], Names] = lambda design: Names()
     contact: str = "contact"

@@ -13,6 +13,7 @@ from ..summary import plain_summary
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits, told
 from .design import BarDrop, BarDropScenario, check_fit, valid
+from .drawing import drawing
 from .quantities import QUANTITIES
 from .run import BarDropRun, dropped
 from .system import bar_drop
@@ -118,6 +119,7 @@ BAR_DROP = register(
         summary=summary,
         record=record,
         panels=panels,
+        drawing=drawing,
         names=names,
         contact="plate",
         defaults=Defaults(

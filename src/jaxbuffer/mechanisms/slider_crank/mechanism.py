@@ -3,6 +3,7 @@
 from ..mechanism import Defaults, Mechanism, Names
 from ..registry import register
 from .design import SliderCrank, SliderCrankScenario, check_fit, valid
+from .drawing import drawing
 from .picture import panels
 from .quantities import QUANTITIES
 from .summary import label, summary, validity, warnings
@@ -42,6 +43,7 @@ SLIDER_CRANK = register(
         warnings=warnings,
         validity=validity,
         panels=panels,
+        drawing=drawing,
         names=names,
         contact="pin",
         chaotic=True,

@@ -1,0 +1,167 @@
+"""What a mechanism looks like, as data: shapes on its bodies, springs between them, and where contact forces act."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from ..contact import Shape
+from ..fields import Part
+
+GROUND = -1  # the body that does not move
+
+Frames = Float[np.ndarray, "bodies 3"]  # [x, y, angle] of each [m, m, rad]
+Points = Float[np.ndarray, "points 2"]
+
+
+class Spot(NamedTuple):
+    """A point of a body (or of `GROUND`), in the body's axes [m]."""
+
+    body: int
+    x: float = 0.0
+    y: float = 0.0
+
+    def at(self, frames: Frames) -> Float[np.ndarray, "2"]:
+        """Where it is in inertial axes [m]."""
+        return placed(np.array([[self.x, self.y]]), self.body, frames)[0]
+
+
+class Outline(NamedTuple):
+    """Corners (points, 2) [m] on a body, in the body's axes.
+
+    ``filled``: a polygon, or else a line through the corners, ``dashed`` for what is no material; ``part``: what the
+    legend calls it, "" for what belongs to the part before.
+    """
+
+    body: int
+    corners: Points
+    filled: bool = True
+    part: str = ""
+    dashed: bool = False
+
+
+class Disc(NamedTuple):
+    """A disc of a ``radius`` [m] about a spot; ``filled``, or else its rim only; ``part``: as of `Outline`."""
+
+    centre: Spot
+    radius: float
+    filled: bool = True
+    part: str = ""
+
+
+class Rod(NamedTuple):
+    """A bar between two spots, ``width`` [m] wide; ``part``: as of `Outline`."""
+
+    first: Spot
+    second: Spot
+    width: float
+    part: str = ""
+
+
+class Spring(NamedTuple):
+    """A spring between two spots, ``width`` [m] across its turns; ``part``: as of `Outline`."""
+
+    first: Spot
+    second: Spot
+    width: float
+    part: str = ""
+
+
+class Coil(NamedTuple):
+    """A spiral spring of a ``radius`` [m] about a spot, which turns with its body; ``part``: as of `Outline`."""
+
+    centre: Spot
+    radius: float
+    part: str = ""
+
+
+class Named(NamedTuple):
+    """A point with a name, "hinge" say."""
+
+    spot: Spot
+    name: str
+
+
+class Touch(NamedTuple):
+    """Where a contact's force acts: a ball about ``ball`` against a shape about ``carrier``; ``side`` of a segment:
+    +1 where its front is to the right of its direction, else -1."""
+
+    ball: Spot
+    carrier: Spot
+    shape: Shape
+    side: float
+
+    def at(self, frames: Frames) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
+        """The point of contact [m], and the unit normal and tangent there, along which the forces on the ball act."""
+        angle = _angle(self.carrier.body, frames)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        origin = self.carrier.at(frames)
+        x, y = turn.T @ (self.ball.at(frames) - origin)
+        foot = [float(np.ravel(part)[0]) for part in self.shape.foot(float(x), float(y), self.side)]
+        normal = turn @ np.array(foot[2:4])
+        return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
+
+
+class Detail(NamedTuple):
+    """A closer look: ``title``; ``centre`` and ``half`` the width of what is seen [m].
+
+    ``shapes``: drawn instead of the whole mechanism's, if any; ``true``: whether all is in scale.
+    """
+
+    title: str
+    centre: Spot
+    half: float
+    shapes: tuple[Any, ...] = ()
+    true: bool = True
+
+
+def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:
+    """The bodies' frames over a history: all that a plain drawing needs."""
+    return np.asarray(history.position)
+
+
+class Drawing(NamedTuple):
+    """A mechanism's picture.
+
+    - ``shapes``: `Outline`, `Disc`, `Rod`, `Spring` and `Coil`, from the back to the front.
+    - ``touches``: one for each contact that has impacts, in their order.
+    - ``names``: points worth a name.
+    - ``detail``: a closer look at the contact.
+    - ``frames``: from a history to the frames (steps, bodies, [x, y, angle]) that the shapes are fixed to: the bodies'
+      own, and behind them any others, of the end of a bending rod say.
+    """
+
+    shapes: tuple[Any, ...]
+    touches: tuple[Touch, ...] = ()
+    names: tuple[Named, ...] = ()
+    detail: Detail | None = None
+    frames: Callable[[Any], Float[np.ndarray, "steps frames 3"]] = as_they_are
+
+
+def plain_drawing(design: Part, bodies: tuple[str, ...] = ()) -> Drawing:
+    """A cross at every body's origin: 1 cm wide, or up to the axes where a body is not named."""
+    arm = 5e-3  # m
+    crosses = []
+    for number, name in enumerate(bodies):
+        for part, corners in ((name, [[-arm, 0.0], [arm, 0.0]]), ("", [[0.0, -arm], [0.0, arm]])):
+            crosses.append(Outline(number, np.array(corners), filled=False, part=part))
+    return Drawing(tuple(crosses))
+
+
+def placed(points: Points, body: int, frames: Frames) -> Points:
+    """Points of a body's axes in inertial axes [m]."""
+    if body == GROUND:
+        return points
+    x, y, angle = frames[body]
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([x + cos * points[:, 0] - sin * points[:, 1], y + sin * points[:, 0] + cos * points[:, 1]], axis=1)
+
+
+def box(left: float, right: float, bottom: float, top: float) -> Points:
+    """The corners of a rectangle [m]."""
+    return np.array([[left, bottom], [right, bottom], [right, top], [left, top]])
+
+
+def _angle(body: int, frames: Frames) -> float:
+    return 0.0 if body == GROUND else float(frames[body][2])

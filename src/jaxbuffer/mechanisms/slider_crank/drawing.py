@@ -1,0 +1,93 @@
+"""What the slider-crank looks like, with the play in a pin drawn larger than it is beside it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ...contact import Hole
+from ..drawing import GROUND, Detail, Disc, Drawing, Named, Outline, Rod, Spot, Touch, as_they_are, box
+from .design import SliderCrank
+from .pins import Pin
+from .system import CRANK, ROD, SLIDER, flanks
+
+MAGNIFIED = 3  # the frame behind those of the bodies: the pin's with its play drawn larger
+PLAY = 0.25  # of the bush's radius: how large it is drawn
+EYE = 1.7  # radius of the rod's ends, in radii of their bush; assumed, like the widths below
+
+
+def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
+    """Crank, rod, slider and its guide, in the design's lengths; in the detail the first pin that has play."""
+    crank, rod = design.crank, design.rod
+    length, throw, off = float(rod.length), float(crank.length), float(crank.unbalance / crank.mass)
+    front, rear = Spot(ROD, float(1.0 - rod.centre) * length), Spot(ROD, -float(rod.centre) * length)
+    at_crank, small, large = Spot(CRANK, throw - off), *(float(pin.bush_radius) for pin in _pins(design))
+    wide, tall = 2.6 * small, 2.2 * small
+    near, far = length - throw - 1.2 * wide, length + throw + 1.2 * wide
+    shapes = (
+        Outline(GROUND, np.array([[near, -tall], [far, -tall]]), False, "guide"),
+        Outline(GROUND, np.array([[near, tall], [far, tall]]), False),
+        Outline(SLIDER, box(-wide, wide, -tall, tall), part="slider"),
+        Rod(Spot(CRANK, -off), at_crank, 1.2 * large, "crank"),
+        Disc(Spot(GROUND), 1.2 * large),
+        Rod(rear, front, float(rod.depth) if rod.depth is not None else small, "rod"),
+        Disc(front, EYE * small),
+        Disc(rear, EYE * large),
+        Disc(Spot(SLIDER), float(design.piston_pin.radius), part="pins"),
+        Disc(at_crank, float(design.crank_pin.radius)),
+    )
+    touches = (*_piston_touches(design, front), *_crank_touches(design, at_crank, rear))
+    names = (Named(Spot(GROUND), "shaft"), Named(at_crank, "crank pin"), Named(Spot(SLIDER), "piston pin"))
+    if not touches:
+        return Drawing(shapes, names=names)
+    played = next(pin for pin in _pins(design) if pin.joint == "clearance")
+    detail, frames = closer(played, touches[0])
+    return Drawing(shapes, touches, names, detail, frames)
+
+
+def _pins(design: SliderCrank) -> tuple[Pin, Pin]:
+    return design.piston_pin, design.crank_pin
+
+
+def _piston_touches(design: SliderCrank, front: Spot) -> tuple[Touch, ...]:
+    pin = design.piston_pin
+    if pin.joint != "clearance":
+        return ()
+    if pin.by_components:
+        return tuple(Touch(front, Spot(SLIDER), flank, -1.0) for flank in flanks(float(pin.bush_radius)))
+    return (Touch(Spot(SLIDER), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0),)
+
+
+def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:
+    pin = design.crank_pin
+    hole = Hole(0.0, 0.0, float(pin.bush_radius))
+    return (Touch(at_crank, rear, hole, 1.0),) if pin.joint == "clearance" else ()
+
+
+def closer(pin: Pin, touch: Touch) -> tuple[Detail, Callable[[Any], Float[np.ndarray, "steps frames 3"]]]:
+    """A pin in its bush with the play drawn larger, and the frames for it: the pin's centre is as many times farther
+    from the bush's as the play is larger."""
+    bush, clearance = float(pin.bush_radius), float(pin.clearance)
+    times = max(PLAY * bush / clearance, 1.0)
+    name = pin.section.replace("_", " ")
+    hole = touch.carrier
+    wall: Disc | Outline = Disc(hole, bush, filled=False, part="bush")
+    if pin.by_components:
+        corners = [hole.x, hole.y] + np.vstack([box(-bush, bush, -bush, bush), [[-bush, -bush]]])
+        wall = Outline(hole.body, corners, filled=False, part="bush")
+    journal = Disc(Spot(MAGNIFIED), bush - times * clearance, part="pin")
+    title = f"{name} in its bush, play × {times:.3g}" if times > 1.0 else f"{name} in its bush"
+
+    def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
+        found = as_they_are(history)
+        pin_at, bush_at = (_track(spot, found) for spot in (touch.ball, touch.carrier))
+        larger = np.column_stack([bush_at + times * (pin_at - bush_at), found[:, touch.ball.body, 2]])
+        return np.concatenate([found, larger[:, None]], axis=1)
+
+    return Detail(title, hole, 1.6 * bush, (wall, journal), true=False), frames
+
+
+def _track(spot: Spot, frames: Float[np.ndarray, "steps bodies 3"]) -> Float[np.ndarray, "steps 2"]:
+    """Where a spot is at every step [m]."""
+    return np.array([spot.at(each) for each in frames])

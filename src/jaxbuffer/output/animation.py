@@ -1,0 +1,193 @@
+"""A run as an animation: slow motion around the largest impacts, evenly in between."""
+
+import io
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, check_choice, check_type
+from ..files import write
+from ..mechanisms.run import Run
+from ..run.instants import at_times
+from .motion import Scene, clock, closer, said, scene, whole
+from .pulses import pulses
+from .style import COLOURS, GREY, RED, STYLE, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FORMATS = ("gif", "mp4")
+RATE = 20  # frames a second
+EVEN, SLOW = 110, 30  # frames in between, and of each impact in slow motion
+IMPACTS = 3  # how many of them
+ROOM = 0.5  # of an impact's duration, before and after it
+STILL = 10  # frames at the end
+DOTS_PER_INCH = 90
+Report = Callable[[int, int], None]
+
+
+class Frames(NamedTuple):
+    """The ``times`` of an animation's frames [s], and how many times ``slower`` than in truth each is shown [-]."""
+
+    times: Float[np.ndarray, " frames"]
+    slower: Float[np.ndarray, " frames"]
+
+
+def frames_of(run: Run) -> Frames:
+    """Evenly spaced times, and many more around each of the run's largest impacts."""
+    assert run.history is not None
+    end = float(np.asarray(run.history.time)[-1])
+    even, slow = end / EVEN, []
+    for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
+        room = ROOM * (pulse.end - pulse.start)
+        window = max(pulse.start - room, 0.0), min(pulse.end + room, end)
+        apart = all(window[1] < other[0] or window[0] > other[1] for other in slow)
+        if len(slow) < IMPACTS and apart and 0.0 < window[1] - window[0] < 0.5 * SLOW * even:
+            slow.append(window)
+    times, steps, at = [], [], 0.0
+    for start, stop in [*sorted(slow), (end, end)]:
+        for first, last, step in ((at, start, even), (start, stop, (stop - start) / SLOW)):
+            part = np.arange(first, last, step) if last > first else np.zeros(0)
+            times.append(part)
+            steps.append(np.full(len(part), step))
+        at = stop
+    return Frames(np.append(np.concatenate(times), end), RATE * np.append(np.concatenate(steps), even))
+
+
+def animate(run: Run, path: str | Path) -> Path:
+    """Write a run's animation: the mechanism in scale, contact forces as arrows, slow motion around the impacts.
+
+    **Arguments:**
+
+    - ``run``: one simulated with ``history=True``.
+    - ``path``: of the file; its ending says the format, ".gif" or, where ffmpeg is installed, ".mp4".
+
+    **Returns:** the path.
+
+    **Raises:** `InputError` for a run without a history, another ending, and for ".mp4" without ffmpeg.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(), history=True)
+    >>> jb.animate(run, "drop.gif")  # doctest: +SKIP
+    PosixPath('drop.gif')
+    """
+    path = Path(path)
+    write(path, animation(run, path.suffix.removeprefix(".")))
+    return path
+
+
+def check_format(kind: str) -> None:
+    """Raise `InputError` for a format that cannot be written here."""
+    require_matplotlib()
+    from matplotlib.animation import FFMpegWriter
+
+    check_choice("format", kind, FORMATS)
+    if kind == "mp4" and not FFMpegWriter.isAvailable():
+        raise InputError("format = 'mp4' needs ffmpeg, which is not installed; take 'gif'")
+
+
+def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: None) -> bytes:
+    """The content of an animation's file.
+
+    **Arguments:** ``kind``: "gif" or "mp4"; ``report``: called with the frames done and all of them.
+    """
+    check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
+    check_format(kind)
+    if run.history is None:
+        raise InputError("this run has no history to draw; simulate it with history=True")
+    import matplotlib
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    frames = frames_of(run)
+    at, count = scene(run, frames.times), len(frames.times)
+    writer = PillowWriter(RATE) if kind == "gif" else FFMpegWriter(RATE)
+    with matplotlib.rc_context(STYLE), tempfile.TemporaryDirectory() as folder:
+        stage, file = Stage(at), Path(folder) / f"motion.{kind}"
+        with writer.saving(stage.figure, str(file), DOTS_PER_INCH):
+            for k in range(count):
+                stage.show(k, frames.slower[k])
+                for _ in range(STILL if k == count - 1 else 1):
+                    writer.grab_frame()
+                report(k + 1, count)
+        content = file.read_bytes()
+    return fewer_colours(content) if kind == "gif" else content
+
+
+class Stage:
+    """The figure that an animation's frames are drawn on: mechanism, closer look, force over time with a cursor."""
+
+    def __init__(self, at: Scene) -> None:
+        from matplotlib.figure import Figure
+
+        self.at, detail = at, at.drawing.detail
+        (wide, high) = at.views[0, 1] - at.views[0, 0]
+        row = float(np.clip(5.2 * high / wide, 1.8, 3.4))  # inch
+        width = 6.6 if detail is None else 6.7 + row
+        tall = row + 2.9
+        self.figure: Figure = Figure(figsize=(width, tall))
+        low, top = 2.2 / tall, row / tall
+        self.whole = self.figure.add_axes((0.7 / width, low, 5.2 / width, top))
+        self.detail: Axes | None = None
+        if detail is not None:
+            self.detail = self.figure.add_axes((6.55 / width, low, row / width, top))
+        self.force = self.figure.add_axes((0.7 / width, 0.45 / tall, 1.0 - 0.85 / width, 1.05 / tall))
+        run = at.run
+        self.figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}", y=1.0 - 0.1 / tall)
+        self.cursor = _curves(self.force, run)
+
+    def show(self, k: int, slower: float) -> None:
+        """Draw the k-th frame, shown so many times ``slower`` than in truth."""
+        self.whole.clear()
+        whole(self.whole, self.at, k)
+        end = float(np.asarray(self.at.run.history.time)[-1])  # type: ignore[union-attr]
+        self.whole.set_title(f"{clock(self.at.times[k], end)}, {speed_in_words(slower)}", family="monospace")
+        if self.detail is not None:
+            self.detail.clear()
+            closer(self.detail, self.at, k)
+        self.force.set_title(said(self.at, k).split(", ", 1)[1])
+        self.cursor.set_xdata([self.at.times[k], self.at.times[k]])
+
+
+def speed_in_words(slower: float) -> str:
+    """ "slowed 140 times", "shown 2.5 times faster"; two digits."""
+    digits = f"{float(f'{max(slower, 1.0 / slower):.2g}'):g}"
+    return f"slowed {digits} times" if slower >= 1.0 else f"shown {digits} times faster"
+
+
+def _curves(axes: "Axes", run: Run) -> Any:
+    """The contact forces over time; returns the cursor."""
+    history = run.history
+    assert history is not None
+    dense = [np.linspace(pulse.start, pulse.end, 12) for pulse in pulses(run)]
+    time = np.unique(np.concatenate([np.asarray(history.time), *dense]))
+    force = np.asarray(at_times(run, time).contact_force)
+    names = run.mechanism.names(run.design).contacts
+    for k, name in enumerate(names):
+        label = f"{name} {run.mechanism.contact}"
+        axes.plot(time, force[:, k], color=COLOURS[k], linewidth=0.9, label=label)
+    if len(names) > 1:
+        axes.legend(loc="upper left", ncols=len(names))
+    axes.set_xlim(time[0], time[-1])
+    axes.set_ylim(0.0, 1.25 * max(float(force.max(initial=0.0)), 1e-12))
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("force [N]")
+    axes.axhline(0.0, color=GREY, linewidth=0.5)
+    return axes.axvline(0.0, color=RED, linewidth=1.2)
+
+
+def fewer_colours(content: bytes) -> bytes:
+    """A GIF with 64 colours, which drawings need no more of: half the bytes."""
+    from PIL import Image, ImageSequence
+
+    with Image.open(io.BytesIO(content)) as film:
+        frames = [frame.convert("RGB").quantize(64, dither=Image.Dither.NONE) for frame in ImageSequence.Iterator(film)]
+        duration = film.info["duration"]
+    small = io.BytesIO()
+    first, *rest = frames
+    first.save(small, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=True)
+    return small.getvalue()

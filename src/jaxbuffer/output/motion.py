@@ -1,0 +1,201 @@
+"""A run's mechanism drawn at chosen times, with its contact forces."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, check_type
+from ..mechanisms.drawing import Drawing
+from ..mechanisms.run import Run
+from ..run.instants import at_times
+from .pulses import pulses
+from .sketch import bounds, forces, sketch
+from .style import GREY, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANELS = 4  # of the chosen times, the start and the end among them
+APART = 0.05  # of the run: impacts nearer to each other are shown as one
+MARGIN = 1.08  # of what is seen, over what is drawn
+MM = 1e-3  # m
+
+
+class Scene(NamedTuple):
+    """A run's drawing at some ``times`` [s]: ``frames`` of its bodies, ``instants`` with the forces there, ``views`` of
+    the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N]."""
+
+    run: Run
+    drawing: Drawing
+    times: Float[np.ndarray, " times"]
+    frames: Float[np.ndarray, "times frames 3"]
+    instants: Any
+    views: Float[np.ndarray, "times 2 2"]
+    peak: float
+
+
+def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
+    """A run's drawing at some times [s]; those outside the run are its ends."""
+    check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
+    instants = at_times(run, np.asarray(times, float))
+    mechanism = run.mechanism
+    drawing = mechanism.drawing(run.design, mechanism.names(run.design).bodies)
+    frames = drawing.frames(instants)
+    seen = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
+    peak = float(np.max(np.hypot(seen, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
+    return Scene(run, drawing, np.asarray(instants.time), frames, instants, _views(drawing, frames), peak)
+
+
+def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
+    """The mechanism at some times of a run, in scale, its contact forces as arrows.
+
+    **Arguments:**
+
+    - ``run``: one simulated with ``history=True``.
+    - ``times``: [s] (default: the start, the largest impacts, the end).
+
+    **Returns:** a matplotlib figure; ``figure.savefig("motion.svg")`` writes it.
+
+    **Raises:** `InputError` for a run without a history, and for no times at all or one outside the run.
+
+    **Example:**
+
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(), history=True)
+    >>> figure = jb.draw(run, times=[0.0, 0.1, float(run.peak_time)])
+    >>> [axes.get_title(loc="left") for axes in figure.axes][::2]
+    ['0.0000 s, no contact', '0.1000 s, no contact', '0.2114 s, 1831 N']
+    """
+    check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
+    if times is not None:
+        if run.history is None or not len(times):
+            raise InputError("jb.draw needs one time [s] at least, and a run simulated with history=True")
+        end = float(np.asarray(run.history.time)[-1])
+        for time in times:
+            if not 0.0 <= float(time) <= end * (1.0 + 1e-12):
+                raise InputError(f"times: {float(time):.6g} s is outside the run, which lasts from 0 to {end:.6g} s")
+    return motion_figure((run, times))
+
+
+@styled
+def motion_figure(what: tuple[Run, Sequence[float] | None]) -> "Figure":
+    """A row for each time: the whole mechanism, and a closer look at the contact.
+
+    **Arguments:** ``what``: a run with a history, and times [s] or None for telling ones.
+    """
+    from matplotlib.figure import Figure
+
+    run, times = what
+    at = scene(run, telling_times(run) if times is None else times)
+    count, detail = len(at.times), at.drawing.detail
+    wide, high = at.views[0, 1] - at.views[0, 0]
+    row = float(np.clip(6.0 * high / wide, 1.5, 2.9)) + 0.75  # inch
+    columns = 1 if detail is None else 2
+    figure = Figure(figsize=(6.6 + (columns - 1) * row, row * count + 1.0), layout="constrained")
+    ratios = [6.6] if detail is None else [6.6, row]
+    grid = figure.subplots(count, columns, squeeze=False, width_ratios=ratios)
+    named: dict[str, Any] = {}
+    for k in range(count):
+        named |= whole(grid[k, 0], at, k)
+        grid[k, 0].set_title(said(at, k))
+        if detail is not None:
+            named = closer(grid[k, 1], at, k) | named
+    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=4)
+    figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}. Arrows: contact force")
+    return figure
+
+
+def said(at: Scene, k: int) -> str:
+    """Time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
+    names, kind = at.run.mechanism.names(at.run.design).contacts, at.run.mechanism.contact
+    normal = np.asarray(at.instants.contact_force)[k]
+    acting = [
+        newtons(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
+        for name, force in zip(names, normal, strict=True)
+        if force > 0.0
+    ]
+    end = float(np.asarray(at.run.history.time)[-1])  # type: ignore[union-attr]
+    return f"{clock(at.times[k], end)}, {' and '.join(acting) or 'no contact'}"
+
+
+def newtons(force: float, peak: float) -> str:
+    """A force in words: "253.1 N", "45.87 kN"; "touching" below a ten-thousandth of the run's ``peak`` [N]."""
+    if force < 1e-4 * peak:
+        return "touching"
+    return f"{force:.4g} N" if peak < 1e4 else f"{1e-3 * force:.4g} kN"
+
+
+def clock(time: float, end: float) -> str:
+    """A time of a run that lasts until ``end`` [s], in words: "0.4881 s", "0.251 ms"."""
+    return f"{time:.4f} s" if end > 0.1 else f"{1e3 * time:.3f} ms"
+
+
+def whole(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
+    """The whole mechanism at the k-th time, with a frame around what the detail shows; the legend's parts."""
+    frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
+    named = sketch(axes, at.drawing.shapes, frames)
+    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * (right - left)))
+    detail = at.drawing.detail
+    if detail is not None and detail.half < 0.2 * (right - left):
+        x, y = detail.centre.at(frames)
+        h = detail.half
+        axes.plot([x - h, x + h, x + h, x - h, x - h], [y - h, y - h, y + h, y + h, y - h], ":", color=GREY, zorder=3)
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    return named
+
+
+def closer(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
+    """The detail at the k-th time; the legend's parts that only it has."""
+    detail, frames = at.drawing.detail, at.frames[k]
+    assert detail is not None
+    middle = detail.centre.at(frames)
+    named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle)
+    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * detail.half), MM, middle)
+    axes.set_xlim(-detail.half / MM, detail.half / MM)
+    axes.set_ylim(-detail.half / MM, detail.half / MM)
+    axes.set_title(detail.title)
+    axes.set_xlabel("x from the middle [mm]")
+    axes.set_ylabel("y [mm]")
+    return named if detail.shapes else {}
+
+
+def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
+    """The start, the instants of the largest forces, and the end [s]; where there are few, evenly spaced ones too."""
+    end = float(np.asarray(run.history.time)[-1]) if run.history is not None else 0.0
+    peaks: list[float] = []
+    for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
+        if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * end for other in peaks):
+            peaks.append(pulse.peak)
+    chosen = [0.0, *peaks, end]
+    for time in np.linspace(0.0, end, count + 1):
+        if len(chosen) < count and min(abs(time - other) for other in chosen) > APART * end:
+            chosen.append(float(time))
+    return np.sort(chosen)
+
+
+def _arrows(at: Scene, longest: float) -> tuple[float, float]:
+    """Length [m] of an arrow for 1 N, and of the longest."""
+    return longest / max(at.peak, 1e-300), longest
+
+
+def _instant(at: Scene, k: int) -> Any:
+    return jax.tree.map(lambda values: np.asarray(values)[k], at.instants)
+
+
+def _views(drawing: Drawing, frames: Float[np.ndarray, "times frames 3"]) -> Float[np.ndarray, "times 2 2"]:
+    """What is seen at each time: all of one size; of one place too, unless the mechanism travels."""
+    corners = np.array([bounds(drawing, each) for each in frames])
+    size = np.max(corners[:, 1] - corners[:, 0], axis=0)
+    overall = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
+    middle = corners.mean(axis=1)
+    if np.all(overall < 1.4 * size.max()):
+        size = overall
+        middle = np.broadcast_to(0.5 * (corners[:, 1].max(axis=0) + corners[:, 0].min(axis=0)), middle.shape)
+    half = 0.5 * MARGIN * np.maximum(size, 0.15 * size.max())
+    return np.stack([middle - half, middle + half], axis=1)

@@ -1,0 +1,127 @@
+"""A mechanism's drawing on a figure's axes: shapes, and the contact forces as arrows."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..mechanisms.drawing import Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
+from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FILLS = (SKY, ORANGE, GREEN, GREY, PURPLE, BLUE)  # of parts in their order
+FORCE = "#B2182B"
+INK = "#222222"
+FAINT = 0.35  # opacity of a part
+SHORTEST = 0.02  # of the longest arrow: what is shorter is a dot
+ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
+
+
+def sketch(axes: "Axes", shapes: Iterable[Any], frames: Frames, unit: float = 1.0, origin: Any = (0.0, 0.0)) -> dict:
+    """Draw shapes whose bodies are at ``frames``.
+
+    **Arguments:** ``unit``: of the axes [m]; ``origin``: what is drawn at their origin [m].
+
+    **Returns:** by the name of each part, an artist for the legend.
+    """
+    named: dict[str, Any] = {}
+    fill = -1
+    for shape in shapes:
+        fill += is_filled(shape) and bool(shape.part) and shape.part not in named
+        points = (outline(shape, frames) - origin) / unit
+        artist = _draw(axes, shape, points, FILLS[max(fill, 0) % len(FILLS)])
+        if shape.part:
+            named[shape.part] = artist
+    axes.set_aspect("equal")
+    return named
+
+
+def _draw(axes: "Axes", shape: Any, points: Points, fill: str) -> Any:
+    if is_filled(shape):
+        return axes.fill(*points.T, facecolor=_faint(fill), edgecolor=INK, linewidth=0.8, zorder=2)[0]
+    dashes = "--" if getattr(shape, "dashed", False) else "-"
+    colour = GREY if dashes == "--" else INK
+    return axes.plot(*points.T, dashes, color=colour, linewidth=1.1, solid_joinstyle="round", zorder=2)[0]
+
+
+def is_filled(shape: Any) -> bool:
+    """Whether a shape is an area rather than a line."""
+    return bool(getattr(shape, "filled", isinstance(shape, Rod)))
+
+
+def outline(shape: Any, frames: Frames) -> Points:
+    """The corners of a shape in inertial axes [m]."""
+    if isinstance(shape, Outline):
+        return placed(shape.corners, shape.body, frames)
+    if isinstance(shape, Disc):
+        return _spot(_circle(shape.radius), shape.centre, frames)
+    if isinstance(shape, Coil):
+        turn = np.linspace(0.0, 2.5, 100)
+        angle = 2.0 * np.pi * turn
+        radius = shape.radius * (0.25 + 0.75 * turn / turn[-1])
+        return _spot(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1), shape.centre, frames)
+    first, second = shape.first.at(frames), shape.second.at(frames)
+    along = second - first
+    across = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)
+    if isinstance(shape, Spring):
+        share = np.concatenate([[0.0], np.linspace(0.1, 0.9, 2 * TURNS + 1), [1.0]])
+        swing = np.concatenate([[0.0, 0.0], np.tile([1.0, -1.0], TURNS)[1:], [0.0, 0.0]])
+        return first + share[:, None] * along + 0.5 * shape.width * swing[:, None] * across
+    half = 0.5 * shape.width * across
+    return np.array([first - half, second - half, second + half, first + half])
+
+
+def forces(
+    axes: "Axes",
+    drawing: Drawing,
+    frames: Frames,
+    instant: Any,
+    length: float,
+    reach: float,
+    unit: float = 1.0,
+    origin: Any = (0.0, 0.0),
+) -> None:
+    """An arrow for each contact force on a ball, from where it acts.
+
+    **Arguments:** ``instant``: a history's entry, F_n and F_t of each contact; ``length`` [m] of an arrow for 1 N;
+    ``reach`` [m]: of the longest, against which the shortest are left out; others as of `sketch`.
+    """
+    for k, touch in enumerate(drawing.touches):
+        normal_force, friction = float(instant.contact_force[k]), float(instant.friction_force[k])
+        arrow = length * float(np.hypot(normal_force, friction)) / reach
+        if normal_force <= 0.0:
+            continue
+        point, normal, tangent = touch.at(frames)
+        start = (point - origin) / unit
+        tip = start + length / unit * (normal_force * normal + friction * tangent)
+        axes.plot(*start, "o", color=FORCE, markersize=3, zorder=4)
+        if arrow < SHORTEST:
+            continue
+        style = {"arrowstyle": "-|>,head_width=0.25,head_length=0.5", "color": FORCE, "linewidth": 1.8}
+        axes.annotate("", tip, start, arrowprops=style | {"shrinkA": 0.0, "shrinkB": 0.0}, zorder=4)
+
+
+def bounds(drawing: Drawing, frames: Frames) -> Float[np.ndarray, "2 2"]:
+    """The lower left and the upper right corner of a drawing [m]."""
+    points = np.concatenate([outline(shape, frames) for shape in drawing.shapes] or [frames[:, :2]])
+    return np.array([points.min(axis=0), points.max(axis=0)])
+
+
+def _circle(radius: float) -> Points:
+    angle = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _spot(points: Points, centre: Spot, frames: Frames) -> Points:
+    """Points about a spot, in its body's axes, in inertial axes."""
+    return placed(points + [centre.x, centre.y], centre.body, frames)
+
+
+def _faint(colour: str) -> Any:
+    """A colour mixed with white."""
+    from matplotlib.colors import to_rgb
+
+    return tuple(1.0 - FAINT * (1.0 - np.array(to_rgb(colour))))

@@ -1,0 +1,85 @@
+"""A run's history at any times, between its steps too."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compiling.programs import stored
+from ..errors import InputError
+from ..mechanisms.history import History
+from ..mechanisms.registry import mechanism_of
+from ..mechanisms.run import Run
+from .history import seen_at
+
+BLOCK = 512  # instants looked at together
+
+
+def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
+    """The history at given times.
+
+    Between two steps the state is the cubic that has the state and its rate at both (Hermite's), and forces are those
+    that the system exerts in that state. Its error falls with the fourth power of a step. A history without states, read
+    from a file say, is followed in straight lines.
+
+    **Arguments:** ``run``: one simulated with ``history=True``; ``times``: [s], those outside the run at its ends.
+
+    **Raises:** `InputError` for a run without a history.
+    """
+    seen = run.history
+    if seen is None:
+        raise InputError("this run has no history to draw; simulate it with history=True")
+    known, times = np.asarray(seen.time), np.asarray(times, float)
+    times = np.clip(times, known[0], known[-1])
+    first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, max(len(known) - 2, 0))
+    after = np.minimum(first + 1, len(known) - 1)
+    if seen.state is None or seen.closed is None:
+        length = np.where(known[after] > known[first], known[after] - known[first], 1.0)
+        share = (times - known[first]) / length
+        return jax.tree.map(lambda values: _straight(np.asarray(values), first, after, share), seen)
+    state, closed = np.asarray(seen.state), np.asarray(seen.closed)
+    # The end of the run, or of a step, is the step's own state: with the contacts that are closed from then on.
+    on_end = times >= known[after]
+    first = np.where(on_end, after, first)
+    given = (known[first], known[after], times, closed[first], state[first], state[after])
+    parameters = (run.design, run.scenario, run.stabilisation)
+    found = [_instants(parameters, *block) for block in _blocks(given, len(times))]
+    return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *found)
+
+
+def _straight(values: np.ndarray, first: np.ndarray, after: np.ndarray, share: np.ndarray) -> np.ndarray:
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    return (1.0 - share) * values[first] + share * values[after]
+
+
+def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray, ...]]:
+    """Rows in blocks of one size, the last row repeated: one program serves all."""
+    rows = np.minimum(np.arange(-(-count // BLOCK) * BLOCK), count - 1).reshape(-1, BLOCK)
+    return [tuple(part[row] for part in given) for row in rows]
+
+
+@stored
+def _instants(
+    parameters: tuple[Any, Any, Array],
+    start: Float[Array, " instants"],
+    end: Float[Array, " instants"],
+    time: Float[Array, " instants"],
+    closed: Float[Array, "instants contacts"],
+    before: Float[Array, "instants state"],
+    after: Float[Array, "instants state"],
+) -> History:
+    """The history at times between steps from ``start`` to ``end``, whose states are ``before`` and ``after``."""
+    system = mechanism_of(parameters[0]).system(*parameters)
+
+    def at(start: Array, end: Array, time: Array, closed: Array, before: Array, after: Array) -> History:
+        length = end - start
+        share = (time - start) / jnp.where(length > 0.0, length, 1.0)
+        rest = 1.0 - share
+        first, last = system.derivative(start, before, closed), system.derivative(end, after, closed)
+        value = rest * rest * (1.0 + 2.0 * share) * before + share * share * (3.0 - 2.0 * share) * after
+        rate = rest * rest * share * first - share * share * rest * last
+        return seen_at(system, time, closed, value + length * rate)
+
+    return jax.vmap(at)(start, end, time, closed, before, after)
