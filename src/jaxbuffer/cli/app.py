@@ -90,7 +90,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """
     study = request.one_scenario(scenario_number)
     name = study.mechanism.run_name
-    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt")
+    files = request.files(f"{name}.json", "history.csv", "motion.json", f"{name}.png", f"{name}.txt")
     from ..run.simulate import simulate as compute
     from .progress import working
 

@@ -1,7 +1,6 @@
 """What a folder of results holds, for a page."""
 
 import base64
-import csv
 import dataclasses
 import json
 import re
@@ -23,13 +22,13 @@ class Results:
     """One folder's results; what the folder does not hold is None.
 
     ``folder``; ``mechanism``; records of one ``run``, a ``sensitivity`` and a tuning (``tuned``) as their JSON files
-    hold them; ``history`` of the run: columns by name with unit; ``sweep`` as `output.sweep_files.read` finds it.
+    hold them; ``motion`` of the run (`output.motion_record`); ``sweep`` as `output.sweep_files.read` finds it.
     """
 
     folder: Path
     mechanism: Mechanism
     run: Record | None = None
-    history: Mapping[str, list[float]] | None = None
+    motion: Record | None = None
     sensitivity: Record | None = None
     tuned: Record | None = None
     sweep: Any = None
@@ -71,8 +70,8 @@ def results(folder: Path) -> Results:
         raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
     kinds = [record["kind"] for record in found]
     mechanism = sweep.found.mechanism if sweep is not None else mechanism_named(kinds[0])
-    history = _columns(folder / "history.csv") if run is not None and tuned is None else None
-    return Results(folder, mechanism, run, history, sensitivity, tuned, sweep)
+    motion = None if run is None else _record(folder / "motion.json")
+    return Results(folder, mechanism, run, motion, sensitivity, tuned, sweep)
 
 
 def _record(file: Path) -> Record | None:
@@ -85,17 +84,6 @@ def _record(file: Path) -> Record | None:
     except ValueError as error:
         raise InputError(f"{file} is damaged: {error}") from None
     return record
-
-
-def _columns(file: Path) -> Mapping[str, list[float]] | None:
-    if not file.is_file():
-        return None
-    try:
-        with file.open(encoding="utf-8", newline="") as lines:
-            header, *rows = csv.reader(lines)
-        return {name: [float(row[k]) for row in rows] for k, name in enumerate(header)}
-    except (ValueError, IndexError) as error:
-        raise InputError(f"{file} is damaged: {error}") from None
 
 
 def _inline(svg: str, prefix: str) -> str:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import jinja2
@@ -60,14 +60,14 @@ class Figure:
 
 @dataclasses.dataclass(frozen=True)
 class Section:
-    """A part of a page: its title, paragraphs, figures and tables, in this order; ``motion``: what is needed to draw a
-    run moving (`motion.frames`), None for nothing."""
+    """A part of a page: its title, paragraphs, figures and tables, in this order; ``motion``: a run to be drawn moving
+    (`output.motion_record`), None for none."""
 
     title: str
     text: Sequence[str] = ()
     figures: Sequence[Figure] = ()
     tables: Sequence[Table] = ()
-    motion: dict[str, Any] | None = None
+    motion: Mapping[str, Any] | None = None
 
     @property
     def anchor(self) -> str:

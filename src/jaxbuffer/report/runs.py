@@ -28,7 +28,7 @@ def run(found: Results, first: Results) -> Section | None:
     text = [f"{record['outcome'].capitalize()}; {mechanism.label(scenario)}.", *other_design(found, first, record)]
     text += [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]]
     figures = found.figure(mechanism.run_name, f"The {mechanism.run_name} over time")
-    return Section(mechanism.run_name.capitalize(), text, figures, tables)
+    return Section(mechanism.run_name.capitalize(), text, figures, tables, found.motion)
 
 
 def sensitivity(found: Results, first: Results) -> Section | None:
