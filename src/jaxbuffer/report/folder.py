@@ -15,6 +15,7 @@ from ..output.formats import ARRAYS
 from .page import Figure
 
 Record = Mapping[str, Any]
+ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECASE)  # what no figure of ours holds
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,8 +47,8 @@ class Results:
     def figure(self, stem: str, caption: str) -> list[Figure]:
         """The figure of that name, if the folder has it: an SVG rather than a PNG."""
         svg, png = self.folder / f"{stem}.svg", self.folder / f"{stem}.png"
-        if svg.is_file():
-            return [Figure(caption, svg=_inline(svg.read_text(encoding="utf-8"), f"{self.folder.name}-{stem}"))]
+        if svg.is_file() and not ACTIVE.search(text := svg.read_text(encoding="utf-8")):
+            return [Figure(caption, svg=_inline(text, f"{self.folder.name}-{stem}"))]
         if png.is_file():
             return [Figure(caption, png=base64.b64encode(png.read_bytes()).decode())]
         return []
