@@ -12,7 +12,7 @@ from .exits import OK, fail
 from .fields import fields
 from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
-from .report import report
+from .report import compare, report
 from .reproduce import reproduce
 from .request import Request, given, verb
 from .streams import note
@@ -92,7 +92,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """
     study = request.one_scenario(scenario_number)
     name = study.mechanism.run_name
-    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt", "motion.png")
+    files = request.files(f"{name}.json", "history.csv", "motion.json", f"{name}.png", f"{name}.txt", "motion.png")
     from ..run.simulate import simulate as compute
     from .progress import working
 
@@ -247,5 +247,6 @@ verb(app, "One run as an animation: the mechanism, its contact forces, slow moti
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
-app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)
+app.command(cls=Plain, short_help="A page for a design review, of folders of results.")(report)
+app.command(cls=Plain, short_help="Designs side by side, of folders of results.")(compare)
 app.command(cls=Plain, short_help="A paper's own studies: figures, and its claims held against the model.")(reproduce)

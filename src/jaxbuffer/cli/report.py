@@ -1,4 +1,4 @@
-"""`jaxbuffer report`: what a folder of results holds, without computing it again."""
+"""`jaxbuffer report` and `compare`: what folders of results hold, as text and as a page, without computing it again."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,31 +6,84 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError
+from ..files import write
 from ..output.formats import ARRAYS
+from ..report.page import GENERATOR
 from .exits import OK
-from .streams import show
+from .streams import note, show
+
+Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
+Html = Annotated[
+    Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
+]
 
 
-def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder that --output named.")]) -> int:
-    """Print the summaries of the results in DIR again, and name the figures there.
+def report(
+    folders: Folders,
+    html: Html = None,
+    title: Annotated[str, typer.Option(metavar="TEXT", help="The page's title.")] = "",
+) -> int:
+    """Make a page for a design review of the results in DIR, and print their summaries again.
+
+    The page, report.html, is one file that needs no network: the design, limits, scenarios, figures, elasticities, the
+    search, the envelope, and where the numbers come from. Several folders make one page: of a tuning, of a run of the
+    tuned design, of its sensitivities, of a sweep.
 
     \b
-    Example: jaxbuffer report results/table2
+    Examples:
+      jaxbuffer report results/table2
+      jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder")
-    found = sorted(file for file in folder.glob("*.txt") if file.is_file())
-    for file in found:
+    from ..report.folder import results
+    from ..report.review import review
+
+    page = review([results(folder) for folder in folders], title)
+    file = _saved(html or folders[0] / "report.html", page.html())
+    for folder in folders:
+        _print(folder)
+    show(f"wrote {file}")
+    return OK
+
+
+def compare(folders: Folders, html: Html = None) -> int:
+    """Put the designs of several folders side by side: where they differ, what they reach, their figures.
+
+    \b
+    Example: jaxbuffer compare results/before results/after
+    """
+    from ..report.compare import compared, comparison
+    from ..report.folder import results
+
+    if len(folders) < 2:
+        raise InputError("compare needs two folders at least")
+    every = [results(folder) for folder in folders]
+    page = comparison(every)
+    file = _saved(html or folders[0] / "compare.html", page.html())
+    for one in compared(every):
+        show(one.as_text())
+    show(f"wrote {file}")
+    return OK
+
+
+def _saved(file: Path, content: str) -> Path:
+    """Write a page; another one of ours may be replaced, and a note says so, nothing else."""
+    if file.exists():
+        if GENERATOR not in file.read_text(encoding="utf-8", errors="replace")[:1000]:
+            raise InputError(f"{file} exists and is no page of jaxbuffer's; choose another --html FILE")
+        note(f"the page {file} is made anew")
+    write(file, content)
+    return file
+
+
+def _print(folder: Path) -> None:
+    for file in sorted(file for file in folder.glob("*.txt") if file.is_file()):
         show(_text(file))
     if (folder / ARRAYS).is_file():
         from ..output.sweep_files import read
 
         show(read(folder / ARRAYS))
-    elif not found:
-        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
     for figure in sorted(folder.glob("*.png")):
         show(f"figure {figure}")
-    return OK
 
 
 def _text(file: Path) -> str:

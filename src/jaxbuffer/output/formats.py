@@ -15,6 +15,11 @@ def json_text(record: Mapping[str, Any]) -> str:
     return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
+def compact_json(record: Mapping[str, Any]) -> str:
+    """JSON in one line, for data that nobody reads."""
+    return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+
+
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A header with units and one line a row, floats to the last digit."""
     text = io.StringIO()

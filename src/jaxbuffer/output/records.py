@@ -201,6 +201,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
     floors = _floors(tuned)
     return {
+        "kind": problem.mechanism.name,
         "message": tuned.message,
         "converged": tuned.converged,
         "feasible": tuned.feasible,
@@ -216,7 +217,14 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": [
-            {"path": v.path, "low": v.low, "high": v.high, "scale": v.scale, "value": get(tuned.design, v.path)}
+            {
+                "path": v.path,
+                "low": v.low,
+                "high": v.high,
+                "scale": v.scale,
+                "before": get(problem.design, v.path),
+                "value": get(tuned.design, v.path),
+            }
             for v in problem.variables
         ],
         "limits": {name: limit for name, limit in problem.limits.at_most.items()},

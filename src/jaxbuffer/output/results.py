@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from .formats import ARRAYS, Contents, csv_text, json_text
+from .formats import ARRAYS, Contents, compact_json, csv_text, json_text
 
 if TYPE_CHECKING:
     from ..mechanisms.run import Run
@@ -15,6 +15,7 @@ def run_files(run: "Run") -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run."""
     from .figures import run_figure
     from .motion import motion_figure
+    from .motion_record import motion_record
     from .records import run_history, run_record
     from .style import both
 
@@ -22,6 +23,7 @@ def run_files(run: "Run") -> Contents:
     return {
         f"{name}.json": lambda: json_text(run_record(run)),
         "history.csv": lambda: csv_text(*run_history(run)),
+        "motion.json": lambda: compact_json(motion_record(run)),
         f"{name}.txt": lambda: f"{run!r}\n",
         **both(name, lambda: run_figure(run)),
         **both("motion", lambda: motion_figure(run)),

@@ -1,0 +1,78 @@
+"""A run moving, as a record: what a page needs to draw it."""
+
+from typing import Any
+
+import numpy as np
+
+from ..mechanisms.drawing import Drawing, Rod, Spot, Spring
+from ..mechanisms.run import Run
+from .animation import frames_of, speed_in_words
+from .motion import Scene, scene
+from .sketch import is_filled, outline
+
+DIGITS = 7  # of lengths [m] and angles [rad] after the point: a tenth of a micrometre
+
+
+def motion_record(run: Run) -> dict[str, Any]:
+    """Times in slow motion around impacts, the frames and forces then, and the shapes that go with the frames.
+
+    **Arguments:** ``run``: one simulated with ``history=True``.
+    """
+    paced = frames_of(run)
+    at = scene(run, paced.times)
+    corners = at.views
+    return {
+        "times": _rounded(paced.times),
+        "paces": [speed_in_words(float(slower)) for slower in paced.slower],
+        "frames": _rounded(at.frames),
+        "forces": [_forces(at, k) for k in range(len(at.times))],
+        "largest": max(at.peak, 1e-12),
+        "contacts": [*run.mechanism.names(run.design).contacts],
+        "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),
+        "shapes": _shapes(at.drawing, at.frames.shape[1]),
+        "detail": None if at.drawing.detail is None else _detail(at.drawing.detail),
+    }
+
+
+def _forces(at: Scene, k: int) -> list[list[float]]:
+    """Where each contact force acts [m], and its components [N]."""
+    found = []
+    normal, friction = (np.asarray(x)[k] for x in (at.instants.contact_force, at.instants.friction_force))
+    for touch, along, across in zip(at.drawing.touches, normal, friction, strict=False):
+        point, outward, tangent = touch.at(at.frames[k])
+        found.append(_rounded([*point, *(along * outward + across * tangent)]))
+    return found
+
+
+def _shapes(drawing: Drawing, bodies: int) -> list[dict[str, Any]]:
+    """Corners in the axes of the one frame that a shape goes with, or the two spots between which it lies."""
+    made: list[dict[str, Any]] = []
+    colour, rest = -1, np.zeros((bodies, 3))
+    for shape in drawing.shapes:
+        filled = is_filled(shape)
+        colour += filled and bool(shape.part)
+        look = {
+            "filled": filled,
+            "part": shape.part,
+            "colour": max(colour, 0),
+            "dashed": getattr(shape, "dashed", False),
+        }
+        if isinstance(shape, (Spring, Rod)):
+            ends = {name: _spot(spot) for name, spot in (("first", shape.first), ("second", shape.second))}
+            made.append({**look, **ends, "width": shape.width, "spring": isinstance(shape, Spring)})
+        else:
+            body = shape.body if hasattr(shape, "body") else shape.centre.body
+            made.append({**look, "body": body, "corners": _rounded(outline(shape, rest))})
+    return made
+
+
+def _detail(detail: Any) -> dict[str, Any]:
+    return {**_spot(detail.centre), "half": detail.half}
+
+
+def _spot(spot: Spot) -> dict[str, Any]:
+    return {"body": int(spot.body), "x": float(spot.x), "y": float(spot.y)}
+
+
+def _rounded(values: Any) -> Any:
+    return np.round(np.asarray(values, float), DIGITS).tolist()

@@ -1,0 +1,1 @@
+"""Pages for a design review, made of the files that other commands have saved."""

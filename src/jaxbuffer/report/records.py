@@ -1,0 +1,49 @@
+"""Records of result files, read again: names without units, values as cells."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from ..fields import paths
+from ..mechanisms.mechanism import Mechanism
+from .folder import Record
+from .page import Cell, shown
+
+UNIT = re.compile(r"^(.*) \[(.*)\]$")
+ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
+
+
+def by_name(record: Record) -> dict[str, Any]:
+    """A record's values by names without units: "stroke [m]" is "stroke"."""
+    return {found[1] if (found := UNIT.match(name)) else name: value for name, value in record.items()}
+
+
+def same(value: Any, other: Any) -> bool:
+    """Whether two fields' values are equal, numbers to nine digits."""
+    numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, other))
+    return value == other or (numbers and abs(value - other) <= ROUNDING * max(abs(value), abs(other)))
+
+
+def words(name: str) -> str:
+    """A name as one reads it."""
+    return name.replace("_", " ")
+
+
+def scenario_of(mechanism: Mechanism, record: Record) -> Any:
+    """The scenario that a record describes."""
+    values = by_name(record)
+    return mechanism.scenario(**{path: values[path] for path in paths(mechanism.scenario()) if path in values})
+
+
+def ended(mechanism: Mechanism, outcome: str) -> Cell:
+    """How a run ended, marked as good or bad."""
+    good = outcome == mechanism.success if mechanism.success is not None else not outcome.startswith("failed")
+    return Cell(outcome, "good" if good else "bad")
+
+
+def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list[str]:
+    """A quantity's title, its unit in figures, and its value in that unit."""
+    known = mechanism.quantities[name]
+    symbol, factor = known.shown or (known.unit, 1.0)
+    value = values.get(name)
+    return [known.title or words(name), symbol, shown(None if value is None else factor * value)]
