@@ -84,13 +84,14 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
       history.csv   forces, gaps, motion and energies at each step
       capture.png   contact force, gap, stroke, hinge angle, energies over time
       capture.txt   the summary
+      capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
     name = study.mechanism.run_name
-    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt")
+    files = request.files(f"{name}.json", "history.csv", f"{name}.png", f"{name}.txt", f"{name}.nc")
     from ..run.simulate import simulate as compute
     from .progress import working
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 def run_files(run: "Run") -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run."""
+    from ..labelled.netcdf import SUFFIX, content
     from .figures import run_figure
     from .records import run_history, run_record
     from .style import png
@@ -23,6 +24,7 @@ def run_files(run: "Run") -> Contents:
         "history.csv": lambda: csv_text(*run_history(run)),
         f"{name}.txt": lambda: f"{run!r}\n",
         f"{name}.png": lambda: png(run_figure(run)),
+        f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
     }
 
 
