@@ -19,10 +19,10 @@ from jaxbuffer.output.sweep_files import read
 from test_files import room_for
 
 FILES = {
-    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt"},
+    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt", "capture.nc"},
     "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
     "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt"},
-    "sweep": {"sweep.csv", "sweep.npz", "sweep.png"},
+    "sweep": {"sweep.csv", "sweep.npz", "sweep.png", "sweep.nc"},
 }
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]

@@ -19,7 +19,7 @@ def part_text(part: eqx.Module) -> str:
     """
     lines = _lines(part)
     short = f"{type(part).__name__}({', '.join(lines)})"
-    if len(lines) <= 1 or not any("\n" in line for line in lines) and len(short) <= 100:
+    if len(lines) <= 1 or (not any("\n" in line for line in lines) and len(short) <= 100):
         return short
     body = ",\n".join("  " + line.replace("\n", "\n  ") for line in lines)
     return f"{type(part).__name__}(\n{body},\n)"

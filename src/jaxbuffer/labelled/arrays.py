@@ -36,7 +36,7 @@ def dataset(
 
     >>> from jaxbuffer.labelled.arrays import Labelled, dataset
     >>> speeds = Labelled(("speed",), [0.1, 0.2], "m/s")
-    >>> found = dataset({"force": Labelled(("speed",), [253.0, 325.0], "N")}, {"speed": speeds}, {"kind": "probe_cone"})
+    >>> found = dataset({"force": Labelled(("speed",), [253.0, 325.0], "N")}, {"speed": speeds}, {"title": "two runs"})
     >>> float(found.force.sel(speed=0.2)), found.force.units, found.speed.units
     (325.0, 'N', 'm/s')
     """

@@ -1,6 +1,5 @@
 """Datasets as netCDF-4 files, which xarray, MATLAB, Julia and ncdump read."""
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,16 +9,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SUFFIX = ".nc"
-ENGINE = "h5netcdf"
 LARGE = 2**14  # bytes, from which on an array is compressed
 
 
 def content(dataset: "xr.Dataset") -> bytes:
     """A dataset as a file's content, numbers to the last bit, large arrays compressed."""
-    large = {name: {"zlib": True} for name, it in dataset.data_vars.items() if it.nbytes > LARGE and it.dtype.kind == "f"}
-    file = io.BytesIO()
-    dataset.to_netcdf(file, engine=ENGINE, encoding=large)
-    return file.getvalue()
+    large = {
+        name: {"zlib": True} for name, it in dataset.data_vars.items() if it.nbytes > LARGE and it.dtype.kind == "f"
+    }
+    return bytes(dataset.to_netcdf(engine="h5netcdf", encoding=large))
 
 
 def read(file: Path) -> "xr.Dataset":
@@ -28,7 +26,7 @@ def read(file: Path) -> "xr.Dataset":
 
     try:
         with file.open("rb") as stored:
-            return xr.load_dataset(stored, engine=ENGINE)
+            return xr.load_dataset(stored, engine="h5netcdf")
     except OSError as error:
         reason = error.strerror or "it is no netCDF-4 file"
     except Exception as error:  # HDF5 fails in many ways; all mean the same

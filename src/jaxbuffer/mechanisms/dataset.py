@@ -30,7 +30,9 @@ IMPACT_MEANING = {
 def run_dataset(run: "Run") -> "xr.Dataset":
     """See `Run.to_xarray`."""
     if run._many:
-        raise InputError("to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep")
+        raise InputError(
+            "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
+        )
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     variables = {**_quantities(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
@@ -75,7 +77,9 @@ def _quantities(run: "Run", names: "Names") -> dict[str, Labelled]:
     mechanism = run.mechanism
     catalogue = mechanism.quantities
     found = {
-        name: Labelled((), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description)
+        name: Labelled(
+            (), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description
+        )
         for name in mechanism.swept
     }
     largest = "" if run.outcome.failed else names.contacts[int(run.peak_contact)]

@@ -57,12 +57,15 @@ def tuned_files(tuned: "Tuned") -> Contents:
 
 def swept_files(swept: "Swept") -> Contents:
     """Of `jaxbuffer sweep`."""
+    from ..labelled.netcdf import content
+    from ..sweeps.dataset import swept_rows
     from .style import png
     from .sweep_figures import sweep_figure
-    from .sweep_files import FIGURE, TABLE, arrays, rows
+    from .sweep_files import FIGURE, LABELLED, TABLE, arrays
 
     return {
         ARRAYS: lambda: arrays(swept),
-        TABLE: lambda: csv_text(*rows(swept)),
+        TABLE: lambda: csv_text(*swept_rows(swept)),
         FIGURE: lambda: png(sweep_figure(swept)),
+        LABELLED: lambda: content(swept.to_xarray()),
     }
