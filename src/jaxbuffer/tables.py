@@ -54,7 +54,7 @@ def _html(caption: str, heads: Sequence[str], right: Sequence[bool], rows: Itera
     """A table; a row of one cell goes across."""
 
     def cells(kind: str, row: Sequence[str]) -> str:
-        if len(row) == 1:
+        if len(row) == 1 and not heads:
             return f'<td colspan="2" style="text-align:left">{escape(row[0])}</td>'
         sides = [*right, *[False] * len(row)]
         made = (

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import jax
 import numpy as np
 
-from ..fields import get, unit, unit_at
+from ..fields import get
 from ..fields.record import record
 from ..mechanisms.history_table import history_columns
 from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run
-from ..sensitivities.summary import per
+from ..sensitivities.dataset import sensitivity_rows
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
 
@@ -129,47 +129,6 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
             "swapped_by_change [-]": _number(peaks.swap_change),
         },
     }
-
-
-def sensitivity_rows(result: "Sensitivity") -> Table:
-    """A row for each pair of quantity and parameter."""
-    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
-    certificate = result.certificate
-    rows: list[Sequence[Any]] = []
-    for i, quantity in enumerate(result.quantities):
-        for k, path in enumerate(result.paths):
-            symbol = unit_at(result.run.design, result.run.scenario, path)
-            rows.append(
-                [
-                    quantity,
-                    path,
-                    _number(result.values[k]),
-                    symbol,
-                    _number(result.gradients[i, k]),
-                    per(unit_of(result.run.mechanism.quantities, quantity), symbol),
-                    _number(result.elasticities[i, k]),
-                    None if certificate is None else _number(certificate.error[i, k]),
-                    None if certificate is None else certificate.verdicts[i].name,
-                ]
-            )
-    return [*header, "estimated_error [-]", "verdict"], rows
-
-
-def tuning_history(tuned: "Tuned") -> Table:
-    """A row for each evaluated design; worst values over the scenarios."""
-    problem = tuned.problem
-    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
-    numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
-    catalogue = problem.mechanism.quantities
-    worst = {name: catalogue[name].unit for name in problem.quantities}
-    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
-    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
-    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
-    rows: list[Sequence[Any]] = []
-    for it in tuned.records:
-        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
-        rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
-    return header, rows
 
 
 def tuned_record(tuned: "Tuned") -> dict[str, Any]:

@@ -30,7 +30,8 @@ def run_files(run: "Run") -> Contents:
 
 def sensitivity_files(result: "Sensitivity") -> Contents:
     """Of `jaxbuffer sensitivity`."""
-    from .records import sensitivity_record, sensitivity_rows
+    from ..sensitivities.dataset import sensitivity_rows
+    from .records import sensitivity_record
 
     return {
         "sensitivity.json": lambda: json_text(sensitivity_record(result)),
@@ -42,7 +43,8 @@ def sensitivity_files(result: "Sensitivity") -> Contents:
 def tuned_files(tuned: "Tuned") -> Contents:
     """Of `jaxbuffer tune`."""
     from ..study.config import design_toml
-    from .records import tuned_comment, tuned_record, tuning_history
+    from ..tuning.table import tuning_history
+    from .records import tuned_comment, tuned_record
     from .style import png
     from .tune_figure import tune_figure
 

@@ -27,8 +27,7 @@ def swept_dataset(swept: "Swept") -> "xr.Dataset":
     axes = {axis.path: Labelled((axis.path,), axis.values, axis.unit, axis.name) for axis in swept.grid.axes}
     variables = _variables(swept.found, swept.done, _contacts(swept.found, swept.design), dims, shape)
     about = attributes(swept.found.mechanism, swept.design, swept.scenario)
-    scales = {f"scale of {axis.path}": axis.scale for axis in swept.grid.axes if axis.unit}
-    return dataset(variables, axes, {**about, **scales})
+    return dataset(variables, axes, about)
 
 
 def sweep_dataset(sweep: "Sweep") -> "xr.Dataset":
