@@ -10,10 +10,11 @@ from jaxbuffer import Problem, Tuned, tune
 from jaxbuffer.cli.progress import in_words
 from jaxbuffer.files import write as write_whole
 from jaxbuffer.output.formats import csv_text, json_text
-from jaxbuffer.output.records import tuned_comment, tuned_record, tuning_history
+from jaxbuffer.output.records import tuned_comment, tuned_record
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config, design_toml, load
+from jaxbuffer.tuning.table import tuning_history
 
 HERE = Path(__file__).parent
 

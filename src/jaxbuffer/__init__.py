@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     )
     from .mechanisms.run import Run as Run
     from .output.animation import animate as animate
+    from .output.folder import Results as Results
+    from .output.folder import load as load
     from .output.motion import draw as draw
     from .run.simulate import simulate as simulate
     from .run.with_diffrax import as_diffrax as as_diffrax
@@ -55,8 +57,11 @@ if TYPE_CHECKING:
     from .sensitivities.certificate import Verdict as Verdict
     from .sensitivities.sensitivity import Sensitivity as Sensitivity
     from .sensitivities.sensitivity import sensitivity as sensitivity
+    from .study.designs import load_design as load_design
+    from .study.designs import save_design as save_design
     from .sweeps.sweep import Sweep as Sweep
     from .sweeps.sweep import sweep as sweep
+    from .sweeps.swept import Swept as Swept
     from .tuning.objective import Limits as Limits
     from .tuning.objective import Objective as Objective
     from .tuning.objective import Then as Then
@@ -82,7 +87,10 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sensitivities.certificate": ("Certificate", "Verdict"),
     "sensitivities.horizon": ("horizon",),
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
+    "output.folder": ("Results", "load"),
+    "study.designs": ("load_design", "save_design"),
     "sweeps.sweep": ("Sweep", "sweep"),
+    "sweeps.swept": ("Swept",),
     "tuning.objective": ("Limits", "Objective", "Then"),
     "tuning.problem": ("Case", "Problem", "Variable"),
     "tuning.tune": ("tune",),

@@ -6,7 +6,9 @@ from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up
 
 from jaxbuffer import Outcome
 from jaxbuffer.sensitivities.certificate import Verdict
+from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.sweep import SweepInterrupted
+from jaxbuffer.sweeps.swept import Swept
 
 
 class Computed:
@@ -36,14 +38,17 @@ class Computed:
             report(record)
         return tuned
 
-    def sweep(self, design, scenarios, duration, *, progress, **options):
-        self._note("sweep", design=design, scenarios=scenarios, duration=duration, **options)
-        found = made_up_sweep(design, scenarios, self.outcomes)
+    def sweep(self, design, scenario, duration, *, over, progress, **options):
+        asked = grid(over, design, scenario)
+        designs, scenarios = asked.applied(design, scenario)
+        self._note("sweep", design=designs, scenarios=scenarios, duration=duration, **options)
+        found = made_up_sweep(designs, scenarios, self.outcomes)
         for done in range(1, len(found) + 1):
             progress(done, len(found))
             if done == self.interrupt_after:
-                raise SweepInterrupted(found, np.arange(len(found)) < done)
-        return found
+                those = np.arange(len(found)) < done
+                raise SweepInterrupted(Swept(asked, design, scenario, found, those), those)
+        return Swept(asked, design, scenario, found, np.ones(len(found), bool))
 
     def _note(self, command, **arguments):
         self.calls.append((command, arguments))

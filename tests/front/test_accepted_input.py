@@ -12,7 +12,7 @@ from jaxbuffer.errors import nearest, suggest
 from jaxbuffer.hybrid import DiagonallyImplicit, solver_named
 from jaxbuffer.mechanisms.probe_cone.label import scenario_label
 from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES
-from jaxbuffer.output.records import sensitivity_rows
+from jaxbuffer.sensitivities.dataset import sensitivity_rows
 from jaxbuffer.sensitivities.gradients import Gradients
 from jaxbuffer.study.config import load
 

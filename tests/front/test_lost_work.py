@@ -19,10 +19,10 @@ from jaxbuffer.output.sweep_files import read
 from test_files import room_for
 
 FILES = {
-    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt"},
+    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt", "capture.nc"},
     "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
     "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt"},
-    "sweep": {"sweep.csv", "sweep.npz", "sweep.png"},
+    "sweep": {"sweep.csv", "sweep.npz", "sweep.png", "sweep.nc"},
 }
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
@@ -70,7 +70,7 @@ def test_a_full_disk_is_named_and_the_other_files_are_whole(computed, capsys, tm
     sizes = {name: (tmp_path / "whole" / name).stat().st_size for name in FILES["simulate"]}
     least = min(sizes[name] for name in names)
     rest = {name for name in sizes if sizes[name] < least}
-    assert len(rest) == 4 - len([size for size in sizes.values() if size >= least]) and rest, sizes
+    assert len(rest) == len(sizes) - len([size for size in sizes.values() if size >= least]) and rest, sizes
     capsys.readouterr()
     with room_for(least - 1):
         assert run(["simulate", "--output", "out"]) == 1

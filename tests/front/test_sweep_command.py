@@ -16,7 +16,7 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
-FILES = ("sweep.csv", "sweep.npz", "sweep.png")
+FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.nc")
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 
@@ -104,7 +104,7 @@ def test_files(computed, capsys, tmp_path):
     assert repr(back) in printed
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
-    assert "sweep.csv, out/sweep.npz, out/sweep.png exist; --force overwrites" in capsys.readouterr().err
+    assert "sweep.csv, out/sweep.npz, out/sweep.png, out/sweep.nc exist; --force overwrites" in capsys.readouterr().err
     assert run(["sweep", "--output", "out", "--force"]) == 0
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
@@ -123,7 +123,8 @@ def test_ctrl_c_keeps_what_was_done(computed, capsys, tmp_path):
     ("words", "message"),
     [
         (["scenario.aproach_speed=0.1"], "scenario.aproach_speed is unknown; did you mean scenario.approach_speed?"),
-        (["probe.free_tip=true"], "probe.free_tip is a choice"),
+        (["probe.free_tip=1"], "probe.free_tip = 1.0 must be true or false"),
+        (["contact.law=hertz,exat"], "contact.law = 'exat' is unknown; choose one of"),
         (["buffer.k_A=100:200:0"], "count = 0"),
         (["buffer.k_A="], "expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE"),
         (["buffer.k_A=1:2:1e12"], "TiB of memory"),

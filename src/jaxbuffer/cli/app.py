@@ -86,13 +86,15 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
       capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
       motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
       capture.txt   the summary
+      capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
     name = study.mechanism.run_name
-    files = request.files(f"{name}.json", "history.csv", "motion.json", f"{name}.png", f"{name}.txt", "motion.png")
+    named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
+    files = request.files(*named, "history.csv", "motion.json", "motion.png")
     from ..run.simulate import simulate as compute
     from .progress import working
 

@@ -1,6 +1,6 @@
 """`jaxbuffer sweep`: captures over a grid."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -11,11 +11,12 @@ from .streams import note
 
 if TYPE_CHECKING:
     from ..study.config import Config
-    from ..sweeps.grid import Grid
 
 Over = Annotated[
     list[str] | None,
-    typer.Option(metavar="FIELD=VALUES", help="Values of a field: FROM:TO:COUNT[:log] or A,B,…; repeatable."),
+    typer.Option(
+        metavar="FIELD=VALUES", help="Values of a field: FROM:TO:COUNT[:log] or A,B,…, numbers or choices; repeatable."
+    ),
 ]
 
 
@@ -36,31 +37,34 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}        # m/s
       buffer.k_A = {from = 100, to = 2000, count = 8, scale = "log"}       # N/m
       buffer.c_A = [2, 5, 10]                                              # N s/m
+      contact.law = ["hertz", "lankarani-nikravesh"]
 
     \b
     Files in DIR:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
+      sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.chunks  kept up while running; --resume needs it
 
     \b
     Examples:
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
+      jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20 --over contact.law=hertz,lankarani-nikravesh
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
     from ..output.formats import ARRAYS
-    from ..output.sweep_files import FIGURE, TABLE
+    from ..output.sweep_files import FIGURE, LABELLED, TABLE
     from ..sweeps.grid import check_swept_once
+    from ..sweeps.grid import grid as made
     from ..sweeps.store import STORE
 
     study = request.study()
-    grid = _grid(study, over or [])
+    asked = _asked(study, over or [])
+    grid = made(asked, study.design, study.scenario)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
-    design, scenarios = grid.applied(study.design, study.scenario)
-    files = request.files(TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
-    import numpy as np
-
+    grid.batches(study.design, study.scenario)  # checks that the values go together
+    files = request.files(TABLE, ARRAYS, FIGURE, LABELLED, resumable=(STORE,), resume=resume)
     from ..output.results import swept_files
     from ..sweeps.sweep import SweepInterrupted
     from ..sweeps.sweep import sweep as compute
@@ -70,12 +74,13 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     options = study.options
     interrupted = False
     try:
-        found = sweeping(
+        swept = sweeping(
             len(grid),
             lambda report: compute(
-                design,
-                scenarios,
+                study.design,
+                study.scenario,
                 options.duration,
+                over=asked,
                 solver=options.stepper(),
                 rtol=options.rtol,
                 progress=report,
@@ -83,21 +88,21 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
                 resume=resume,
             ),
         )
-        done = np.ones(len(grid), bool)
     except SweepInterrupted as stop:
-        found, done, interrupted = stop.found, stop.done, True
+        assert isinstance(stop.found, Swept)
+        swept, interrupted = stop.found, True
         if request.output is not None:
-            told = f"{done.sum()} of {done.size} {study.mechanism.run_name}s are kept"
+            told = f"{stop.done.sum()} of {stop.done.size} {study.mechanism.run_name}s are kept"
             note(f"{told}; the same command with --resume goes on in {request.output}")
-        if not done.any():
+        if not stop.done.any():
             return INTERRUPTED
-    swept = Swept(grid, study.design, study.scenario, found, done)
     files.save_and_show(lambda: swept_files(swept), swept)
     return INTERRUPTED if interrupted else OK
 
 
-def _grid(study: "Config", over: list[str]) -> "Grid":
-    from ..sweeps.grid import grid, typed
+def _asked(study: "Config", over: list[str]) -> dict[str, Any]:
+    """The values of each field: those of the study, with those of the command line added or in their place."""
+    from ..sweeps.grid import typed
 
     asked = dict(study.sweep)
     typed_in = [typed(text) for text in over]
@@ -105,4 +110,4 @@ def _grid(study: "Config", over: list[str]) -> "Grid":
         if sum(path == other for other, _ in typed_in) > 1:
             raise InputError(f"--over {path} is given more than once; put its values into one")
         asked[path] = values
-    return grid(asked or study.mechanism.defaults.grid, study.design, study.scenario)
+    return asked or dict(study.mechanism.defaults.grid)

@@ -3,6 +3,7 @@
 from .address import SCENARIO as SCENARIO
 from .address import addresses as addresses
 from .address import check_address as check_address
+from .address import check_alone as check_alone
 from .address import check_numbers as check_numbers
 from .address import unit_at as unit_at
 from .address import value_at as value_at

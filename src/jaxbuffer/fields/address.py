@@ -6,8 +6,8 @@ from typing import Any, TypeVar
 import equinox as eqx
 import numpy as np
 
-from ..errors import InputError, check_names, check_single, suggest
-from .paths import get, paths, replace, unit
+from ..errors import InputError, check_choice, check_flag, check_names, check_single, check_whole, suggest
+from .paths import get, metadata, paths, replace, unit
 
 SCENARIO = "scenario."
 
@@ -43,6 +43,18 @@ def value_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Any:
 def unit_at(design: eqx.Module, scenario: eqx.Module, address: str) -> str:
     """The unit of what is at ``address``, "" for a choice."""
     return unit(*_owner(design, scenario, address))
+
+
+def check_alone(design: eqx.Module, scenario: eqx.Module, address: str, value: Any) -> None:
+    """Raise `InputError` unless a value is one that the choice at ``address`` takes, whatever the other fields are."""
+    owner, path = _owner(design, scenario, address)
+    known = metadata(owner, path)
+    if "choices" in known:
+        check_choice(address, value, known["choices"])
+    elif "flag" in known:
+        check_flag(address, value)
+    elif "least" in known:
+        check_whole(address, value, known["least"])
 
 
 def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S]:

@@ -61,6 +61,11 @@ class Part(eqx.Module):
                 check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
         self.check_together()
 
+    def __repr__(self) -> str:
+        from .shown import part_text
+
+        return part_text(self)
+
     def check_together(self) -> None:
         """Raise `InputError` where fields, each good in itself, don't go together."""
 

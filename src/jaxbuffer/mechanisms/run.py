@@ -7,14 +7,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
+from rich.table import Table
 
 from ..hybrid import Log, Result, moving
+from ..tables import html, table, text
 from .energy import Balance, Energy
 from .history import History
 from .quantity import check_quantities, of_impact
 from .registry import mechanism_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
     from .mechanism import Mechanism
     from .outcome import RunOutcome
 
@@ -33,6 +38,34 @@ class Impacts(eqx.Module):
     peak_force: Float[Array, " slots"]
     release_time: Float[Array, " slots"]
     count: Int[Array, ""]
+
+    def __repr__(self) -> str:
+        return text(self._table()) if self._concrete else super().__repr__()
+
+    def _repr_html_(self) -> str:
+        return html(self._table() if self._concrete else super().__repr__())
+
+    @property
+    def _concrete(self) -> bool:
+        """Whether these are one run's, with numbers."""
+        return not isinstance(self.count, jax.core.Tracer) and np.ndim(self.count) == 0
+
+    def _table(self) -> Table:
+        """The impacts that happened, counted from 1."""
+        count = int(self.count)
+        shown = table(f"{count} impact{'' if count == 1 else 's'}")
+        columns = {
+            "contact": self.contact,
+            "time [s]": self.time,
+            "approach_speed [m/s]": self.approach_speed,
+            "peak_force [N]": self.peak_force,
+            "release_time [s]": self.release_time,
+        }
+        for heading in ("impact", *columns):
+            shown.add_column(heading, justify="right")
+        for k, row in enumerate(zip(*(np.asarray(it)[:count] for it in columns.values()), strict=True), 1):
+            shown.add_row(str(k), *("-" if np.isnan(value) else f"{value:.6g}" for value in row))
+        return shown
 
 
 class Maxima(NamedTuple):
@@ -130,10 +163,57 @@ class Run(eqx.Module):
         """Whether this is a batch, or traced."""
         return isinstance(self.code, jax.core.Tracer) or bool(np.ndim(self.code))
 
+    def to_xarray(self) -> "xr.Dataset":
+        """The run as labelled arrays, each with its unit in the attribute ``units``.
+
+        - Without dimension: the quantities that sweeps have, such as ``peak_force``.
+        - Along ``impact``, the impacts that happened: ``impact_time``, ``impact_contact``, ``impact_approach_speed``,
+          ``impact_peak_force``, ``impact_release_time``.
+        - Along ``energy``: ``energy_at_end``.
+        - With a history along ``step``, whose coordinate is ``time``: ``gap``, ``contact_force`` and so on by
+          ``contact``, ``position_x`` … ``velocity_angle`` by ``body``, ``energy_history`` by ``energy``, the joints'
+          multipliers as ``multiplier_…`` and the mechanism's own as ``…_history``.
+        - Attributes: ``kind`` of the mechanism, ``outcome``, version, ``design`` and ``scenario`` as JSON.
+
+        **Raises:** `InputError` for a batch of runs.
+
+        **Example:**
+
+        >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22)
+        >>> data = run.to_xarray()
+        >>> f"{float(data.peak_force):.1f} {data.peak_force.units}, {data.sizes['impact']} impact, {data.outcome}"
+        '1831.5 N, 1 impact, finished'
+        """
+        from .dataset import run_dataset
+
+        return run_dataset(self)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """The history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
+
+        **Raises:** `InputError` for a run without a history.
+
+        **Example:**
+
+        >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22, history=True)
+        >>> f"{run.to_pandas()['contact_force plate [N]'].max():.1f} N"
+        '1831.5 N'
+        """
+        from ..labelled.arrays import frame
+        from .history_table import history_columns
+
+        columns = history_columns(self)
+        return frame(list(columns), np.column_stack(list(columns.values())).tolist())
+
     def __repr__(self) -> str:
         if self._many:
             return f"{type(self).__name__}(batch or traced, code={self.code})"
         return self.mechanism.summary(self)
+
+    def _repr_html_(self) -> str:
+        from ..tables import summary_html
+
+        return summary_html(repr(self))
 
 
 class Solved(NamedTuple):

@@ -5,14 +5,15 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import equinox as eqx
 import jax
 import numpy as np
 
-from ..fields import get, paths, unit, unit_at
+from ..fields import get
+from ..fields.record import record
+from ..mechanisms.history_table import history_columns
 from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run
-from ..sensitivities.summary import per
+from ..sensitivities.dataset import sensitivity_rows
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
 
@@ -22,18 +23,6 @@ if TYPE_CHECKING:
     from ..tuning.tuned import Tuned
 
 Table = tuple[list[str], list[Sequence[Any]]]
-
-CONTACT_UNITS = {
-    "gap": "m",
-    "approach_speed": "m/s",
-    "slip": "m/s",
-    "contact_force": "N",
-    "friction_force": "N",
-}
-COORDINATES = {
-    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
-    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
-}
 
 
 def run_record(run: Run) -> dict[str, Any]:
@@ -69,28 +58,16 @@ def run_record(run: Run) -> dict[str, Any]:
         **{name: _numbers(values) for name, values in mechanism.record(run).items()},
         "steps_accepted": int(run.accepted),
         "steps_attempted": int(run.attempts),
-        "design": _fields(run.design),
-        "scenario": _fields(run.scenario),
+        "design": record(run.design),
+        "scenario": record(run.scenario),
         "jaxbuffer": version(),
     }
 
 
 def run_history(run: Run) -> Table:
     """The history, a row for each accepted step."""
-    seen: Any = jax.tree.map(np.asarray, run.history)
-    names = run.mechanism.names(run.design)
-    columns: dict[str, Any] = {"time [s]": seen.time}
-    for name, symbol in CONTACT_UNITS.items():
-        value = getattr(seen, name)
-        columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items() if name in seen.others}
-    for name, axes in COORDINATES.items():
-        for k, body in enumerate(names.bodies):
-            columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
-    for k, (name, symbol) in enumerate(names.multipliers.items()):
-        columns[f"multiplier {name} [{symbol}]"] = seen.multipliers[:, k]
-    columns |= {f"energy {name} [J]": getattr(seen.energy, name) for name in seen.energy.names}
-    return list(columns), np.column_stack([np.asarray(column) for column in columns.values()]).tolist()
+    columns = history_columns(run)
+    return list(columns), np.column_stack(list(columns.values())).tolist()
 
 
 def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
@@ -104,8 +81,8 @@ def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
         **{f"{n} [{u}]": _number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
-        "design": _fields(run.design),
-        "scenario": _fields(run.scenario),
+        "design": record(run.design),
+        "scenario": record(run.scenario),
         "jaxbuffer": version(),
     }
 
@@ -154,47 +131,6 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
     }
 
 
-def sensitivity_rows(result: "Sensitivity") -> Table:
-    """A row for each pair of quantity and parameter."""
-    header = ["quantity", "parameter", "value", "parameter_unit", "gradient", "gradient_unit", "elasticity [-]"]
-    certificate = result.certificate
-    rows: list[Sequence[Any]] = []
-    for i, quantity in enumerate(result.quantities):
-        for k, path in enumerate(result.paths):
-            symbol = unit_at(result.run.design, result.run.scenario, path)
-            rows.append(
-                [
-                    quantity,
-                    path,
-                    _number(result.values[k]),
-                    symbol,
-                    _number(result.gradients[i, k]),
-                    per(unit_of(result.run.mechanism.quantities, quantity), symbol),
-                    _number(result.elasticities[i, k]),
-                    None if certificate is None else _number(certificate.error[i, k]),
-                    None if certificate is None else certificate.verdicts[i].name,
-                ]
-            )
-    return [*header, "estimated_error [-]", "verdict"], rows
-
-
-def tuning_history(tuned: "Tuned") -> Table:
-    """A row for each evaluated design; worst values over the scenarios."""
-    problem = tuned.problem
-    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
-    numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
-    catalogue = problem.mechanism.quantities
-    worst = {name: catalogue[name].unit for name in problem.quantities}
-    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
-    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
-    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
-    rows: list[Sequence[Any]] = []
-    for it in tuned.records:
-        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
-        rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
-    return header, rows
-
-
 def tuned_record(tuned: "Tuned") -> dict[str, Any]:
     """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
@@ -230,7 +166,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "limits": {name: limit for name, limit in problem.limits.at_most.items()},
         "scenarios": [
             {
-                **_fields(case.scenario),
+                **record(case.scenario),
                 "factors": dict(case.factors),
                 **floor,
                 "before": before,
@@ -238,7 +174,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
             }
             for (case, before, after), floor in zip(scenarios, floors, strict=True)
         ],
-        "design": _fields(tuned.design),
+        "design": record(tuned.design),
         "jaxbuffer": version(),
     }
 
@@ -283,17 +219,6 @@ def tuned_comment(tuned: "Tuned") -> str:
         peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"
         lines.append(f"  peak at {problem.mechanism.label(scenario, problem.scenarios_met)}: {peaks}")
     return "\n".join(lines)
-
-
-def _fields(module: eqx.Module) -> dict[str, Any]:
-    record: dict[str, Any] = {}
-    for path in paths(module):
-        value: Any = module
-        for name in path.split("."):
-            value = getattr(value, name)
-        symbol = unit(module, path)
-        record[f"{path} [{symbol}]" if symbol else path] = _number(value) if symbol else value
-    return record
 
 
 def _number(value: Any) -> float | None:

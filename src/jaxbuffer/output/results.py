@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 def run_files(run: "Run") -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run."""
+    from ..labelled.netcdf import SUFFIX, content
     from .figures import run_figure
     from .motion import motion_figure
     from .motion_record import motion_record
@@ -27,12 +28,14 @@ def run_files(run: "Run") -> Contents:
         f"{name}.txt": lambda: f"{run!r}\n",
         **both(name, lambda: run_figure(run)),
         **both("motion", lambda: motion_figure(run)),
+        f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
     }
 
 
 def sensitivity_files(result: "Sensitivity") -> Contents:
     """Of `jaxbuffer sensitivity`."""
-    from .records import sensitivity_record, sensitivity_rows
+    from ..sensitivities.dataset import sensitivity_rows
+    from .records import sensitivity_record
 
     return {
         "sensitivity.json": lambda: json_text(sensitivity_record(result)),
@@ -45,7 +48,8 @@ def tuned_files(tuned: "Tuned") -> Contents:
     """Of `jaxbuffer tune`."""
     from ..run.simulate import simulate
     from ..study.config import design_toml
-    from .records import tuned_comment, tuned_record, tuning_history
+    from ..tuning.table import tuning_history
+    from .records import tuned_comment, tuned_record
     from .style import both
     from .tune_figure import tune_figure, worst_case
 
@@ -68,12 +72,15 @@ def tuned_files(tuned: "Tuned") -> Contents:
 
 def swept_files(swept: "Swept") -> Contents:
     """Of `jaxbuffer sweep`."""
+    from ..labelled.netcdf import content
+    from ..sweeps.dataset import swept_rows
     from .style import both
     from .sweep_figures import sweep_figure
-    from .sweep_files import FIGURE, TABLE, arrays, rows
+    from .sweep_files import FIGURE, LABELLED, TABLE, arrays
 
     return {
         ARRAYS: lambda: arrays(swept),
-        TABLE: lambda: csv_text(*rows(swept)),
+        TABLE: lambda: csv_text(*swept_rows(swept)),
         **both(FIGURE.removesuffix(".png"), lambda: sweep_figure(swept)),
+        LABELLED: lambda: content(swept.to_xarray()),
     }

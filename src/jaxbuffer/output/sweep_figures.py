@@ -1,4 +1,5 @@
-"""Figures of sweeps: lines over one field, heat maps over two, slices of heat maps over more."""
+"""Figures of sweeps: lines over one number, heat maps over two, slices of heat maps over more; choices are lines or
+slices."""
 
 import itertools
 import math
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
-from .style import BLUE, COLUMNS, GREEN, GREY, ORANGE, PURPLE, RED, SKY, label, panels, styled
+from .style import BLUE, COLUMNS, GREEN, GREY, ORANGE, PURPLE, RED, SKY, label, line, panels, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,40 +19,85 @@ MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their 
 ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
 FAILED, UNDONE = "failed", "not computed"
 SLICES = 9
+POINTS = ("o", "s", "^", "D", "v", "P")
 
 
 @styled
 def sweep_figure(swept: Swept) -> "Figure":
-    """Over one field lines, over two heat maps of four quantities, over more the peak contact force in slices."""
-    moving = [k for k, axis in enumerate(swept.grid.axes) if len(axis) > 1]
-    if len(moving) < 2:
-        return _lines(swept, moving[0] if moving else 0)
+    """Over one number lines, one for each combination of choices; over two heat maps of four quantities; over more, or
+    choices besides, the peak contact force in slices."""
+    axes = swept.grid.axes
+    moving = [k for k, axis in enumerate(axes) if len(axis) > 1]
+    numbers = [k for k in moving if axes[k].unit]
+    if len(numbers) < 2:
+        along = (numbers or moving or [0])[0]
+        return _lines(swept, along, [k for k in moving if k != along])
     if len(moving) == 2:
         return _maps(swept, moving[0], moving[1])
     return _slices(swept, moving)
 
 
-def _lines(swept: Swept, along: int) -> "Figure":
+def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
+    """Four quantities over one field, a line for each combination of the values of the others (``by``)."""
     figure, grid = panels(9.0, 6.5, 2, 2)
-    axis = swept.grid.axes[along]
-    order = np.argsort(axis.values)
-    x, outcomes = axis.values[order], _outcomes(swept).ravel()[order]
-    marks = _marks(swept)
+    axis, axes_of = swept.grid.axes[along], swept.grid.axes
+    order = np.argsort(_places(axis))
+    x, marks, others = _places(axis)[order], _marks(swept), [axes_of[k] for k in by]
+    outcomes = _by_line(_outcomes(swept), along, by)[:, order]
+    words = [", ".join(map(_said, others, it)) for it in itertools.product(*(other.values for other in others))]
     for axes, name in zip(grid.flat, swept.found.mechanism.defaults.mapped, strict=True):
         title, y, factor = _drawn(swept, name)
-        values = factor * swept.shaped(name).ravel()[order]
-        axes.plot(x, values, color=BLUE, marker=".")
-        for outcome, (marker, colour, _) in marks.items():
-            here = outcomes == outcome
-            # one that failed has no value: its mark stands on the horizontal axis
-            places = np.where(np.isfinite(values), values, 0.0)[here]
-            if here.any():
-                axes.plot(x[here], places, marker, color=colour, markersize=7, label=outcome)
-        axes.set_ylim(bottom=0.0)
-        axes.set_xscale(axis.scale)
-        label(axes, title, _name(axis), y, legend=bool(axes.get_legend_handles_labels()[0]))
+        several = _by_line(factor * swept.shaped(name), along, by)[:, order]
+        for k, (values, ended) in enumerate(zip(several, outcomes, strict=True)):
+            style = (
+                {**line(k), "marker": "."}
+                if axis.unit
+                else {**line(k), "marker": POINTS[k % len(POINTS)], "linestyle": ""}
+            )
+            axes.plot(x, values, label=words[k] or None, **style)
+            for outcome, (marker, colour, _) in marks.items():
+                here = ended == outcome
+                # one that failed has no value: its mark stands on the horizontal axis
+                shown = np.where(np.isfinite(values), values, 0.0)[here]
+                if here.any():
+                    edge = {"markeredgecolor": "black", "markeredgewidth": 0.4}
+                    axes.plot(x[here], shown, marker, color=colour, markersize=7, label=outcome, **edge)
+        axes.set_ylim(0.0, 1.03 * axes.get_ylim()[1])
+        _scaled(axes, axis)
+        handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        label(axes, title, _name(axis), y, legend=bool(handles) and not by)
+    if by:
+        columns = max(1, 130 // (10 + max(map(len, handles))))  # of characters that fit beside each other
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
     figure.suptitle(_title(swept))
     return figure
+
+
+def _by_line(array: np.ndarray, along: int, by: list[int]) -> np.ndarray:
+    """An array in the grid's shape as (combinations of the axes ``by``, values ``along``)."""
+    fixed = [k for k in range(array.ndim) if k != along and k not in by]
+    return np.transpose(array, [*fixed, *by, along]).reshape(-1, array.shape[along])
+
+
+def _said(axis: Axis, value: Any) -> str:
+    """One value of an axis in a legend or a title; a choice's name is its whole path."""
+    if axis.unit:
+        return f"{axis.name} {axis.words(value, 4)}"
+    return f"{axis.path.replace('.', ' ').replace('_', ' ')} {axis.words(value)}"
+
+
+def _places(axis: Axis) -> np.ndarray:
+    """Where an axis' values stand in a figure: numbers where they are, choices side by side."""
+    return axis.values if axis.unit else np.arange(float(len(axis)))
+
+
+def _scaled(axes: "Axes", axis: Axis) -> None:
+    """The horizontal scale, or a choice's values in words."""
+    if axis.unit:
+        axes.set_xscale(axis.scale)
+    else:
+        axes.set_xticks(_places(axis), [axis.words(value) for value in axis.values], rotation=20, ha="right")
+        axes.set_xlim(-0.5, len(axis) - 0.5)
 
 
 def _maps(swept: Swept, across: int, up: int) -> "Figure":
@@ -69,7 +115,8 @@ def _maps(swept: Swept, across: int, up: int) -> "Figure":
 
 def _slices(swept: Swept, moving: list[int]) -> "Figure":
     """The two longest fields span the maps; the values of the others are spread over the panels."""
-    across, up = sorted(sorted(moving, key=lambda k: -len(swept.grid.axes[k]))[:2])
+    numbers = [k for k in moving if swept.grid.axes[k].unit]
+    across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
     others = [k for k in moving if k not in (across, up)]
     every = list(itertools.product(*(range(len(swept.grid.axes[k])) for k in others)))
     places = np.unique(np.linspace(0, len(every) - 1, min(SLICES, len(every))).round().astype(int))
@@ -84,8 +131,9 @@ def _slices(swept: Swept, moving: list[int]) -> "Figure":
         for k, index in zip(others, every[place], strict=True):
             cut[k] = slice(index, index + 1)
         image = _map(axes, swept, (across, up), values, tuple(cut), **limits)
+        between = ", " if all(swept.grid.axes[k].unit for k in others) else "\n"
         fixed = ((swept.grid.axes[k], index) for k, index in zip(others, every[place], strict=True))
-        title = ", ".join(f"{axis.name} {axis.values[index]:.4g} {axis.unit}" for axis, index in fixed)
+        title = between.join(_said(axis, axis.values[index]) for axis, index in fixed)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
     for axes in shown[len(places) :]:
         axes.remove()
@@ -169,12 +217,12 @@ def _outcomes(swept: Swept) -> np.ndarray:
 
 def _name(axis: Axis) -> str:
     words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
-    return f"{words} [{axis.unit}]"
+    return f"{words} [{axis.unit}]" if axis.unit else axis.path.replace(".", " ").replace("_", " ")
 
 
 def _title(swept: Swept) -> str:
     mechanism = swept.found.mechanism
-    fixed = [f"{axis.name} {axis.values[0]:.4g} {axis.unit}" for axis in swept.grid.axes if len(axis) == 1]
+    fixed = [_said(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
     parts = [f"Sweep of {len(swept.grid)} {mechanism.run_name}s"]
     if mechanism.success is not None:
         code = mechanism.outcomes[mechanism.success]

@@ -1,9 +1,7 @@
-"""A sweep as files: a table with a row for each run, and arrays in the grid's shape, which can be read back."""
+"""A sweep's files: their names, and arrays in the grid's shape, which can be read back."""
 
 import io
 import json
-import math
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,43 +10,14 @@ import numpy as np
 from ..errors import InputError
 from ..mechanisms.registry import mechanism_of
 from ..study.config import design_toml, loads
+from ..sweeps.dataset import named
+from ..sweeps.found import Sweep
 from ..sweeps.grid import Axis, Grid
-from ..sweeps.sweep import Sweep
 from ..sweeps.swept import Swept
 from ..version import version
 
-TABLE, FIGURE = "sweep.csv", "sweep.png"
+TABLE, FIGURE, LABELLED = "sweep.csv", "sweep.png", "sweep.nc"
 INDEX = "sweep"  # key of the arrays' description
-
-
-def named(sweep: Sweep, column: str) -> str:
-    """A column with its unit: "peak_force [N]"."""
-    catalogue = sweep.mechanism.quantities
-    return f"{column} [{catalogue[column].unit}]" if column in catalogue else column
-
-
-def rows(swept: Swept) -> tuple[list[str], Iterator[Sequence[Any]]]:
-    """Header and a row for each run that was computed; what a failed one lacks stays empty."""
-    found = swept.found
-    contact = f"peak_{found.mechanism.contact}"
-    numbers = [name for name in found.columns if name not in ("code", contact)]
-    header = [
-        *(f"{axis.path} [{axis.unit}]" for axis in swept.grid.axes),
-        "outcome",
-        *(named(found, name) for name in numbers),
-        contact,
-    ]
-    return header, _rows(swept, numbers, contact)
-
-
-def _rows(swept: Swept, numbers: Sequence[str], contact: str) -> Iterator[Sequence[Any]]:
-    found, inputs = swept.found, list(swept.grid.columns().values())
-    contacts = found.mechanism.names(swept.design).contacts
-    columns, outcomes = [found.columns[name] for name in numbers], found.outcomes
-    for i in np.flatnonzero(swept.done):
-        values = [None if math.isnan(value) else value for value in (column[i].item() for column in columns)]
-        largest = contacts[found.columns[contact][i]] if swept.solved[i] else None
-        yield [*(column[i].item() for column in inputs), outcomes[i].name, *values, largest]
 
 
 def arrays(swept: Swept) -> bytes:
@@ -61,7 +30,7 @@ def arrays(swept: Swept) -> bytes:
         "jaxbuffer": version(),
     }
     stored: dict[str, Any] = {INDEX: np.array(json.dumps(description))}
-    stored |= {f"{axis.path} [{axis.unit}]": axis.values for axis in swept.grid.axes}
+    stored |= {axis.heading: axis.values for axis in swept.grid.axes}
     stored |= {named(found, name): swept.shaped(name) for name in found.columns}
     stored["done"] = swept.done.reshape(swept.grid.shape)
     content = io.BytesIO()
@@ -76,7 +45,7 @@ def read(file: Path) -> Swept:
             arrays = dict(stored)
         description = json.loads(str(arrays[INDEX]))
         axes = tuple(
-            Axis(path, unit, tuple(arrays[f"{path} [{unit}]"].tolist()), scale)
+            Axis(path, unit, tuple(arrays[Axis(path, unit, ()).heading].tolist()), scale)
             for path, unit, scale in description["axes"]
         )
         grid = Grid(axes)

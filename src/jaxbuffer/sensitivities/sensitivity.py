@@ -1,6 +1,7 @@
 """`sensitivity`: gradients and elasticities of a run, with a certificate of how far to trust them."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import equinox as eqx
 import numpy as np
@@ -16,6 +17,10 @@ from ..run.simulate import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
 from .evidence import TightSolves, each, together
 from .gradients import Gradients, gradients
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 CERTIFICATES = ("quick", "thorough", "none")
 ZERO = 1e-15  # a result below has no elasticities
@@ -56,10 +61,38 @@ class Sensitivity(eqx.Module):
         """The run."""
         return self.run
 
+    def to_xarray(self) -> "xr.Dataset":
+        """Labelled arrays: ``gradient``, ``elasticity`` and ``estimated_error`` by ``quantity`` and ``parameter``, with
+        ``gradient_unit``, ``quantity_unit`` and ``parameter_unit`` beside them.
+
+        **Example:**
+
+        >>> found = jb.sensitivity(jb.table2(), wrt=["buffer.k_A"], quantities=["peak_force"], certify="none")
+        >>> slope = found.to_xarray().gradient.sel(quantity="peak_force", parameter="buffer.k_A")
+        >>> f"{float(slope):+.4f} {slope.gradient_unit.item()}"
+        '+0.1728 N/(N/m)'
+        """
+        from .dataset import sensitivity_dataset
+
+        return sensitivity_dataset(self)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row for each pair of quantity and parameter, as in sensitivity.csv."""
+        from ..labelled.arrays import frame
+        from .dataset import sensitivity_rows
+
+        return frame(*sensitivity_rows(self))
+
     def __repr__(self) -> str:
         from .summary import sensitivity_table
 
         return sensitivity_table(self)
+
+    def _repr_html_(self) -> str:
+        from ..tables import html
+        from .summary import sensitivity_parts
+
+        return html(*sensitivity_parts(self))
 
 
 def sensitivity(

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 
 def sensitivity_table(result: "Sensitivity") -> str:
+    """The tables as text."""
+    return text(*sensitivity_parts(result))
+
+
+def sensitivity_parts(result: "Sensitivity") -> list[str | Table]:
     """Elasticities of every quantity (derivatives of those that can change sign), gradients and the certificate."""
     run, mechanism = result.run, result.run.mechanism
     catalogue = mechanism.quantities
@@ -49,7 +54,7 @@ def sensitivity_table(result: "Sensitivity") -> str:
         parts.append(certificate_text(certificate, result.quantities, mechanism, result.run.design))
     if not run.outcome.failed:
         parts += mechanism.notes(run)
-    return text(*parts)
+    return parts
 
 
 def _by_parameter(filled: Table, result: "Sensitivity", which: np.ndarray, cell: Callable[[int, int], str]) -> None:

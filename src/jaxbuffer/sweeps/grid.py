@@ -1,16 +1,17 @@
-"""Grids to sweep: every combination of the values of some fields of design and scenario."""
+"""Grids to sweep: every combination of the values of some fields of design and scenario, choices included."""
 
 import dataclasses
+import itertools
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, check_address, unit_at, with_values
+from ..fields import Part, check_address, check_alone, unit_at, value_at, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import check_pair
 
@@ -39,11 +40,11 @@ class Span:
 
 @dataclasses.dataclass(frozen=True)
 class Axis:
-    """One field's values: its dotted ``path``, ``unit``, and the values asked for [unit]."""
+    """One field's values: its dotted ``path``, ``unit`` ("" of a choice), and the values asked for [unit]."""
 
     path: str
     unit: str
-    asked: Span | tuple[float, ...]
+    asked: Span | tuple[Any, ...]
     scale: str = SCALES[0]  # on which it is drawn
 
     def __len__(self) -> int:
@@ -56,8 +57,28 @@ class Axis:
 
     @property
     def values(self) -> np.ndarray:
-        """The values, shape (len,), in the axis' unit."""
-        return np.asarray(self.asked, float)
+        """The values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
+        return np.asarray(self.asked, float) if self.unit else np.asarray(self.asked)
+
+    @property
+    def heading(self) -> str:
+        """The path with its unit: "scenario.approach_speed [m/s]"."""
+        return f"{self.path} [{self.unit}]" if self.unit else self.path
+
+    def words(self, value: Any, digits: int = 6) -> str:
+        """One of the values in words: "0.1 m/s", "hertz", "true"."""
+        if not self.unit:
+            return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
+        return f"{value:.{digits}g} {self.unit}".rstrip(" -")
+
+
+class Batch(NamedTuple):
+    """Runs of one program: their ``places`` (n,) in the results (None: all, in order), ``design`` and ``scenarios``
+    with arrays (n,) for the numbers that differ."""
+
+    places: np.ndarray | None
+    design: Part
+    scenarios: Part
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,22 +114,41 @@ class Grid:
     def point(self, index: int) -> str:
         """One run's values in words: "approach_speed 0.1 m/s, misalignment 0 rad"."""
         places = np.unravel_index(index, self.shape)
-        values = (axis.values[place] for axis, place in zip(self.axes, places, strict=True))
-        return ", ".join(f"{a.name} {v:.6g} {a.unit}".rstrip(" -") for a, v in zip(self.axes, values, strict=True))
+        shown = (f"{it.name} {it.words(it.values[place])}" for it, place in zip(self.axes, places, strict=True))
+        return ", ".join(shown)
+
+    def batches(self, design: Part, scenario: Part) -> list[Batch]:
+        """All runs: a batch for each combination of choices, which change the program, with an array (n,) for each
+        field of the grid that is a number."""
+        chosen, columns = [axis for axis in self.axes if not axis.unit], self.columns()
+        numbers = {axis.path: columns[axis.path] for axis in self.axes if axis.unit}
+        made = []
+        for values in itertools.product(*(axis.values.tolist() for axis in chosen)):
+            mine = np.ones(len(self), bool)
+            for axis, value in zip(chosen, values, strict=True):
+                mine &= columns[axis.path] == value
+            places = np.flatnonzero(mine)
+            choices = {axis.path: value for axis, value in zip(chosen, values, strict=True)}
+            swept = with_values(design, scenario, choices | {path: it[places] for path, it in numbers.items()})
+            check_pair(mechanism_of(design), *swept)
+            made.append(Batch(places, *swept))
+        return made
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
-        """Design and scenario with an array (n,) for each field of the grid, the others as they are."""
-        swept = with_values(design, scenario, self.columns())
-        check_pair(mechanism_of(design), *swept)
-        return swept
+        """Design and scenario with an array (n,) for each field of the grid, the others as they are; of a grid without
+        choices."""
+        ((_, *swept),) = self.batches(design, scenario)
+        return swept[0], swept[1]
 
 
 def grid(asked: Mapping[str, Any], design: Part, scenario: Part) -> Grid:
     """A grid from values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
 
+    Of a choice the values are a word, a truth, a whole number, or a list of them.
+
     **Arguments:** ``asked``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
-    fields they are. **Raises:** `InputError` for paths that are unknown or choices, empty lists, values out of range,
-    and for a grid that does not fit into memory.
+    fields they are. **Raises:** `InputError` for paths that are unknown, empty lists, values out of range, and for a
+    grid that does not fit into memory.
     """
     return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()))
 
@@ -118,7 +158,7 @@ def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
     check_address(design, scenario, path, "sweep: ")
     symbol = unit_at(design, scenario, path)
     if not symbol:
-        raise InputError(f"sweep: {path} is a choice; only numbers can be swept")
+        return Axis(path, "", _chosen(path, asked, design, scenario))
     values = _span(path, asked) if isinstance(asked, Mapping) else _listed(path, asked)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
@@ -170,6 +210,33 @@ def _listed(path: str, asked: Any) -> tuple[float, ...]:
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
     return tuple(_number(f"sweep.{path}", value) for value in values)
+
+
+def _chosen(path: str, asked: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
+    """Values of a choice, each checked by itself: whether they go with others, `Grid.batches` checks."""
+    if isinstance(asked, Mapping):
+        raise InputError(
+            f"sweep.{path} is a choice; list its values, as in [{shown(value_at(design, scenario, path))}]"
+        )
+    asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
+    listed = list(asked) if isinstance(asked, Sequence) and not isinstance(asked, str | bytes) else [asked]
+    if not listed:
+        raise InputError(f"sweep.{path} is empty; list its values, as in [{shown(value_at(design, scenario, path))}]")
+    now = value_at(design, scenario, path)
+    values = tuple(_as_choice(value, now) for value in listed)
+    for value in values:
+        check_alone(design, scenario, path, value)
+        if values.count(value) > 1:
+            raise InputError(f"sweep.{path} names {str(value).lower()} twice; keep one")
+    return values
+
+
+def _as_choice(value: Any, now: Any) -> Any:
+    """A value as typed on a command line in the type of the field's present one; what does not fit, as it is."""
+    if isinstance(now, bool) and value in ("true", "false"):
+        return value == "true"
+    whole = isinstance(value, float) and not isinstance(now, bool) and isinstance(now, int) and value.is_integer()
+    return int(value) if whole else value
 
 
 def _number(path: str, value: Any) -> float:

@@ -3,14 +3,20 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from rich.table import Table
 
 from ..tables import table, text
 
 if TYPE_CHECKING:
-    from .sweep import Sweep
+    from .found import Sweep
 
 
 def sweep_summary(result: "Sweep") -> str:
+    """The table as text."""
+    return text(sweep_table(result))
+
+
+def sweep_table(result: "Sweep") -> Table:
     """How many runs ended how, and the range of what they found."""
     codes, counts = np.unique(result.code, return_counts=True)
     ends = ", ".join(
@@ -24,4 +30,4 @@ def sweep_summary(result: "Sweep") -> str:
         known = values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         shown.add_row(f"{name} [{result.mechanism.quantities[name].unit}]", *figures)
-    return text(shown)
+    return shown

@@ -5,9 +5,9 @@ handed to one thread a core: a compiled chunk runs outside Python.
 """
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, overload
 
 import jax
 import numpy as np
@@ -18,95 +18,44 @@ from ..compiling.programs import stored
 from ..errors import InputError, as_number, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
-from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.outcome import RunOutcome
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair, simulate
+from .found import Sweep as Sweep
+from .found import SweepInterrupted as SweepInterrupted
+from .found import column_names as column_names
+from .found import whole_numbers as whole_numbers
+from .grid import Batch, grid
 from .store import SweepStore, identity
+from .swept import Swept
 
 CHUNK = 16
 ONE_FOR_ALL = "all runs of a sweep share it"
 
 
-@dataclasses.dataclass(frozen=True)
-class Sweep:
-    """What a sweep found: an array of n entries a quantity, in the order asked; numbers of failed runs are NaN.
+class Settings(NamedTuple):
+    """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``."""
 
-    - ``mechanism``: of which these are runs.
-    - ``columns``: by name, each of shape (n,) and an attribute too: ``code`` of the outcome, the mechanism's quantities
-      that sweeps have (units in its catalogue), the contact with the largest force (``peak_flank`` where contacts are
-      flanks), ``impact_count`` and ``attempts``.
-
-    **Example:**
-
-    >>> found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
-    >>> [outcome.name for outcome in found.outcomes], bool(found.solved.all())
-    (['captured', 'captured'], True)
-    >>> [f"{1e3 * stroke:.2f} mm" for stroke in found.stroke]
-    ['7.50 mm', '15.18 mm']
-    """
-
-    mechanism: Mechanism
-    columns: dict[str, np.ndarray]
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        columns = object.__getattribute__(self, "columns")
-        if name in columns:
-            return columns[name]
-        raise AttributeError(f"Sweep has no {name!r}")
-
-    def __len__(self) -> int:
-        return len(self.columns["code"])
-
-    @property
-    def outcomes(self) -> list[RunOutcome]:
-        """The outcome of each run."""
-        return [self.mechanism.outcomes(int(code)) for code in self.columns["code"]]
-
-    @property
-    def solved(self) -> np.ndarray:
-        """Which runs have numbers, shape (n,)."""
-        return (self.columns["code"] >= 0) & (self.columns["code"] < self.mechanism.outcomes["failed_steps"])
-
-    @staticmethod
-    def empty(mechanism: Mechanism, count: int) -> "Sweep":
-        """Room for a number of runs, none of them done."""
-        whole = whole_numbers(mechanism)
-        columns = {
-            name: np.full(count, *((-1, int) if name in whole else (np.nan, float)))  # type: ignore[arg-type]
-            for name in column_names(mechanism)
-        }
-        return Sweep(mechanism, columns)
-
-    def __repr__(self) -> str:
-        from .summary import sweep_summary
-
-        return sweep_summary(self)
+    rtol: np.ndarray
+    stabilisation: np.ndarray
+    solver: Solver | None
 
 
-def column_names(mechanism: Mechanism) -> tuple[str, ...]:
-    """What a sweep of the mechanism finds, in order."""
-    return ("code", *mechanism.swept, *whole_numbers(mechanism)[1:])
+class Storing(NamedTuple):
+    """How a sweep is stored and watched; fields as in `sweep`."""
+
+    workers: int | None
+    progress: Callable[[int, int], None] | None
+    folder: str | Path | None
+    resume: bool
 
 
-def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
-    """Those of `column_names` that are whole numbers."""
-    return ("code", f"peak_{mechanism.contact}", "impact_count", "attempts")
-
-
-class SweepInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep. ``found`` has what was done until then, ``done`` (n,) says which runs those are."""
-
-    def __init__(self, found: Sweep, done: np.ndarray) -> None:
-        super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.run_name}s done")
-        self.found, self.done = found, done
-
-
+@overload
 def sweep(
     design: Part,
     scenarios: Part,
     duration: Scalar | None = None,
     *,
+    over: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -114,21 +63,58 @@ def sweep(
     progress: Callable[[int, int], None] | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-) -> Sweep:
+) -> Sweep: ...
+
+
+@overload
+def sweep(
+    design: Part,
+    scenarios: Part,
+    duration: Scalar | None = None,
+    *,
+    over: Mapping[str, Any],
+    solver: Solver | str | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    stabilisation: float = 20.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+) -> Swept: ...
+
+
+def sweep(
+    design: Part,
+    scenarios: Part,
+    duration: Scalar | None = None,
+    *,
+    over: Mapping[str, Any] | None = None,
+    solver: Solver | str | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    stabilisation: float = 20.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+) -> Sweep | Swept:
     """Simulate many runs of a mechanism.
 
     **Arguments:**
 
     - ``design``, ``scenarios``: any of their numbers may be an array of shape (n,), one entry a run.
     - ``duration``: as for `simulate`, or an array of shape (n,) [s].
+    - ``over``: values of several fields, all combinations of which are run: by dotted path, "scenario.…" for the
+      scenario's, a list of numbers in the field's unit, {"from", "to", "count", "scale"}, or a list of choices.
+      ``design`` and ``scenarios`` then have single numbers.
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for.
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
     - ``resume``: go on with the sweep in ``folder`` instead.
 
-    **Returns:** a `Sweep`, the same bits whether it was interrupted and resumed or not. A run that fails says so in
-    its ``code``; the others are not touched by it.
+    **Returns:** a `Sweep`, or with ``over`` a `Swept`, the same bits whether it was interrupted and resumed or not. A
+    run that fails says so in its ``code``; the others are not touched by it. Each combination of choices is a program
+    of its own, compiled once.
 
     **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use, and on resuming
     another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C.
@@ -138,6 +124,10 @@ def sweep(
     >>> found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
     >>> [f"{force:.2f} N" for force in found.peak_force]
     ['253.13 N', '325.18 N']
+    >>> over = {"scenario.height": [0.1, 0.194], "impact.law": ["adams", "kelvin-voigt"]}
+    >>> forces = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.22, over=over).to_xarray().peak_force
+    >>> f"{float(forces.sel({'scenario.height': 0.194, 'impact.law': 'adams'})):.1f} {forces.units}"
+    '1831.5 N'
     """
     mechanism = mechanism_of(design)
     check_pair(mechanism, design, scenarios)
@@ -148,37 +138,59 @@ def sweep(
     solver = None if solver is None else solver_named(solver)
     if workers is not None:
         check_whole("workers", workers, 1)
-    leaves, structure = jax.tree.flatten((design, scenarios, as_number(duration)))
-    arrays = [np.asarray(leaf, float) for leaf in leaves]
-    count = _common_length(structure, arrays)
-    on_cpu = jax.default_backend() == "cpu"
-    chunk = min(CHUNK if on_cpu else 4096, count)
-    workers = (cores() if on_cpu else 1) if workers is None else workers
-    result = Sweep.empty(mechanism, count)
-    finished = np.zeros(count, bool)
-    options = (np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
-    store = None
-    if folder is not None:
-        asked = identity(
-            design=design, scenarios=scenarios, options=(duration, *options), quantities=tuple(result.columns)
-        )
-        store = SweepStore(Path(folder), asked, list(result.columns.values()), finished, resume)
-    elif resume:
-        raise InputError("resume needs the folder of the sweep to go on with")
+    settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
+    storing = Storing(workers, progress, folder, resume)
+    if over is None:
+        return _run([Batch(None, design, scenarios)], duration, settings, storing)
+    check_single("duration", duration, "s", ONE_FOR_ALL)
+    asked = grid(over, design, scenarios)
+    try:
+        found = _run(asked.batches(design, scenarios), duration, settings, storing)
+    except SweepInterrupted as stop:
+        assert isinstance(stop.found, Sweep)
+        raise SweepInterrupted(Swept(asked, design, scenarios, stop.found, stop.done), stop.done) from None
+    return Swept(asked, design, scenarios, found, np.ones(len(asked), bool))
 
-    def solve(first: int) -> None:
-        index = np.minimum(np.arange(first, first + chunk), count - 1)  # the last chunk is filled up with its last
-        batch = [np.broadcast_to(array, (count,))[index] for array in arrays]
-        found = _chunk(jax.tree.unflatten(structure, batch), *options)
-        its_own = slice(first, min(first + chunk, count))
-        for mine, values in zip(result.columns.values(), found, strict=True):
-            mine[its_own] = np.asarray(values)[: its_own.stop - first]
+
+class _Part(NamedTuple):
+    """A batch in the making: its numbers as arrays of shape (n,) or (), and the places of its runs in the results."""
+
+    structure: Any
+    arrays: list[np.ndarray]
+    places: np.ndarray
+    chunk: int
+
+
+def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
+    """All runs of all batches."""
+    on_cpu = jax.default_backend() == "cpu"
+    parts = [_part(batch, duration, CHUNK if on_cpu else 4096) for batch in batches]
+    count, alone = sum(part.places.size for part in parts), batches[0] if len(batches) == 1 else None
+    result = Sweep.empty(mechanism_of(batches[0].design), count, *(alone[1:] if alone else (None, None)))
+    finished = np.zeros(count, bool)
+    columns = list(result.columns.values())
+    store, progress = _store(batches, duration, settings, storing, result, finished), storing.progress
+
+    def solve(item: tuple[_Part, int]) -> None:
+        part, first = item
+        index = np.minimum(np.arange(first, first + part.chunk), part.places.size - 1)  # the last one is filled up
+        batch = [np.broadcast_to(array, part.places.shape)[index] for array in part.arrays]
+        found = _chunk(jax.tree.unflatten(part.structure, batch), *settings)
+        its_own = part.places[first : first + part.chunk]
+        for mine, values in zip(columns, found, strict=True):
+            mine[its_own] = np.asarray(values)[: its_own.size]
         finished[its_own] = True
 
-    todo = [first for first in range(0, count, chunk) if not finished[first : first + chunk].all()]
+    todo = [
+        (part, first)
+        for part in parts
+        for first in range(0, part.places.size, part.chunk)
+        if not finished[part.places[first : first + part.chunk]].all()
+    ]
     try:
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
+        workers = (cores() if on_cpu else 1) if storing.workers is None else storing.workers
         for _ in Pool(workers).as_completed(solve, todo):
             if store is not None:
                 store.save()
@@ -187,11 +199,41 @@ def sweep(
     except KeyboardInterrupt:
         done = finished.copy()  # calls under way go on for a moment
         found = {name: column.copy() for name, column in result.columns.items()}
-        raise SweepInterrupted(Sweep(mechanism, found), done) from None
+        raise SweepInterrupted(dataclasses.replace(result, columns=found), done) from None
     finally:
         if store is not None:
             store.close()
     return result
+
+
+def _part(batch: Batch, duration: Any, chunk: int) -> _Part:
+    leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
+    arrays = [np.asarray(leaf, float) for leaf in leaves]
+    count = _common_length(structure, arrays)
+    return _Part(structure, arrays, np.arange(count) if batch.places is None else batch.places, min(chunk, count))
+
+
+def _store(
+    batches: Sequence[Batch],
+    duration: Any,
+    settings: Settings,
+    storing: Storing,
+    result: Sweep,
+    finished: np.ndarray,
+) -> SweepStore | None:
+    """Where runs are stored as they are finished, if anywhere; what an earlier sweep finished is filled in."""
+    if storing.folder is None:
+        if storing.resume:
+            raise InputError("resume needs the folder of the sweep to go on with")
+        return None
+    alone = len(batches) == 1
+    asked = identity(
+        design=batches[0].design if alone else [(batch.places, batch.design) for batch in batches],
+        scenarios=batches[0].scenarios if alone else [batch.scenarios for batch in batches],
+        options=(duration, *settings),
+        quantities=tuple(result.columns),
+    )
+    return SweepStore(Path(storing.folder), asked, list(result.columns.values()), finished, storing.resume)
 
 
 @stored

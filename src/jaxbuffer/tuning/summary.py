@@ -16,6 +16,11 @@ SHOWN = 12  # scenarios in a table
 
 
 def tuned_table(tuned: "Tuned") -> str:
+    """The tables as text."""
+    return text(*tuned_parts(tuned))
+
+
+def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     """Before and after: objective, every scenario (the worst ones if there are many), variables, constraints, floor."""
     problem, (start, end) = tuned.problem, tuned.objective
     summary_ = table("Objective and what limits it")
@@ -38,7 +43,7 @@ def tuned_table(tuned: "Tuned") -> str:
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return text(f"Tuned: {tuned.message}", *tables, *facts)
+    return [f"Tuned: {tuned.message}", *tables, *facts]
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:

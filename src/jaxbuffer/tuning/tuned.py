@@ -1,6 +1,7 @@
 """The result of a tuning."""
 
 import dataclasses
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from .goal import Goal
 from .problem import Problem
 from .settings import Settings
 from .store import Record
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,7 +81,20 @@ class Tuned:
             return float("nan")
         return float(np.max(self.after.quantities[:, 0]) / np.max(self.floor.simulated) - 1.0)
 
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row for each evaluated design, as in history.csv: objective, worst values over the scenarios, variables."""
+        from ..labelled.arrays import frame
+        from .table import tuning_history
+
+        return frame(*tuning_history(self))
+
     def __repr__(self) -> str:
         from .summary import tuned_table
 
         return tuned_table(self)
+
+    def _repr_html_(self) -> str:
+        from ..tables import html
+        from .summary import tuned_parts
+
+        return html(*tuned_parts(self))

@@ -1,0 +1,47 @@
+"""A design or scenario as a flat record, each number with its unit in the name, and back."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+import equinox as eqx
+
+from .paths import get, paths, replace, unit
+
+T = TypeVar("T", bound=eqx.Module)
+
+
+def record(part: eqx.Module) -> dict[str, Any]:
+    """Every field by its dotted path with its unit: ``{"buffer.k_A [N/m]": 500.0, "contact.law": "hertz"}``.
+
+    Numbers that are not finite, which JSON lacks, become None.
+    """
+    return {named(part, path): _plain(get(part, path), bool(unit(part, path))) for path in paths(part)}
+
+
+def named(part: eqx.Module, path: str) -> str:
+    """A path with the unit of what is there, as in ``"buffer.k_A [N/m]"``; a choice's path as it is."""
+    symbol = unit(part, path)
+    return f"{path} [{symbol}]" if symbol else path
+
+
+def json_record(part: eqx.Module) -> str:
+    """The `record` as one line of JSON, numbers to the last digit."""
+    return json.dumps(record(part), ensure_ascii=False, allow_nan=False)
+
+
+def from_json(default: T, text: str) -> T:
+    """The design or scenario that `json_record` wrote. ``default``: any of its kind; fields it lacks keep its values.
+
+    **Raises:** `InputError` for fields that are unknown and values out of range; `ValueError` for what is no JSON.
+    """
+    found: Mapping[str, Any] = json.loads(text)
+    return replace(default, {name.partition(" [")[0]: value for name, value in found.items()})
+
+
+def _plain(value: Any, is_number: bool) -> Any:
+    if value is None or not is_number:
+        return value
+    single = float(value)
+    return single if math.isfinite(single) else None
