@@ -7,9 +7,10 @@ import typer
 
 import jaxbuffer
 
-from .exits import OK, fail
+from .exits import LIMITS_BROKEN, OK, fail
 from .fields import fields
 from .laws import laws
+from .limits import keeps_limits
 from .overrides import WITH_QUANTITIES, Plain
 from .report import report
 from .reproduce import reproduce
@@ -61,8 +62,8 @@ def root(
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
     \b
-    Exit codes: 0 done, 1 the simulation failed or a file could not be written, 2 bad input; interrupted: 130 by Ctrl-C,
-    143 by SIGTERM, 129 by SIGHUP.
+    Exit codes: 0 done; 1 limits broken (no feasible design, or a run outside [problem.constraints]); 2 bad input; 3 the
+    solver failed or a file could not be written; interrupted: 130 by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:
@@ -117,7 +118,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     from ..output.results import run_files
 
     files.save_and_show(lambda: run_files(run), run)
-    return OK
+    return keeps_limits(study, run)
 
 
 @verb(app, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
@@ -185,7 +186,7 @@ def sensitivity(
     from ..output.results import sensitivity_files
 
     files.save_and_show(lambda: sensitivity_files(result), result)
-    return OK
+    return keeps_limits(study, result.run)
 
 
 @verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))
@@ -238,7 +239,7 @@ def tune(
     from ..output.results import tuned_files
 
     files.save_and_show(lambda: tuned_files(tuned), tuned)
-    return OK if tuned.feasible else fail(tuned.message)
+    return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 
 verb(app, "Many runs: every combination of values of some fields.")(sweep)

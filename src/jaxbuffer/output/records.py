@@ -219,7 +219,8 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
             {"path": v.path, "low": v.low, "high": v.high, "scale": v.scale, "value": get(tuned.design, v.path)}
             for v in problem.variables
         ],
-        "limits": {name: limit for name, limit in problem.limits.at_most.items()},
+        "limits": dict(problem.limits.at_most),
+        "lower_limits": dict(problem.limits.at_least),
         "scenarios": [
             {
                 **_fields(case.scenario),
@@ -262,10 +263,7 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits = [
-        f"{name} ≤ {limit:g} {problem.mechanism.quantities[name].unit}"
-        for name, limit in problem.limits.at_most.items()
-    ]
+    limits = problem.limits.lines(problem.mechanism.quantities)
     lines = [
         f"Tuned by jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s: {tuned.message}.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",

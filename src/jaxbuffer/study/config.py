@@ -17,6 +17,7 @@ from ..fields import (
     by_path,
     check_address,
     choice,
+    in_unit,
     metadata,
     number,
     paths,
@@ -252,8 +253,8 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
 
 
 def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
-    """A float from an integer or float in range; everything else TOML knows is an error."""
-    number = as_number(value)
+    """A float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
+    number = as_number(in_unit(path, value, unit, **limits))
     if type(number) is not float:
         number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
     check_number(path, number, unit, **limits)
