@@ -45,7 +45,7 @@ def test_results_are_there_when_printing_fails(computed, monkeypatch, tmp_path, 
     assert {file.name for file in (tmp_path / "out").iterdir()} == FILES[command]
     if isinstance(error, OSError):
         last = capsys.readouterr().err.splitlines()[-1]
-        assert (code, last) == (1, "error: standard output: No space left on device")
+        assert (code, last) == (3, "error: standard output: No space left on device")
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii", "cp1252", "utf-8"])

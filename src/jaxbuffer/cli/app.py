@@ -16,6 +16,7 @@ from .report import report
 from .reproduce import reproduce
 from .request import Request, given, verb
 from .streams import note
+from .study import check, init, schema
 from .sweep import sweep
 
 ScenarioNumber = Annotated[
@@ -245,5 +246,8 @@ def tune(
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
+app.command(cls=Plain, short_help="A commented study to begin with.")(init)
+app.command(cls=Plain, short_help="What a study says, and what the commands would do with it.")(check)
+app.command(cls=Plain, short_help="The JSON Schema of a mechanism's studies, for editors.")(schema)
 app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)
 app.command(cls=Plain, short_help="A paper's own studies: figures, and its claims held against the model.")(reproduce)
