@@ -78,6 +78,9 @@ def root(
 def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
+    Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
+    impact that turned it round. Which parameter to change first takes derivatives: jaxbuffer sensitivity does that.
+
     Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 
     \b
@@ -142,7 +145,8 @@ def sensitivity(
     quantity below.
 
     They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
-    the active peak and its runner-up, and a verdict: trusted, check or refused.
+    the active peak and its runner-up, and a verdict: trusted, check or refused. Of a capture that did not succeed,
+    --of capture_share says by how much each parameter would have to change, to first order.
 
     \b
     Files in DIR:

@@ -46,6 +46,7 @@ def run_record(run: Run) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         "outside_validity": mechanism.warnings(run),
+        "diagnosis": [" ".join(line.split()) for line in run.diagnosis],
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [

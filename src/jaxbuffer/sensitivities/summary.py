@@ -9,6 +9,7 @@ from rich.table import Table
 from ..fields import unit_at
 from ..mechanisms.quantity import is_signed, unit_of
 from ..tables import table, text
+from .advice import advice
 
 if TYPE_CHECKING:
     from ..mechanisms.mechanism import Mechanism
@@ -49,6 +50,8 @@ def sensitivity_table(result: "Sensitivity") -> str:
         parts.append(certificate_text(certificate, result.quantities, mechanism, result.run.design))
     if not run.outcome.failed:
         parts += mechanism.notes(run)
+    if lines := advice(result):
+        parts.append("\n".join(lines))
     return text(*parts)
 
 
