@@ -4,8 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..fields import unit_at
+
 if TYPE_CHECKING:
     from .sensitivity import Sensitivity
+
+FAR = 0.5  # relative change beyond which first order says little of its size
 
 
 def advice(result: "Sensitivity") -> list[str]:
@@ -22,13 +26,14 @@ def advice(result: "Sensitivity") -> list[str]:
     per_share = result.gradients[i] * result.values
     with np.errstate(divide="ignore", invalid="ignore"):
         change = -result.results[i] / per_share
-    order = [k for k in np.argsort(np.abs(change)) if np.isfinite(change[k])]
+    reachable = np.isfinite(change) & (change > -1.0)
     verdict = "not certified" if result.certificate is None else result.certificate.verdicts[i].name
-    lines = [
-        f"What to change first, so that {name} = {result.results[i]:.4g} becomes positive (first order; {verdict}):"
-    ]
-    for k in order:
-        share = 100.0 * change[k]
-        beyond = "" if share > -100.0 else ", which is below zero: this parameter alone will not do"
-        lines.append(f"  {result.paths[k]:24} {share:+.3g} %, from {result.values[k]:.5g}{beyond}")
+    now = f"{name} = {result.results[i]:.4g}"
+    lines = [f"What to change first, so that {now} becomes positive (to first order, which is {verdict}):"]
+    for k in (k for k in np.argsort(np.abs(change)) if reachable[k]):
+        far = "; so far that only the direction counts" if abs(change[k]) > FAR else ""
+        unit = unit_at(run.design, run.scenario, result.paths[k])
+        lines.append(f"  {result.paths[k]:20} {100.0 * change[k]:+.3g} % of {result.values[k]:.5g} {unit}{far}")
+    if left := [path for path, would_do in zip(result.paths, reachable, strict=True) if not would_do]:
+        lines.append(f"  no value above zero of {', '.join(left)} would do, each alone")
     return lines

@@ -90,16 +90,14 @@ def diagnosis(capture: "Capture") -> list[str]:
     parameters = (capture.design, capture.scenario, capture.stabilisation)
     seen = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0]))
     last = int(log.count) - 1
-    lines = ["why it was not captured", f"  {'way left':20} {_way(capture, seen, last)}"]
-    lines += [
-        f"  {'energy left':20} {_energy(capture, seen, last)}",
-        f"  {'where it went':20} {_lost(capture, seen, last)}",
-    ]
-    lines.append(f"  {'turned round':20} {_turn(capture, seen)}")
-    lines.append(
-        f"  {'what to change':20} 'jaxbuffer sensitivity … --of capture_share' says which parameter to change first"
-    )
-    return lines
+    told = {
+        "way left": _way(capture, seen, last),
+        "energy left": _energy(capture, seen, last),
+        "where it went": _lost(capture, seen, last),
+        "turned round": _turn(capture, seen),
+        "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
+    }
+    return ["why it was not captured", *(f"  {heading:20} {text}" for heading, text in told.items())]
 
 
 def _way(capture: "Capture", seen: Course, last: int) -> str:
