@@ -1,10 +1,16 @@
 """`jaxbuffer init`, `check` and `schema`."""
 
 import json
+import os
 import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 
+import jaxbuffer
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import get, metadata, paths
 from jaxbuffer.fields.meaning import meaning
@@ -131,8 +137,6 @@ def described_by(schema, value) -> bool:  # noqa: PLR0911
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
-    import tomllib
-
     assert run(["schema", "--kind", kind]) == 0
     mechanism = mechanism_named(kind)
     schema = json.loads(capsys.readouterr().out)
@@ -154,3 +158,12 @@ def test_meanings_come_from_docstrings():
     )
     assert meaning(capture, "probe.free_tip") == "whether the tip spins freely"
     assert meaning(capture, "active.mass") == "mass m_S"
+
+
+def test_a_shell_completes_commands(tmp_path):
+    source = str(Path(jaxbuffer.__file__).parents[1])
+    asked = {"_JAXBUFFER_COMPLETE": "complete_bash", "COMP_WORDS": "jaxbuffer si", "COMP_CWORD": "1"}
+    code = "from jaxbuffer.cli import main; main([])"
+    environment = {**os.environ, **asked, "PYTHONPATH": source}
+    shown = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert shown.stdout.split() == ["simulate"]

@@ -25,7 +25,7 @@ ScenarioNumber = Annotated[
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.callback(invoke_without_command=True)
@@ -121,7 +121,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
         note(f"the history holds the first {kept} steps only")
     from ..output.results import run_files
 
-    files.save_and_show(lambda: run_files(run), run)
+    files.save_and_show(lambda: run_files(run), run, lambda: str(run_files(run)[f"{name}.json"]()))
     return keeps_limits(study, run)
 
 
@@ -190,7 +190,8 @@ def sensitivity(
         return fail(result.run.outcome.reason)
     from ..output.results import sensitivity_files
 
-    files.save_and_show(lambda: sensitivity_files(result), result)
+    record = lambda: str(sensitivity_files(result)["sensitivity.json"]())  # noqa: E731
+    files.save_and_show(lambda: sensitivity_files(result), result, record)
     return keeps_limits(study, result.run)
 
 
@@ -243,12 +244,14 @@ def tune(
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
 
-    files.save_and_show(lambda: tuned_files(tuned), tuned)
+    files.save_and_show(lambda: tuned_files(tuned), tuned, lambda: str(tuned_files(tuned)["tuned.json"]()))
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
-verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
+verb(
+    app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration", "as_json")
+)(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
 app.command(cls=Plain, short_help="A commented study to begin with.")(init)
 app.command(cls=Plain, short_help="What a study says, and what the commands would do with it.")(check)

@@ -41,8 +41,8 @@ def run(arguments: Sequence[str]) -> int:
         return fail(error, BAD_INPUT)
     except OSError as error:
         return fail(f"{error.filename}: {error.strerror}" if error.filename else error)
-    except SystemExit:  # Click's own for a pipe that nobody reads any more
-        return FAILED
+    except SystemExit as ended:  # Click's own: of a shell's completion, and for a pipe that nobody reads any more
+        return FAILED if ended.code else OK
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
     except Exception as error:

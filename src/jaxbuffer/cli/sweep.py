@@ -61,7 +61,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     files = request.files(TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
     import numpy as np
 
-    from ..output.results import swept_files
+    from ..output.results import swept_files, swept_json
     from ..sweeps.sweep import SweepInterrupted
     from ..sweeps.sweep import sweep as compute
     from ..sweeps.swept import Swept
@@ -92,7 +92,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
         if not done.any():
             return INTERRUPTED
     swept = Swept(grid, study.design, study.scenario, found, done)
-    files.save_and_show(lambda: swept_files(swept), swept)
+    files.save_and_show(lambda: swept_files(swept), swept, lambda: swept_json(swept))
     return INTERRUPTED if interrupted else OK
 
 

@@ -58,9 +58,9 @@ def _allowed(known: Mapping[str, Any]) -> str:
     if "choices" in known:
         return f"one of {', '.join(known['choices'])}"
     if "limits" in known:
-        limits = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False} | dict(known["limits"])
+        limits: dict[str, Any] = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
         symbol = "" if known["unit"] == "-" else f"{known['unit']}, "
-        return symbol + range_text(**limits)
+        return symbol + range_text(**limits | known["limits"])
     return f"whole numbers from {known['least']}" if "least" in known else "true or false"
 
 

@@ -115,8 +115,8 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     weights = _quantities(mechanism, mechanism.tuned, {"type": "number", "exclusiveMinimum": 0})
     bound: Schema = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, TEXT]}
     sides: Schema = {"anyOf": [bound, _object({"min": bound, "max": bound}, minProperties=1)]}
-    over = {"over": {"enum": ["worst", "mean", "cvar"]}, "level": {"type": "number", "minimum": 0}}
-    limits = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
+    over: dict[str, Schema] = {"over": {"enum": ["worst", "mean", "cvar"]}, "level": {"type": "number", "minimum": 0}}
+    limits: dict[str, Schema] = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
     return _object(
         {
             "variables": _by_path(variables),
