@@ -42,12 +42,15 @@ def with_k(value):
 
 NOT_K = "is not a number; expected (0, inf) N/m"
 PYTHON = [
+    call(lambda: with_k("5 kg"), "buffer.k_A = '5 kg': kg is a mass, expected a number in N/m; allowed: (0, inf) N/m"),
+    call(lambda: Scenario(misalignment="3 dag"), "scenario.misalignment = '3 dag': the unit dag is unknown", "deg?"),
+    call(lambda: Limits(at_least={"end_time": 2.0}, at_most={"end_time": 1.0}), "at least 2 s and at most 1 s"),
     # what is no number, and what is none of the range
     *[
         call(lambda value=value: with_k(value), f"buffer.k_A: {shown}", NOT_K)
         for value, shown in [
             (b"500", "b'500'"),
-            ("5 N/m", "'5 N/m'"),
+            ("five N/m", "'five N/m'"),
             (500j, "500j"),
             (np.array(500j), "array(0.+500.j)"),
             (True, "True"),

@@ -43,7 +43,7 @@ LINES = [
     line("simulate --buffer.kA 1", "buffer.kA is unknown; did you mean buffer.k_A?"),
     line("simulate --bufer.k_A 1", "bufer.k_A is unknown; did you mean buffer.k_A?"),
     line("simulate --options.rtol 1", "options.rtol is unknown"),
-    line("simulate --buffer.k_A=5N/m", "buffer.k_A: '5N/m' is not a number; expected (0, inf) N/m"),
+    line("simulate --buffer.k_A=5N/q", "buffer.k_A = '5N/q': the unit q is unknown", "(0, inf) N/m"),
     line("simulate --buffer.k_A=1e999", "buffer.k_A = inf N/m is out of range; allowed: (0, inf) N/m"),
     line("simulate --probe.free_tip=yes", "probe.free_tip = 'yes' must be true or false"),
     line(

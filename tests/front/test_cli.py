@@ -16,7 +16,7 @@ from rich.console import Console
 
 import jaxbuffer
 from jaxbuffer import Design, InputError, Outcome, Scenario, table2
-from jaxbuffer.cli.entry import run
+from jaxbuffer.cli.entry import main, run
 from jaxbuffer.cli.overrides import FIELDS, WITH_QUANTITIES, split
 from jaxbuffer.fields import paths, unit
 from jaxbuffer.mechanisms import all_mechanisms
@@ -293,12 +293,40 @@ def test_figures_without_matplotlib_are_refused_before_computing(computed, capsy
 
 
 @pytest.mark.parametrize("command", ["simulate", "sensitivity"])
-def test_a_failed_capture_exits_with_1_and_writes_nothing(computed, capsys, tmp_path, command):
+def test_a_failed_capture_exits_with_3_and_writes_nothing(computed, capsys, tmp_path, command):
     computed.outcome = Outcome.failed_step_size
-    assert run([command, "--output", "out"]) == 1
+    assert run([command, "--output", "out"]) == 3
     shown = capsys.readouterr()
     assert shown.out == "" and shown.err.splitlines()[-1] == f"error: {Outcome.failed_step_size.reason}"
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["simulate", "sensitivity"])
+def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, capsys, tmp_path, command):
+    """A made-up capture has 7.5 mm of stroke, takes 0.04 s and has one impact."""
+    limits = "stroke = '5 mm'\nend_time = {min = '50 ms', max = 1}\nimpacts = 1\n"
+    (tmp_path / "study.toml").write_text(f"[problem.constraints]\n{limits}")
+    assert run([command, "study.toml", "--output", "out"]) == 1
+    shown = capsys.readouterr()
+    kept = "error: [problem.constraints] not kept: stroke 0.0075 m is above 0.005 m; end_time 0.04 s is below 0.05 s"
+    assert shown.err.splitlines()[-1] == kept
+    assert shown.out and any((tmp_path / "out").iterdir()), "the result is saved and shown all the same"
+    computed.outcome = Outcome.timeout
+    (tmp_path / "study.toml").write_text("[problem.constraints]\nstroke = 0.02\n")
+    assert run([command, "study.toml"]) == 1
+    assert "not kept: not captured (timeout: neither captured nor escaped" in capsys.readouterr().err
+    (tmp_path / "study.toml").write_text("[problem.constraints]\ncaptured = false\n")
+    assert run([command, "study.toml"]) == 0
+
+
+def test_a_bug_exits_with_3(monkeypatch, capsys):
+    def broken(arguments):
+        raise ZeroDivisionError("of a bug")
+
+    monkeypatch.setattr("jaxbuffer.cli.entry.run", broken)
+    with pytest.raises(SystemExit) as ended:
+        main(["simulate"])
+    assert ended.value.code == 3 and "ZeroDivisionError: of a bug" in capsys.readouterr().err
 
 
 def test_an_escape_is_a_result(computed, capsys):

@@ -45,7 +45,7 @@ def test_results_are_there_when_printing_fails(computed, monkeypatch, tmp_path, 
     assert {file.name for file in (tmp_path / "out").iterdir()} == FILES[command]
     if isinstance(error, OSError):
         last = capsys.readouterr().err.splitlines()[-1]
-        assert (code, last) == (1, "error: standard output: No space left on device")
+        assert (code, last) == (3, "error: standard output: No space left on device")
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii", "cp1252", "utf-8"])
@@ -73,7 +73,7 @@ def test_a_full_disk_is_named_and_the_other_files_are_whole(computed, capsys, tm
     assert len(rest) == len(sizes) - len([size for size in sizes.values() if size >= least]) and rest, sizes
     capsys.readouterr()
     with room_for(least - 1):
-        assert run(["simulate", "--output", "out"]) == 1
+        assert run(["simulate", "--output", "out"]) == 3
     shown = capsys.readouterr()
     assert "peak contact force   250 N" in shown.out, "what was found is shown all the same"
     assert shown.err.splitlines()[-1].startswith("error: out/") and shown.err.endswith("File too large\n")
@@ -225,7 +225,7 @@ def test_a_full_pipe_is_one_line(computed, tmp_path):
     assert run(["simulate", "--output", "out"]) == 0
     with open("/dev/full", "wb") as full, started(tmp_path, "report", "out", stdout=full) as process:
         errors = process.communicate(timeout=60)[1]
-    assert (process.returncode, errors) == (1, b"error: standard output: No space left on device\n")
+    assert (process.returncode, errors) == (3, b"error: standard output: No space left on device\n")
 
 
 def test_a_reader_that_leaves_is_no_traceback(computed, tmp_path):
@@ -235,4 +235,4 @@ def test_a_reader_that_leaves_is_no_traceback(computed, tmp_path):
     with started(tmp_path, "report", "out", stdout=writing) as process:
         errors = process.communicate(timeout=60)[1]
     os.close(writing)
-    assert process.returncode == 1 and b"Traceback" not in errors and errors.count(b"\n") <= 1
+    assert process.returncode == 3 and b"Traceback" not in errors and errors.count(b"\n") <= 1

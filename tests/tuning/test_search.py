@@ -88,6 +88,26 @@ def test_a_limit_a_bound_and_curvature_meet_in_one_corner(solve):
     assert values(tuned) == pytest.approx([2.0, 1.0], abs=3e-3) and tuned.after.quantities[0, 1] <= 12.0
 
 
+@pytest.mark.parametrize("by", ["another quantity", "the peak force"])
+def test_a_lower_limit_holds_the_minimum_off(solve, by):
+    """Minimise (x-3)² + (y-2)² + 1 where x must be at least 4, by a limit on the hinge force: 2 at (4, 2); or minimise
+    the hinge force (x-3)² + (y-2)² + 1 where the peak x must be at least 4."""
+    bowl, x_itself = lambda x: (x[0] - SHIFT - 3) ** 2 + (x[1] - SHIFT - 2) ** 2 + 1, lambda x: x[0]
+    of_peak = by == "the peak force"
+    limited = "peak_force" if of_peak else "peak_hinge_force"
+    stated = problem(
+        [SHIFT - 5] * 2,
+        [SHIFT + 5] * 2,
+        [SHIFT - 3, SHIFT - 3],
+        objective=Objective({"peak_hinge_force" if of_peak else "peak_force": 1.0}),
+        limits=Limits(at_least={limited: SHIFT + 4.0}, at_most={limited: SHIFT + 4.5}),
+    )
+    tuned, _ = solve(stated, [[x_itself if of_peak else bowl]], {"peak_hinge_force": bowl if of_peak else x_itself})
+    assert tuned.converged and tuned.feasible
+    assert tuned.goal.broken(tuned.before) == [f"0.1 m/s, 0°: {limited} 7 N is below 14 N"]
+    assert values(tuned) == pytest.approx([4.0, 2.0], abs=3e-3)
+
+
 def test_an_infeasible_start_is_led_back(solve):
     """Captured only inside a circle that the start lies outside of; the minimum lies on it, at √2 from (2, 2)."""
     circle = lambda x: 2.0 - (x[0] - SHIFT) ** 2 - (x[1] - SHIFT) ** 2  # noqa: E731

@@ -8,14 +8,16 @@ import typer
 import jaxbuffer
 
 from .animate import animate
-from .exits import OK, fail
+from .exits import LIMITS_BROKEN, OK, fail
 from .fields import fields
 from .laws import laws
+from .limits import keeps_limits
 from .overrides import WITH_QUANTITIES, Plain
 from .report import compare, report
 from .reproduce import reproduce
 from .request import Request, given, verb
 from .streams import note
+from .study import check, init, schema
 from .sweep import sweep
 
 ScenarioNumber = Annotated[
@@ -24,7 +26,7 @@ ScenarioNumber = Annotated[
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 @app.callback(invoke_without_command=True)
@@ -62,8 +64,8 @@ def root(
       scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}  # m/s
 
     \b
-    Exit codes: 0 done, 1 the simulation failed or a file could not be written, 2 bad input; interrupted: 130 by Ctrl-C,
-    143 by SIGTERM, 129 by SIGHUP.
+    Exit codes: 0 done; 1 limits broken (no feasible design, or a run outside [problem.constraints]); 2 bad input; 3 the
+    solver failed or a file could not be written; interrupted: 130 by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
     Compiled programs are kept in ~/.cache/jaxbuffer (or $JAXBUFFER_CACHE).
     """
     if version:
@@ -76,6 +78,9 @@ def root(
 @verb(app, "One run: peak forces, stroke, hinge angle, energies.")
 def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
+
+    Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
+    impact that turned it round. Which parameter to change first takes derivatives: jaxbuffer sensitivity does that.
 
     Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 
@@ -120,8 +125,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
         note(f"the history holds the first {kept} steps only")
     from ..output.results import run_files
 
-    files.save_and_show(lambda: run_files(run), run)
-    return OK
+    files.save_and_show(lambda: run_files(run), run, lambda: str(run_files(run)[f"{name}.json"]()))
+    return keeps_limits(study, run)
 
 
 @verb(app, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
@@ -144,7 +149,8 @@ def sensitivity(
     quantity below.
 
     They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
-    the active peak and its runner-up, and a verdict: trusted, check or refused.
+    the active peak and its runner-up, and a verdict: trusted, check or refused. Of a capture that did not succeed,
+    --of capture_share says by how much each parameter would have to change, to first order.
 
     \b
     Files in DIR:
@@ -188,8 +194,9 @@ def sensitivity(
         return fail(result.run.outcome.reason)
     from ..output.results import sensitivity_files
 
-    files.save_and_show(lambda: sensitivity_files(result), result)
-    return OK
+    record = lambda: str(sensitivity_files(result)["sensitivity.json"]())  # noqa: E731
+    files.save_and_show(lambda: sensitivity_files(result), result, record)
+    return keeps_limits(study, result.run)
 
 
 @verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))
@@ -241,14 +248,19 @@ def tune(
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
 
-    files.save_and_show(lambda: tuned_files(tuned), tuned)
-    return OK if tuned.feasible else fail(tuned.message)
+    files.save_and_show(lambda: tuned_files(tuned), tuned, lambda: str(tuned_files(tuned)["tuned.json"]()))
+    return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 
 verb(app, "One run as an animation: the mechanism, its contact forces, slow motion around impacts.")(animate)
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
-verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
+verb(
+    app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration", "as_json")
+)(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
+app.command(cls=Plain, short_help="A commented study to begin with.")(init)
+app.command(cls=Plain, short_help="What a study says, and what the commands would do with it.")(check)
+app.command(cls=Plain, short_help="The JSON Schema of a mechanism's studies, for editors.")(schema)
 app.command(cls=Plain, short_help="A page for a design review, of folders of results.")(report)
 app.command(cls=Plain, short_help="Designs side by side, of folders of results.")(compare)
 app.command(cls=Plain, short_help="A paper's own studies: figures, and its claims held against the model.")(reproduce)

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 
 import typer
@@ -18,7 +19,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     prepare()
     streams.prepare()
-    code = run(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code = run(sys.argv[1:] if arguments is None else arguments)
+    except Exception:  # a bug: Python's own exit code would say that limits are broken
+        traceback.print_exc()
+        code = FAILED
     if code == INTERRUPTED or (code and ENDING.first is not None):
         ENDING.leave()
     try:
@@ -36,6 +41,8 @@ def run(arguments: Sequence[str]) -> int:
         return fail(error, BAD_INPUT)
     except OSError as error:
         return fail(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except SystemExit as ended:  # Click's own: of a shell's completion, and for a pipe that nobody reads any more
+        return FAILED if ended.code else OK
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
     except Exception as error:

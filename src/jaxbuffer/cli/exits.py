@@ -2,7 +2,8 @@
 
 import sys
 
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+OK, LIMITS_BROKEN, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
+"""Done; limits are not kept; input that can't be used; the solver failed or a file could not be written; Ctrl-C."""
 
 
 def fail(reason: object, code: int = FAILED) -> int:

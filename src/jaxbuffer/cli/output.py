@@ -25,8 +25,9 @@ class Output:
         force: bool,
         resumable: Sequence[str] = (),
         resume: bool = False,
+        as_json: bool = False,
     ) -> None:
-        self.folder, self.force = folder, force or resume
+        self.folder, self.force, self.as_json = folder, force or resume, as_json
         if folder is None:
             return
         names = [name for one in names for name in (one, *_vector(one))]
@@ -43,8 +44,10 @@ class Output:
         if not os.access(parent, os.W_OK | os.X_OK):
             raise InputError(f"{folder}: no permission to write there")
 
-    def save_and_show(self, contents: Callable[[], Contents], result: object) -> None:
-        """Write every file, then print the result and what was written.
+    def save_and_show(
+        self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
+    ) -> None:
+        """Write every file, then print the result and what was written; for --json the ``record`` alone on stdout.
 
         A file that cannot be written leaves the others and the printing alone. **Raises:** the first such `OSError`.
         """
@@ -58,7 +61,12 @@ class Output:
                     except OSError as error:
                         failure = failure or error
         finally:
-            show("\n".join([str(result), *(f"wrote {path}" for path in written)]))
+            if self.as_json and record is not None:
+                for path in written:
+                    note(f"wrote {path}")
+                show(record().rstrip("\n"))
+            else:
+                show("\n".join([str(result), *(f"wrote {path}" for path in written)]))
         if failure is not None:
             raise failure
 

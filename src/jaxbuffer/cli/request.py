@@ -30,6 +30,7 @@ SHARED = {
     "duration": Annotated[str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
+    "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],
 }
 
 
@@ -44,6 +45,7 @@ class Request:
     duration: str | None = None
     output: Path | None = None
     force: bool = False
+    as_json: bool = False
 
     def study(self) -> "Config":
         """The study with everything the command line overrides; JAX is set up on the way."""
@@ -79,7 +81,7 @@ class Request:
             from ..output.style import require_matplotlib
 
             require_matplotlib()
-        return Output(self.output, names, self.force, resumable, resume)
+        return Output(self.output, names, self.force, resumable, resume, self.as_json)
 
 
 def verb(
@@ -96,7 +98,7 @@ def verb(
             name: inspect.Parameter(
                 name,
                 inspect.Parameter.KEYWORD_ONLY,
-                default=False if name == "force" else None,
+                default=False if name in ("force", "as_json") else None,
                 annotation=annotation,
             )
             for name, annotation in SHARED.items()

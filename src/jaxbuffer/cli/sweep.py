@@ -65,7 +65,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     grid.batches(study.design, study.scenario)  # checks that the values go together
     files = request.files(TABLE, ARRAYS, FIGURE, LABELLED, resumable=(STORE,), resume=resume)
-    from ..output.results import swept_files
+    from ..output.results import swept_files, swept_json
     from ..sweeps.sweep import SweepInterrupted
     from ..sweeps.sweep import sweep as compute
     from ..sweeps.swept import Swept
@@ -96,7 +96,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
             note(f"{told}; the same command with --resume goes on in {request.output}")
         if not stop.done.any():
             return INTERRUPTED
-    files.save_and_show(lambda: swept_files(swept), swept)
+    files.save_and_show(lambda: swept_files(swept), swept, lambda: swept_json(swept))
     return INTERRUPTED if interrupted else OK
 
 

@@ -10,16 +10,19 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..errors import as_number, check_choice, check_flag, check_number, check_type, check_whole, inside
+from ..errors import check_choice, check_flag, check_number, check_type, check_whole, inside
+from .units import as_unit, in_unit
 
 
 def number(default: float | None, unit: str, **limits: Any) -> Any:
-    """A differentiable field with its unit and allowed range; lists of numbers become arrays.
+    """A differentiable field with its unit and allowed range; lists of numbers become arrays, and text with a unit
+    ("0.5 kN/m") becomes a number in the field's.
 
     **Arguments:** ``default``: in the field's unit, None if it may be left out; ``unit``: as in messages and tables;
     ``limits``: keywords of `check_number` that bound it (``low``, ``high``, ``low_open``, ``high_open``).
     """
-    return eqx.field(default=default, converter=as_number, metadata={"unit": unit, "limits": limits})
+    convert = functools.partial(as_unit, unit=unit)
+    return eqx.field(default=default, converter=convert, metadata={"unit": unit, "limits": limits})
 
 
 def whole(default: int, least: int) -> Any:
@@ -56,7 +59,9 @@ class Part(eqx.Module):
                 check_whole(path, value, field.metadata["least"])
             elif "unit" in field.metadata:
                 if value is not None or field.default is not None:
-                    check_number(path, value, field.metadata["unit"], **field.metadata["limits"])
+                    symbol, limits = field.metadata["unit"], field.metadata["limits"]
+                    in_unit(path, value, symbol, **limits)  # what is still text has a unit that does not fit
+                    check_number(path, value, symbol, **limits)
             elif isinstance(field.default, Part):
                 check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
         self.check_together()

@@ -142,6 +142,13 @@ class Run(eqx.Module):
         return self.code if self._many else self.mechanism.outcomes(int(self.code))
 
     @property
+    def diagnosis(self) -> list[str]:
+        """What held the run back, a line each; nothing of one that succeeded or failed."""
+        mechanism, outcome = self.mechanism, self.outcome
+        succeeded = mechanism.success is None or outcome.name == mechanism.success
+        return [] if succeeded or outcome.failed else mechanism.diagnosis(self)
+
+    @property
     def log(self) -> Log:
         """Located events, differentiable as they move with design and scenario: see `hybrid.moving`."""
         return moving(self._located, (self.design, self.scenario, self.stabilisation), self.mechanism.system)
@@ -208,7 +215,7 @@ class Run(eqx.Module):
     def __repr__(self) -> str:
         if self._many:
             return f"{type(self).__name__}(batch or traced, code={self.code})"
-        return self.mechanism.summary(self)
+        return "\n".join([self.mechanism.summary(self), *(f"  {line}" for line in self.diagnosis)])
 
     def _repr_html_(self) -> str:
         from ..tables import summary_html

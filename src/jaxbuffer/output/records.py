@@ -35,6 +35,7 @@ def run_record(run: Run) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         "outside_validity": mechanism.warnings(run),
+        "diagnosis": [" ".join(line.split()) for line in run.diagnosis],
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
@@ -163,7 +164,8 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
             }
             for v in problem.variables
         ],
-        "limits": {name: limit for name, limit in problem.limits.at_most.items()},
+        "limits": dict(problem.limits.at_most),
+        "lower_limits": dict(problem.limits.at_least),
         "scenarios": [
             {
                 **record(case.scenario),
@@ -206,10 +208,7 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits = [
-        f"{name} ≤ {limit:g} {problem.mechanism.quantities[name].unit}"
-        for name, limit in problem.limits.at_most.items()
-    ]
+    limits = problem.limits.lines(problem.mechanism.quantities)
     lines = [
         f"Tuned by jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s: {tuned.message}.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",

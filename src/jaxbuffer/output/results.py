@@ -1,5 +1,6 @@
 """The files of each command: names, and what makes their contents, in the order in which they are saved."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from .formats import ARRAYS, Contents, compact_json, csv_text, json_text
@@ -68,6 +69,16 @@ def tuned_files(tuned: "Tuned") -> Contents:
         "tune.txt": lambda: f"{tuned!r}\n",
         **both("tune", lambda: tune_figure(tuned, worst_runs())),
     }
+
+
+def swept_json(swept: "Swept") -> str:
+    """A sweep as JSON: what a run is called, and its table, a record for each run."""
+    from ..sweeps.dataset import swept_rows
+
+    header, table = swept_rows(swept)
+    finite = lambda value: None if isinstance(value, float) and not math.isfinite(value) else value  # noqa: E731
+    records = [{name: finite(value) for name, value in zip(header, row, strict=True)} for row in table]
+    return json_text({"runs": records})
 
 
 def swept_files(swept: "Swept") -> Contents:

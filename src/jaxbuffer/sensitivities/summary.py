@@ -9,6 +9,7 @@ from rich.table import Table
 from ..fields import unit_at
 from ..mechanisms.quantity import is_signed, unit_of
 from ..tables import table, text
+from .advice import advice
 
 if TYPE_CHECKING:
     from ..mechanisms.mechanism import Mechanism
@@ -54,6 +55,8 @@ def sensitivity_parts(result: "Sensitivity") -> list[str | Table]:
         parts.append(certificate_text(certificate, result.quantities, mechanism, result.run.design))
     if not run.outcome.failed:
         parts += mechanism.notes(run)
+    if lines := advice(result):
+        parts.append("\n".join(lines))
     return parts
 
 

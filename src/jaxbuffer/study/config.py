@@ -17,6 +17,7 @@ from ..fields import (
     by_path,
     check_address,
     choice,
+    in_unit,
     metadata,
     number,
     paths,
@@ -42,7 +43,12 @@ KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep")
 
 
 class Options(Part):
-    """How to simulate: ``duration`` [s] (default: the mechanism's), ``rtol`` [-], ``solver``: a name in `SOLVERS`."""
+    """How to simulate.
+
+    - ``duration``: after which a run is over [s]; None: the mechanism's.
+    - ``rtol``: relative error of a step [-].
+    - ``solver``: a name in `SOLVER_NAMES`.
+    """
 
     section = "options"
     duration: float | None = number(None, "s", **POSITIVE)
@@ -180,7 +186,7 @@ def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "")
     mechanism = mechanism_of(design)
     if mechanism.name != DEFAULT_KIND:
         blocks += ["", f'kind = "{mechanism.name}"']
-    for section in _sections(mechanism):
+    for section in sections(mechanism):
         blocks += ["", f"[{section}]", *_lines(getattr(design, section))]
     for scenario in scenarios:
         blocks += ["", "[[scenarios]]", *_lines(scenario)]
@@ -205,12 +211,12 @@ def _lines(part: eqx.Module) -> list[str]:
 
 def _config(data: dict[str, Any]) -> Config:
     mechanism = mechanism_named(data.get("kind", DEFAULT_KIND))
-    sections = _sections(mechanism)
-    known = (*sections, *KINDS)
+    parts = sections(mechanism)
+    known = (*parts, *KINDS)
     for name in data:
         if name not in known:
             raise InputError(f"[{name}] is unknown{suggest(name.split('.')[0], known)}")
-    fields = {f"{section}.{key}": value for section in sections for key, value in _table(data, section).items()}
+    fields = {f"{section}.{key}": value for section in parts for key, value in _table(data, section).items()}
     design = _replaced(mechanism.design(), fields)
     scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
     listed = data.get("scenarios", [])
@@ -234,7 +240,7 @@ def _config(data: dict[str, Any]) -> Config:
     return Config(design, scenario, scenarios, options, tuning, table, sweep)
 
 
-def _sections(mechanism: Mechanism) -> tuple[str, ...]:
+def sections(mechanism: Mechanism) -> tuple[str, ...]:
     """The parts of its designs."""
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
@@ -252,8 +258,8 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
 
 
 def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
-    """A float from an integer or float in range; everything else TOML knows is an error."""
-    number = as_number(value)
+    """A float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
+    number = as_number(in_unit(path, value, unit, **limits))
     if type(number) is not float:
         number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
     check_number(path, number, unit, **limits)

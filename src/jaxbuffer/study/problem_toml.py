@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, by_path, check_path, limits_of, paths, unit
+from ..fields import Part, by_path, check_path, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..tuning.cases import KINDS, Distribution, grid, sample
 from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
 
 SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then")
+SIDES = ("min", "max")  # of a two-sided limit
 SAMPLE = ("count", "seed", "scenario", "factors")
 
 
@@ -32,7 +33,7 @@ def read_problem(
             by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
         ),
         objective=_objective(_table(table, "objective", {}), "objective", mechanism),
-        limits=_limits(_table(table, "constraints", mechanism.defaults.limits), mechanism),
+        limits=limits(table, mechanism),
         then=_then(_table(table, "then", {}), mechanism) if "then" in table else None,
         duration=duration,
         rtol=rtol,
@@ -46,7 +47,7 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     _variables(by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design)
     _cases(table, design, base, ())
     _objective(_table(table, "objective", {}), "objective", mechanism)
-    _limits(_table(table, "constraints", mechanism.defaults.limits), mechanism)
+    limits(table, mechanism)
     if "then" in table:
         _then(_table(table, "then", {}), mechanism)
 
@@ -64,6 +65,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
         raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
     parts = [as_number(x) for x in given] if isinstance(given, list) else []
     scale = parts.pop() if len(parts) == 3 else SCALES[0]
+    parts = [in_unit(where, x, symbol, **limits_of(design, path)) for x in parts]
     if len(parts) != 2 or not all(_is_number(x) for x in parts):
         raise InputError(f'{where} = {shown(given)} must be [low, high] in {symbol}, or [low, high, "linear"]')
     check_choice(f"{where}: scale", scale, SCALES)
@@ -82,10 +84,11 @@ def _cases(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Par
         fields = _table(table, "grid", {})
         _known(fields, tuple(paths(base)), "problem.grid")
         for name, values in fields.items():
-            if not isinstance(values, list) or not values or not all(_is_number(x) for x in values):
-                raise InputError(
-                    f"problem.grid.{name} = {shown(values)} must be a list of numbers in {unit(base, name)}"
-                )
+            where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
+            if isinstance(values, list):
+                fields = {**fields, name: [in_unit(where, x, symbol, **limits) for x in values]}
+            if not isinstance(values, list) or not values or not all(_is_number(x) for x in fields[name]):
+                raise InputError(f"{where} = {shown(values)} must be a list of numbers in {symbol}")
         return grid(fields, base)
     if "sample" in table:
         return _sampled(_table(table, "sample", {}), design, base)
@@ -101,20 +104,22 @@ def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, 
     _known(factors, tuple(paths(design)), "problem.sample.factors")
     seed = table.get("seed", 0)
     check_whole("problem.sample.seed", seed, 0)
-    read = lambda name, given: _distribution(f"problem.sample.{name}", given)  # noqa: E731
+    read = lambda name, given, symbol: _distribution(f"problem.sample.{name}", given, symbol)  # noqa: E731
     return sample(
         table.get("count", 16),
-        {name: read(f"scenario.{name}", given) for name, given in fields.items()},
-        {path: read(f"factors.{path}", given) for path, given in factors.items()},
+        {name: read(f"scenario.{name}", given, unit(base, name)) for name, given in fields.items()},
+        {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
         seed=seed,
         base=base,
         design=design,
     )
 
 
-def _distribution(where: str, given: Any) -> Distribution:
+def _distribution(where: str, given: Any, unit: str) -> Distribution:
     if isinstance(given, dict) and len(given) == 1:
         ((kind, numbers),) = given.items()
+        if isinstance(numbers, list):
+            numbers = [in_unit(where, x, unit) for x in numbers]
         if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
             try:
                 return Distribution(kind, *map(as_number, numbers))
@@ -137,10 +142,25 @@ def _objective(table: Mapping[str, Any], where: str, mechanism: Mechanism) -> Ob
 
 def _limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
     _known(table, ("captured", "impacts", *mechanism.tuned), "problem.constraints")
-    limits = {name: value for name, value in table.items() if name in mechanism.tuned}
-    for name, value in limits.items():
-        check_number(f"problem.constraints.{name}", value, mechanism.quantities[name].unit, low=0.0, low_open=True)
-    return Limits(table.get("captured", True), limits, table.get("impacts"))
+    at_most, at_least = dict[str, float](), dict[str, float]()
+    for name, given in table.items():
+        if name not in mechanism.tuned:
+            continue
+        where, symbol = f"problem.constraints.{name}", mechanism.quantities[name].unit
+        sides = given if isinstance(given, dict) else {"max": given}
+        _known(sides, SIDES, where)
+        if not sides:
+            raise InputError(f"{where} = {{}} limits nothing; write {name} = 0.1 or {name} = {{min = 0.1, max = 0.2}}")
+        for side, text in sides.items():
+            value = in_unit(where, text, symbol, low=0.0, low_open=True)
+            check_number(where, value, symbol, low=0.0, low_open=True)
+            (at_most if side == "max" else at_least)[name] = value
+    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least)
+
+
+def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
+    """The limits of a [problem], by default the mechanism's."""
+    return _limits(_table(table, "constraints", mechanism.defaults.limits), mechanism)
 
 
 def _then(table: Mapping[str, Any], mechanism: Mechanism) -> Then:

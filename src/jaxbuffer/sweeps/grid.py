@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, check_address, check_alone, unit_at, value_at, with_values
+from ..fields import Part, check_address, check_alone, in_unit, unit_at, value_at, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import check_pair
 
@@ -159,7 +159,7 @@ def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
     symbol = unit_at(design, scenario, path)
     if not symbol:
         return Axis(path, "", _chosen(path, asked, design, scenario))
-    values = _span(path, asked) if isinstance(asked, Mapping) else _listed(path, asked)
+    values = _span(path, asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
     return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
@@ -185,7 +185,7 @@ def typed(text: str) -> tuple[str, Any]:
     return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
-def _span(path: str, table: Mapping[str, Any]) -> Span:
+def _span(path: str, table: Mapping[str, Any], unit: str) -> Span:
     for name in table:
         if name not in SPAN:
             raise InputError(f"sweep.{path}: {name} is unknown{suggest(name, SPAN)}; expected {EXAMPLE}")
@@ -196,7 +196,7 @@ def _span(path: str, table: Mapping[str, Any]) -> Span:
     count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
     check_whole(f"sweep.{path}: count", count, 1)
     check_choice(f"sweep.{path}: scale", scale, SCALES)
-    start, stop = (_number(f"sweep.{path}: {name}", table[name]) for name in ("from", "to"))
+    start, stop = (_number(f"sweep.{path}: {name}", table[name], unit) for name in ("from", "to"))
     if count == 1 and start != stop:
         raise InputError(f"sweep.{path}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
     if scale == "log" and not (start > 0.0 and stop > 0.0):
@@ -204,12 +204,12 @@ def _span(path: str, table: Mapping[str, Any]) -> Span:
     return Span(start, stop, count, scale)
 
 
-def _listed(path: str, asked: Any) -> tuple[float, ...]:
+def _listed(path: str, asked: Any, unit: str) -> tuple[float, ...]:
     asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
     values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, (str, bytes)) else [asked]
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
-    return tuple(_number(f"sweep.{path}", value) for value in values)
+    return tuple(_number(f"sweep.{path}", value, unit) for value in values)
 
 
 def _chosen(path: str, asked: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
@@ -239,8 +239,8 @@ def _as_choice(value: Any, now: Any) -> Any:
     return int(value) if whole else value
 
 
-def _number(path: str, value: Any) -> float:
-    number = as_number(value)
+def _number(path: str, value: Any, unit: str) -> float:
+    number = as_number(in_unit(path, value, unit))
     if type(number) is not float:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {EXAMPLE}")
     check_number(path, number, "-")

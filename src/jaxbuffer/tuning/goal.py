@@ -65,9 +65,12 @@ class Goal:
         return objective.vector(self.problem.quantities)
 
     def limited(self) -> list[tuple[int, float]]:
-        """Index into the problem's quantities and limit of every limited one."""
-        limits = dict(self.problem.mechanism.always) | dict(self.problem.limits.at_most)
-        return [(self.problem.quantities.index(name), float(limit)) for name, limit in limits.items()]
+        """Index into the problem's quantities and limit of every limited one, a lower limit with a minus sign: then
+        ``value / limit`` stays at most the limit's sign."""
+        limits = self.problem.limits
+        most, least = {**self.problem.mechanism.always, **limits.at_most}, limits.at_least
+        signed = [*most.items(), *((name, -limit) for name, limit in least.items())]
+        return [(self.problem.quantities.index(name), float(limit)) for name, limit in signed]
 
     @property
     def must_succeed(self) -> bool:
@@ -78,7 +81,7 @@ class Goal:
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """All constraints that have slopes: limits by quantity, then captures, then the ceiling."""
-        parts = [quantities[:, q] / limit - 1.0 for q, limit in self.limited()]
+        parts = [quantities[:, q] / limit - np.sign(limit) for q, limit in self.limited()]
         if self.must_succeed:
             parts.append(-margin)
         if self.ceiling is not None:
@@ -140,11 +143,5 @@ class Goal:
             found.append(f"not {mechanism.success} (margin {margin:.3g})")
         if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
             found.append(outcome.reason)
-        for name, limit in limits.at_most.items():
-            value = evaluation.quantities[k, self.problem.quantities.index(name)]
-            symbol = mechanism.quantities[name].unit
-            if value > limit:
-                found.append(f"{name} {value:.4g} {symbol} is above {limit:g} {symbol}")
-        if limits.impacts is not None and evaluation.impacts[k] > limits.impacts:
-            found.append(f"{evaluation.impacts[k]} impacts, above {limits.impacts}")
-        return found
+        values = dict(zip(self.problem.quantities, evaluation.quantities[k].tolist(), strict=True))
+        return found + limits.broken(values, int(evaluation.impacts[k]), mechanism.quantities)

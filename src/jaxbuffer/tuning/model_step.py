@@ -100,6 +100,12 @@ class _Model:
             entries.append((self.peaks[k], float(weights[0]) * self.peak_scale))
         return entries, float(weights[1:] @ self.tangent.rest[k]), ("rest", k, weights[1:])
 
+    def largest(self, k: int, factor: float) -> tuple[Entries, float, Source]:
+        """One case's largest impact times a factor, for a lower limit: the largest peak is never below it, while the
+        column of `_peaks` may lie above every impact."""
+        entries = self.along(factor * self.tangent.peaks_slope[k, 0])
+        return entries, factor * float(self.tangent.peaks[k, 0]), ("peaks", (k, 0), factor)
+
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
         """min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; its entries."""
         cap, weights = objective.cap(len(self.cases)), self.goal.weights(objective) / scale
@@ -116,8 +122,10 @@ class _Model:
         for quantity, limit in goal.limited():
             one = np.zeros(len(goal.problem.quantities))
             one[quantity] = 1.0 / limit
-            for entries, constant, source in (self.weighted(k, one) for k in self.cases):
-                rows.append((entries, 1.0 - constant, source))
+            for k in self.cases:
+                of_largest = quantity == 0 and limit < 0.0
+                entries, constant, source = self.largest(k, 1.0 / limit) if of_largest else self.weighted(k, one)
+                rows.append((entries, float(np.sign(limit)) - constant, source))
         if goal.must_succeed:
             for k in self.cases:
                 rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), ("margin", k, -1.0)))

@@ -8,6 +8,8 @@ from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_flag, check_number, check_single, check_type, check_whole, suggest
 from ..mechanisms import all_mechanisms
+from ..mechanisms.quantity import Catalogue
+from ..mechanisms.run import Run
 
 AGGREGATES = ("worst", "mean", "cvar")
 ONE_LIMIT = "it holds for all cases"
@@ -85,32 +87,71 @@ class Limits:
 
     - ``captured``: whether it must end as the mechanism's runs should, within the duration.
     - ``at_most``: upper limits by quantity, in its unit, beside those that the mechanism always has.
+    - ``at_least``: lower limits by quantity, in its unit.
     - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
       rejected, none is led back by it); None: any number.
 
-    **Raises:** `InputError` for quantities that are unknown and numbers out of range.
+    **Raises:** `InputError` for quantities that are unknown, numbers out of range, and a lower limit that is not below
+    the upper one.
 
-    **Example:** at most 25 mm of stroke.
+    **Example:** at most 25 mm of stroke, and a capture that takes half a second or more.
 
     >>> scenarios, variables = [jb.Scenario(approach_speed=0.2)], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
-    >>> limits = jb.Limits(at_most={"stroke": 0.025}, impacts=20)
+    >>> limits = jb.Limits(at_most={"stroke": 0.025}, at_least={"end_time": 0.5})
     >>> problem = jb.Problem(jb.table2(), scenarios, variables, limits=limits)
     >>> problem.limits
-    Limits(captured=True, at_most={'stroke': 0.025}, impacts=20)
+    Limits(captured=True, at_most={'stroke': 0.025}, impacts=None, at_least={'end_time': 0.5})
     """
 
     captured: bool = True
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
     impacts: int | None = None
+    at_least: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
-        for name, limit in self.at_most.items():
+        check_type("constraints' at_least", self.at_least, Mapping, "Limits(at_least={'end_time': 0.5})")
+        for name, limit in (*self.at_most.items(), *self.at_least.items()):
             unit = check_quantity("constraints", name)
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True)
+        for name in self.at_least:
+            if name in self.at_most and not self.at_least[name] < self.at_most[name]:
+                low, high, unit = self.at_least[name], self.at_most[name], check_quantity("constraints", name)
+                raise InputError(f"constraints.{name}: at least {low:g} {unit} and at most {high:g} {unit} contradict")
         check_flag("constraints.captured", self.captured)
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
+
+    def broken(self, values: Mapping[str, float], impacts: int, catalogue: Catalogue) -> list[str]:
+        """A line for each limit that a run with these quantities and this number of impacts does not keep to."""
+        sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
+        found = [
+            f"{name} {values[name]:.4g} {catalogue[name].unit} is {side} {limit:g} {catalogue[name].unit}"
+            for side, limits, sign in sides
+            for name, limit in limits.items()
+            if sign * values[name] > sign * limit
+        ]
+        if self.impacts is not None and impacts > self.impacts:
+            found.append(f"{impacts} impacts, above {self.impacts}")
+        return found
+
+    def broken_by(self, run: Run) -> list[str]:
+        """A line for each limit that one run does not keep to."""
+        mechanism, outcome = run.mechanism, run.outcome
+        found = []
+        if self.captured and mechanism.success is not None and outcome.name != mechanism.success:
+            found.append(f"not {mechanism.success} ({outcome.reason})")
+        named = {name: float(mechanism.quantities[name].of(run)) for name in (*self.at_most, *self.at_least)}
+        return found + self.broken(named, int(run.impact_count), mechanism.quantities)
+
+    def lines(self, catalogue: Catalogue) -> list[str]:
+        """Each limit on a quantity: "stroke ≤ 0.025 m"."""
+        sides = (("≤", self.at_most), ("≥", self.at_least))
+        return [
+            f"{name} {sign} {limit:g} {catalogue[name].unit}".rstrip(" -")
+            for sign, limits in sides
+            for name, limit in limits.items()
+        ]
 
 
 @dataclasses.dataclass(frozen=True)

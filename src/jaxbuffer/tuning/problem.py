@@ -183,7 +183,10 @@ class Problem:
 
     def _check_quantities(self, mechanism: Mechanism) -> None:
         """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
-        asked = {"objective": self.objective.weights, "constraints": self.limits.at_most}
+        asked: dict[str, Iterable[str]] = {
+            "objective": self.objective.weights,
+            "constraints": [*self.limits.at_most, *self.limits.at_least],
+        }
         asked |= {} if self.then is None else {"then": self.then.objective.weights}
         for where, names in asked.items():
             for name in names:

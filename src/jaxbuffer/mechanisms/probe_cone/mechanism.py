@@ -6,6 +6,7 @@ from ..registry import register
 from .capture import capture
 from .closed_form import first_impact
 from .design import Design, Scenario, check_fit, valid
+from .diagnosis import diagnosis
 from .drawing import drawing
 from .label import scenario_label
 from .law_validity import limits, warnings
@@ -60,6 +61,7 @@ PROBE_CONE = register(
         warnings=warnings,
         validity=limits,
         notes=lambda run: [first_impact_line(run)],
+        diagnosis=diagnosis,
         panels=panels,
         drawing=drawing,
         record=lambda run: {"first_impact": first_impact_record(run)},

@@ -1,0 +1,155 @@
+"""Units as text where numbers come in: "0.5 kN/m" becomes 500.0 for a field in N/m.
+
+pint (https://pint.readthedocs.io) reads the unit, with the short list of units below instead of its own: a plane angle
+is a dimension here, so that Hz is not taken for rad/s, and no two units share a symbol. pint is imported when the first
+text with a unit is met.
+"""
+
+import functools
+import math
+import re
+from typing import Any
+
+from ..errors import InputError, as_number, nearest, range_text, shown
+
+_TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|°|[A-Za-zµμ1][^\[\]{}=,;:\"']*)\s*")
+_UNIT = re.compile(r"[\w\s*/·.^()°%²³⁻¹-]{1,40}")
+_WORD = re.compile(r"[^\W\d_]+|°|%")
+_POWERS = re.compile(r"(\^|\*\*)[^*/·\s]*(\^|\*\*)|\d{3}")  # a power of a power, or a long number: none is a unit
+
+DEFINITIONS = """\
+giga- = 1e9 = G-
+mega- = 1e6 = M-
+kilo- = 1e3 = k-
+centi- = 1e-2 = c-
+milli- = 1e-3 = m-
+micro- = 1e-6 = µ- = μ- = u-
+nano- = 1e-9 = n-
+meter = [length] = m = metre
+second = [time] = s = sec
+gram = [mass] = g
+radian = [angle] = rad
+percent = 0.01 = %
+minute = 60 * second = min
+hour = 60 * minute = h
+tonne = 1000 * kilogram = t
+newton = kilogram * meter / second ** 2 = N
+pascal = newton / meter ** 2 = Pa
+bar = 1e5 * pascal
+joule = newton * meter = J
+watt = joule / second = W
+hertz = 1 / second = Hz
+degree = 0.017453292519943295 * radian = deg = °
+turn = 6.283185307179586 * radian = rev = revolution
+rpm = turn / minute
+inch = 0.0254 * meter = in
+foot = 0.3048 * meter = ft
+pound = 0.45359237 * kilogram = lb
+pound_force = 4.4482216152605 * newton = lbf
+"""
+SYMBOLS = (
+    *("m", "mm", "cm", "km", "µm", "s", "ms", "µs", "min", "h", "kg", "g", "t", "rad", "mrad", "deg", "turn", "rpm"),
+    *("N", "kN", "MN", "mN", "Pa", "kPa", "MPa", "GPa", "bar", "J", "mJ", "kJ", "W", "Hz", "kHz"),
+    *("in", "ft", "lb", "lbf"),
+)
+KINDS = {
+    **{"m": "a length", "s": "a time", "kg": "a mass", "rad": "an angle", "m/s": "a speed", "N": "a force"},
+    **{"rad/s": "a rate of turning", "N/m": "a stiffness", "N s/m": "a damping", "Pa": "a pressure"},
+    **{"N m": "a torque or an energy", "1/s": "a frequency", "kg m²": "an inertia", "m²": "an area"},
+    **{"N m/rad": "a stiffness about a hinge", "N m s/rad": "a damping about a hinge", "-": "a plain number"},
+    **{"m/s²": "an acceleration", "kg/m³": "a density", "N s": "an impulse"},
+}
+
+
+def as_unit(value: Any, unit: str) -> Any:
+    """`as_number`, and a text with a unit that fits as a number in ``unit``; any other text stays as it is, for the
+    check that names its field."""
+    if isinstance(value, str):
+        found = _read(value, unit)
+        return found if isinstance(found, float) else value
+    if isinstance(value, (list, tuple)) and any(isinstance(entry, str) for entry in value):
+        value = [as_unit(entry, unit) for entry in value]
+    return as_number(value)
+
+
+def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
+    """`as_unit` of the value of a field.
+
+    **Arguments:** ``path``: as shown to the user; ``unit``: the field's; ``limits``: its range, as in `check_number`.
+
+    **Raises:** `InputError` for a unit that is unknown or of another dimension, with what would do.
+    """
+    if isinstance(value, str) and isinstance(reason := _read(value, unit), str) and reason:
+        allowed = range_text(*(limits.get(name, default) for name, default in _RANGE.items()))
+        symbol = "" if unit in ("", "-") else f" {unit}"
+        raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}{symbol}")
+    return as_unit(value, unit)
+
+
+_RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
+
+
+def _read(text: str, unit: str) -> float | str:
+    """The number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number with a unit."""
+    if (found := _TEXT.fullmatch(text)) is None:
+        return ""
+    number, symbol = float(found[1]), found[2].strip()
+    wanted = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    if unit.endswith("^e"):
+        return f"the unit depends on the exponent; write {wanted} without one"
+    if not _UNIT.fullmatch(symbol) or _POWERS.search(symbol):
+        return f"{shown(symbol)} is not a unit; expected {wanted}"
+    units, target = _registry(), _parsed(unit)
+    try:
+        given = _parsed(symbol)
+    except Exception:  # pint has many, and its tokenizer others
+        return f"{_unknown(symbol)}; expected {wanted}"
+    if given.dimensionality != target.dimensionality:
+        kinds = (
+            f" is {kind}" for known, kind in KINDS.items() if _parsed(known).dimensionality == given.dimensionality
+        )
+        return f"{symbol}{next(kinds, ' does not fit')}, expected {wanted}{_instead(symbol, unit)}"
+    return float(units.Quantity(number, given).to(target).magnitude)
+
+
+def _unknown(symbol: str) -> str:
+    """Which word of a unit is unknown, and the unit meant."""
+    for word in _WORD.findall(symbol):
+        try:
+            _parsed(word)
+        except Exception:
+            near = next((s for s in SYMBOLS if s.lower() == word.lower()), None) or nearest(word, SYMBOLS)
+            if spaced := _spaced(word):
+                near = spaced
+            return f"the unit {word} is unknown" + (f"; did you mean {near}?" if near else "")
+    return f"{shown(symbol)} is not a unit"
+
+
+def _spaced(word: str) -> str:
+    """Two symbols that are written as one word: "N m" for "Nm"."""
+    pairs = ((word[:k], word[k:]) for k in range(1, len(word)))
+    return next((f"{a} {b}" for a, b in pairs if a in SYMBOLS and b in SYMBOLS), "")
+
+
+def _instead(symbol: str, unit: str) -> str:
+    if unit == "rad/s" and _parsed(symbol).dimensionality == _parsed("Hz").dimensionality:
+        return "; for turns a second write turn/s or rpm"
+    if "/rad" in unit and _parsed(symbol).dimensionality == _parsed(unit.replace("/rad", "")).dimensionality:
+        return f"; write {symbol}/rad or {symbol}/deg"
+    return ""
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(None)
+    registry.load_definitions(DEFINITIONS.splitlines())
+    return registry
+
+
+@functools.cache
+def _parsed(symbol: str) -> Any:
+    """A unit from its symbol; spaces multiply, and what follows a / up to the next one divides, as in tables."""
+    plain = "" if symbol == "-" else re.sub(r"^1\s*/", "dimensionless/", symbol.replace("·", " "))
+    return _registry().parse_units(plain)

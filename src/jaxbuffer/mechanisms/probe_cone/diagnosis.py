@@ -1,0 +1,140 @@
+"""What held back a capture that did not succeed: way left, where the energy went, the impact that turned it round."""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from ...compiling.programs import stored
+from ...hybrid import Kind
+from .assembly import T
+from .outcome import Outcome
+from .system import CONTACTS, CaptureMechanism
+
+if TYPE_CHECKING:
+    from .capture import Capture
+
+
+class Course(NamedTuple):
+    """How the tip and the vehicles were moving at each event of a run, an entry each.
+
+    ``before``: the tip's distance from the capture plane [m] (M65); ``closing``: how fast that becomes less [m/s];
+    ``approach``: speed along the cone's axis at which the centres of mass of the active side (vehicle, cylinder, probe)
+    and of the passive vehicle approach each other [m/s]; ``along``: kinetic energy of that approach [J]; ``common``:
+    that of both together, which nothing inside the mechanism changes [J].
+    """
+
+    before: Float[Array, " slots"]
+    closing: Float[Array, " slots"]
+    approach: Float[Array, " slots"]
+    along: Float[Array, " slots"]
+    common: Float[Array, " slots"]
+
+
+@stored
+def course(parameters: tuple[Any, Any, Array], states: Float[Array, "slots state"]) -> Course:
+    """The course of a run of design, scenario and stabilisation through these states (König's theorem)."""
+    mechanism = CaptureMechanism(*parameters)
+    design = parameters[0]
+    passive = design.passive.mass
+    active = design.active.mass + design.buffer.cylinder_mass + mechanism.probe.mass
+
+    def at(state: Float[Array, " state"]) -> Course:
+        before, receding = mechanism.throat_of(state)
+        momentum = mechanism.momentum(state)[0]
+        cone = mechanism.kinematics(state).frame(T)
+        x, y = ((momentum[k] - passive * v) / active - v for k, v in enumerate((cone.velocity.x, cone.velocity.y)))
+        speed = x * cone.cos + y * cone.sin
+        reduced = active * passive / (active + passive)
+        common = 0.5 * (momentum[0] ** 2 + momentum[1] ** 2) / (active + passive)
+        return Course(before, -receding, speed, 0.5 * reduced * speed**2, common)
+
+    return jax.vmap(at)(states)
+
+
+class Turn(NamedTuple):
+    """The impact after which the vehicles parted for good.
+
+    ``impact``: its number from 1; ``flank``: its number; ``time`` of its touchdown [s]; ``before``, ``after``: how fast
+    the vehicles approach each other at that touchdown, and at the first event at which they part [m/s].
+    """
+
+    impact: int
+    flank: int
+    time: float
+    before: float
+    after: float
+
+
+def turned_round(capture: "Capture", seen: Course) -> Turn | None:
+    """The last impact before the vehicles' approach changes sign for good; None where they approach at the end."""
+    log = capture._located  # its values are those of `log`, which would compute derivatives
+    count = min(int(log.count), int(log.room))
+    kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
+    approach = np.asarray(seen.approach)[:count]
+    touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
+    approaching = np.flatnonzero(approach > 0.0)
+    if not approaching.size or approaching[-1] == count - 1 or not np.any(touched[: approaching[-1] + 1]):
+        return None
+    at, parted = int(np.flatnonzero(touched[: approaching[-1] + 1])[-1]), int(approaching[-1]) + 1
+    number = int(np.sum(touched[: at + 1]))
+    return Turn(number, int(which[at]), float(time[at]), float(approach[at]), float(approach[parted]))
+
+
+def diagnosis(capture: "Capture") -> list[str]:
+    """What held a run back that did not end captured, a line each; nothing of others."""
+    log = capture._located
+    if capture.outcome == Outcome.captured or capture.outcome.failed or not int(log.count):
+        return []
+    parameters = (capture.design, capture.scenario, capture.stabilisation)
+    seen = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0]))
+    last = int(log.count) - 1
+    told = {
+        "way left": _way(capture, seen, last),
+        "energy left": _energy(capture, seen, last),
+        "where it went": _lost(capture, seen, last),
+        "turned round": _turn(capture, seen),
+        "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
+    }
+    return ["why it was not captured", *(f"  {heading:20} {text}" for heading, text in told.items())]
+
+
+def _way(capture: "Capture", seen: Course, last: int) -> str:
+    left, begin, speed = (1e3 * float(x) for x in (seen.before[last], seen.before[0], seen.closing[last]))
+    ends = "still closes in" if speed > 0.0 else "recedes"
+    return f"{left:.4g} mm to the capture plane, {begin:.4g} mm at first; the tip {ends} at {abs(speed):.3g} mm/s"
+
+
+def _energy(capture: "Capture", seen: Course, last: int) -> str:
+    """Along the approach, in the springs, and in other motion, of what there was without the common motion."""
+    total = float(capture.energy.total) - float(seen.common[last])
+    along, direction = float(seen.along[last]), "closing" if float(seen.approach[last]) > 0.0 else "parting"
+    stored = {name: float(np.asarray(value)) for name, value in capture.energy.stored.items()}
+    kinetic = stored.pop("kinetic")
+    springs, other = sum(stored.values()), kinetic - float(seen.common[last]) - along
+    return (
+        f"{_share(along, total)} along the approach ({direction}), {_share(springs, total)} in springs,"
+        f" {_share(other, total)} in turning and sideways motion, of {1e3 * total:.4g} mJ relative to the common motion"
+    )
+
+
+def _lost(capture: "Capture", seen: Course, last: int) -> str:
+    total = float(capture.energy.total) - float(seen.common[last])
+    lost = {name.replace("_", " "): float(np.asarray(value)) for name, value in capture.energy.lost.items()}
+    most = sorted(lost.items(), key=lambda item: -item[1])
+    return ", ".join(f"{name} {_share(value, total)}" for name, value in most if value > 0.0) or "nothing was lost"
+
+
+def _turn(capture: "Capture", seen: Course) -> str:
+    turn = turned_round(capture, seen)
+    if turn is None:
+        return "never: the vehicles still approach each other at the end"
+    return (
+        f"impact {turn.impact} of {int(capture.impact_count)}, {CONTACTS[turn.flank]} flank, at {turn.time:.4g} s: the"
+        f" vehicles approach at {1e3 * turn.before:.3g} mm/s before it and part at {-1e3 * turn.after:.3g} mm/s after"
+    )
+
+
+def _share(energy: float, total: float) -> str:
+    return f"{1e3 * energy:.3g} mJ ({100.0 * energy / total:.1f} %)" if energy > 1e-6 * total else "0 mJ"

@@ -1,0 +1,121 @@
+"""An example study of a mechanism: every field with its unit, default, range and meaning, most of them as comments."""
+
+import dataclasses
+import math
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import tomli_w
+
+from ..errors import range_text
+from ..fields import Part, get, metadata, unit_at
+from ..fields.meaning import meanings
+from ..mechanisms.mechanism import Mechanism
+from ..tuning.settings import Settings
+from .config import Options, sections
+
+WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
+SCHEMA = "jaxbuffer.schema.json"
+
+
+def example_toml(mechanism: Mechanism) -> str:
+    """A study that `load` reads unchanged to the mechanism's defaults, with a problem and a sweep of its own."""
+    design, scenario = mechanism.design(), mechanism.scenario()
+    lines = [
+        f"#:schema ./{SCHEMA}",
+        f"# A study of {mechanism.title}; 'jaxbuffer check FILE' says what it holds and what the commands would do.",
+        "# A line that begins with # shows a default: take the # away to set the field.",
+        '# Numbers are in the unit of their comment; text with another unit is fine: "0.5 kN/m", "3 deg", "20 cm/s".',
+        "# Editors complete and check this file with the schema of the first line, which is written by",
+        f"#   jaxbuffer schema --kind {mechanism.name} > {SCHEMA}",
+        "",
+        f'kind = "{mechanism.name}"',
+    ]
+    for section in sections(mechanism):
+        lines += ["", f"[{section}]", *_fields(getattr(design, section), commented=True)]
+    lines += ["", "[scenario]  # what is simulated", *_fields(scenario, commented=False)]
+    lines += ["", "[options]  # how", *_fields(Options(duration=mechanism.defaults.duration), commented=True)]
+    lines += ["", "[tune]  # how jaxbuffer tune searches", *_fields(Settings(), commented=True)]
+    lines += ["", *_problem(mechanism, design), "", *_sweep(mechanism, design, scenario)]
+    return "\n".join(lines) + "\n"
+
+
+def _fields(part: Part, commented: bool) -> Iterator[str]:
+    """A line for each field; ``commented``: whether a field that has a value is a comment too."""
+    said = meanings(type(part))
+    for name in (field.name for field in dataclasses.fields(part)):
+        known, value = metadata(part, name), get(part, name)
+        words = [_allowed(known), said[name]]
+        if value is None:
+            yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
+        else:
+            yield _line(("# " if commented else "") + _entry(name, value), ": ".join(words))
+
+
+def _allowed(known: Mapping[str, Any]) -> str:
+    """Unit and range of a field, or its choices."""
+    if "choices" in known:
+        return f"one of {', '.join(known['choices'])}"
+    if "limits" in known:
+        limits: dict[str, Any] = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
+        symbol = "" if known["unit"] == "-" else f"{known['unit']}, "
+        return symbol + range_text(**limits | known["limits"])
+    return f"whole numbers from {known['least']}" if "least" in known else "true or false"
+
+
+def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
+    """The sections of jaxbuffer tune."""
+    catalogue, defaults = mechanism.quantities, mechanism.defaults
+    starts_inside = {
+        path: bounds for path, bounds in defaults.variables.items() if bounds[0] <= get(design, path) <= bounds[1]
+    }
+    if starts_inside:
+        yield '[problem.variables]  # what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
+        for path, bounds in starts_inside.items():
+            yield _line(_entry(path, bounds), metadata(design, path)["unit"])
+        yield ""
+    yield "[problem.objective]  # what it lowers: quantities with their weights, over the worst case, the mean or cvar"
+    yield _line("peak_force = 1.0", "N/N; or any of " + ", ".join(mechanism.tuned[1:5]))
+    yield '# over = "worst"'
+    yield ""
+    yield "[problem.constraints]  # what it keeps to: at most, or {min = , max = }; a run outside them exits with 1"
+    for name, limit in defaults.limits.items():
+        yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
+    yield _line("# end_time = {min = 0.1, max = 1.0}", "s, both sides")
+    yield _line("# impacts = 20", "at most so many touchdowns")
+    yield ""
+    first = _numbers(mechanism)[0]
+    yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"
+    yield f"# {first} = {[float(getattr(mechanism.scenario(), first))]}"
+    yield "# [problem.then]  # what decides among designs that are about as good as the best"
+    yield f"# {mechanism.tuned[-1]} = 1.0"
+    yield "# slack = 0.01"
+
+
+def _numbers(mechanism: Mechanism) -> list[str]:
+    """The numbers of the mechanism's scenarios."""
+    return [f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata]
+
+
+def _sweep(mechanism: Mechanism, design: Part, scenario: Part) -> Iterator[str]:
+    yield "[sweep]  # what jaxbuffer sweep combines: a list, or from, to, count and scale"
+    for path, values in mechanism.defaults.grid.items():
+        yield _line(_entry(path, values), unit_at(design, scenario, path))
+
+
+def _entry(name: str, value: Any) -> str:
+    if isinstance(value, Mapping):
+        return f"{name} = {{{', '.join(_entry(key, entry) for key, entry in value.items())}}}"
+    if isinstance(value, (list, tuple)):
+        return f"{name} = [{', '.join(_entry('', entry).removeprefix(' = ') for entry in value)}]"
+    return f"{name} = " + tomli_w.dumps({"x": value}).strip().removeprefix("x = ")
+
+
+def _line(entry: str, comment: str) -> str:
+    """An entry with its comment behind it or, where that is too long, in lines of their own above it."""
+    line = f"{entry:{WIDTH}}  # {comment}" if comment else entry
+    if len(line) <= LONGEST:
+        return line
+    above = textwrap.wrap(comment, LONGEST - 5, break_on_hyphens=False)
+    return "\n".join([*(f"## {'  ' if k else ''}{part}" for k, part in enumerate(above)), entry])

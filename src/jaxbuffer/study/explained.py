@@ -1,0 +1,122 @@
+"""What a study says, in words: what differs from the defaults, and what each command would do with it."""
+
+from typing import Any
+
+from ..fields import Part, get, metadata, paths
+from ..sweeps.grid import Grid, grid
+from ..tuning.problem import Problem
+from .config import Config, Options
+
+SHOWN = 12  # scenarios that are listed one by one
+
+
+def explained(study: Config, name: str) -> str:
+    """A study in some twenty lines.
+
+    **Arguments:** ``name``: of its file, as the commands take it.
+
+    **Raises:** `InputError` where its problem can't be tuned.
+    """
+    mechanism = study.mechanism
+    problem = study.problem() if study.table else None
+    swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
+    parts = {
+        "mechanism": [f'{mechanism.title}, kind = "{mechanism.name}"'],
+        "differs from default": _differences(study) or ["nothing"],
+        "scenario": [mechanism.label(study.scenario)],
+        "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
+        "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
+        "variables": [] if problem is None else _variables(problem),
+        "objective": [] if problem is None else [str(problem.objective)],
+        "limits": [] if problem is None else _limits(problem),
+        "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
+        "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
+        "commands": _commands(study, name, problem, swept),
+    }
+    lines = [f"Study {name}: valid"]
+    for heading, told in parts.items():
+        lines += [f"  {heading if k == 0 else '':22} {line}" for k, line in enumerate(told)]
+    return "\n".join(lines)
+
+
+def _differences(study: Config) -> list[str]:
+    """Each field that is not at its default: "buffer.k_A 800 N/m (default 500 N/m)"."""
+    mechanism, found = study.mechanism, []
+    usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
+    for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
+        for path in paths(part):
+            if get(part, path) != get(default, path):
+                found.append(f"{_shown(part, path, prefix)} (default {_value(default, path)})")
+    default_options = Options(duration=mechanism.defaults.duration)
+    for path in paths(study.options):
+        if get(study.options, path) != get(default_options, path):
+            found.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
+    return found
+
+
+def _scenarios(study: Config) -> list[str]:
+    label, all_of_them = study.mechanism.label, study.scenarios
+    listed = [f"{k}: {label(scenario, all_of_them)}" for k, scenario in enumerate(all_of_them[:SHOWN], 1)]
+    left = len(all_of_them) - len(listed)
+    return [*listed, f"and {left} more"] if left else listed
+
+
+def _variables(problem: Problem) -> list[str]:
+    design = problem.design
+    return [
+        f"{v.path} in [{v.low:g}, {v.high:g}] {_unit(design, v.path)}, {v.scale}, from {_value(design, v.path)}"
+        for v in problem.variables
+    ]
+
+
+def _limits(problem: Problem) -> list[str]:
+    limits, mechanism = problem.limits, problem.mechanism
+    lines = limits.lines(mechanism.quantities)
+    lines += [f"{name} ≤ {limit:g}, always" for name, limit in mechanism.always.items() if name not in limits.at_most]
+    if limits.impacts is not None:
+        lines.append(f"at most {limits.impacts} impacts")
+    return [*lines, f"every case must end {mechanism.success}"] if limits.captured and mechanism.success else lines
+
+
+def _commands(study: Config, name: str, problem: Problem | None, swept: Grid) -> list[str]:
+    """What each command would do."""
+    mechanism, defaults = study.mechanism, study.mechanism.defaults
+    run = mechanism.run_name
+    counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
+    of, by = ", ".join(defaults.differentiated), ", ".join(defaults.parameters)
+    told = [
+        f"jaxbuffer simulate {name}     one {run}: {mechanism.label(study.scenario)}",
+        f"jaxbuffer sensitivity {name}  {of}",
+        f"{'':{len(name) + 23}} by {by}",
+        f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
+    ]
+    if problem is None:
+        return [*told, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
+    cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
+    return [*told, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
+
+
+def _axis(axis: Any) -> str:
+    values = axis.values
+    unit = "" if axis.unit == "-" else f" {axis.unit}"
+    if len(values) <= 5:
+        return ", ".join(f"{value:g}" for value in values) + unit
+    return f"{values[0]:g} to {values[-1]:g}{unit}, {len(values)} values, {axis.scale}"
+
+
+def _shown(part: Part, path: str, prefix: str = "") -> str:
+    return f"{prefix}{path} {_value(part, path)}"
+
+
+def _value(part: Part, path: str) -> str:
+    """A field's value with its unit."""
+    value = get(part, path)
+    if value is None:
+        return "not set"
+    if isinstance(value, bool) or not isinstance(value, float):
+        return str(value).lower() if isinstance(value, bool) else str(value)
+    return f"{value:g} {_unit(part, path)}".rstrip(" -")
+
+
+def _unit(part: Part, path: str) -> str:
+    return str(metadata(part, path).get("unit", ""))

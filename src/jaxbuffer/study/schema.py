@@ -1,0 +1,139 @@
+"""The JSON Schema of a mechanism's studies, for editors, in draft 7, which taplo and VS Code read (json-schema.org).
+
+It knows names, ranges, choices and units; what must fit together is checked by `jaxbuffer check`.
+"""
+
+import dataclasses
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..fields import Part, get, metadata, paths
+from ..fields.meaning import meanings
+from ..mechanisms.mechanism import Mechanism
+from ..tuning.problem import SCALES
+from ..tuning.settings import Settings
+from .config import KINDS, Options, sections
+
+DIALECT = "http://json-schema.org/draft-07/schema#"
+TEXT = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": 'a number with its unit, "0.5 kN/m" say'}
+Schema = dict[str, Any]
+
+
+def study_schema(mechanism: Mechanism) -> Schema:
+    """The schema of a study of the mechanism."""
+    design, scenario = mechanism.design(), mechanism.scenario()
+    numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
+    numbers |= {f"scenario.{path}": metadata(scenario, path) for path in paths(scenario)}
+    parts = {name: _part(getattr(design, name)) for name in sections(mechanism)}
+    properties = {
+        "kind": {"const": mechanism.name, "description": f"the mechanism: {mechanism.title}"},
+        **parts,
+        "scenario": _part(scenario),
+        "scenarios": {"type": "array", "items": _part(scenario), "minItems": 1},
+        "options": _part(Options()),
+        "tune": _part(Settings()),
+        "problem": _problem(mechanism, design, scenario),
+        "quantities": {"type": "object", "description": "quantities of your own, by name"},
+        "sweep": _by_path({path: _values(known) for path, known in numbers.items()}),
+    }
+    return {
+        "$schema": DIALECT,
+        "title": f"jaxbuffer study, kind = {mechanism.name}",
+        "type": "object",
+        "properties": {name: schema for name, schema in properties.items() if name in (*parts, *KINDS)},
+        "additionalProperties": False,
+    }
+
+
+def _object(properties: Mapping[str, Schema], **others: Any) -> Schema:
+    return {"type": "object", "properties": dict(properties), "additionalProperties": False, **others}
+
+
+def _part(part: Part) -> Schema:
+    """Of a section: each field with its range or choices, its unit and meaning in words."""
+    said = meanings(type(part))
+    fields = {}
+    for name in (field.name for field in dataclasses.fields(part)):
+        known, value = metadata(part, name), get(part, name)
+        symbol = known.get("unit", "-")
+        schema = _field(known) | {"description": said[name] if symbol == "-" else f"[{symbol}] {said[name]}"}
+        fields[name] = schema if value is None else schema | {"default": value}
+    return _object(fields)
+
+
+def _field(known: Mapping[str, Any]) -> Schema:
+    if "choices" in known:
+        return {"enum": list(known["choices"])}
+    if "unit" in known:
+        return {"anyOf": [_number(known), TEXT]}
+    return {"type": "integer", "minimum": known["least"]} if "least" in known else {"type": "boolean"}
+
+
+def _number(known: Mapping[str, Any]) -> Schema:
+    limits, schema = known.get("limits", {}), Schema(type="number")
+    if (low := limits.get("low", -math.inf)) > -math.inf:
+        schema["exclusiveMinimum" if limits.get("low_open") else "minimum"] = low
+    if (high := limits.get("high", math.inf)) < math.inf:
+        schema["exclusiveMaximum" if limits.get("high_open") else "maximum"] = high
+    return schema
+
+
+def _by_path(schemas: Mapping[str, Schema]) -> Schema:
+    """Of a table of dotted paths, which TOML reads as tables in tables, or quoted as they are."""
+    nested: dict[str, dict[str, Schema]] = {}
+    for path, schema in schemas.items():
+        section, _, name = path.partition(".")
+        nested.setdefault(section, {})[name] = schema
+    return _object({section: _object(inner) for section, inner in nested.items()} | dict(schemas))
+
+
+def _values(known: Mapping[str, Any]) -> Schema:
+    """Of the values of a sweep."""
+    one: Schema = {"anyOf": [_number(known), TEXT]}
+    span = {"from": one, "to": one, "count": {"type": "integer", "minimum": 1}, "scale": {"enum": ["linear", "log"]}}
+    listed = {"type": "array", "items": one, "minItems": 1}
+    unit = known["unit"]
+    return {"anyOf": [one, listed, _object(span, required=["from", "to", "count"])], "description": f"[{unit}]"}
+
+
+def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
+    numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
+    variables = {
+        path: {
+            "type": "array",
+            "items": {"anyOf": [_number(known), TEXT, {"enum": list(SCALES)}]},
+            "minItems": 2,
+            "maxItems": 3,
+            "description": f"[low, high] in {known['unit']}, or [low, high, scale]",
+        }
+        for path, known in numbers.items()
+    }
+    listed = {
+        path: {"type": "array", "items": _field(metadata(scenario, path)), "minItems": 1} for path in paths(scenario)
+    }
+    weights = _quantities(mechanism, mechanism.tuned, {"type": "number", "exclusiveMinimum": 0})
+    bound: Schema = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, TEXT]}
+    sides: Schema = {"anyOf": [bound, _object({"min": bound, "max": bound}, minProperties=1)]}
+    over: dict[str, Schema] = {"over": {"enum": ["worst", "mean", "cvar"]}, "level": {"type": "number", "minimum": 0}}
+    limits: dict[str, Schema] = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
+    return _object(
+        {
+            "variables": _by_path(variables),
+            "grid": _object(listed),
+            "sample": {"type": "object"},
+            "objective": _open(weights | over),
+            "constraints": _open(_quantities(mechanism, mechanism.tuned, sides) | limits),
+            "then": _open(weights | over | {"slack": {"type": "number", "exclusiveMinimum": 0, "maximum": 1}}),
+        }
+    )
+
+
+def _open(properties: Mapping[str, Schema]) -> Schema:
+    """An object that may have other names too: those of a study's own quantities."""
+    return {"type": "object", "properties": dict(properties)}
+
+
+def _quantities(mechanism: Mechanism, names: Iterable[str], schema: Schema) -> dict[str, Schema]:
+    catalogue = mechanism.quantities
+    return {name: schema | {"description": f"[{catalogue[name].unit}] {catalogue[name].description}"} for name in names}

@@ -1,0 +1,169 @@
+"""`jaxbuffer init`, `check` and `schema`."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import jaxbuffer
+from jaxbuffer.cli.entry import run
+from jaxbuffer.fields import get, metadata, paths
+from jaxbuffer.fields.meaning import meaning
+from jaxbuffer.mechanisms import all_mechanisms, mechanism_named
+from jaxbuffer.study.config import load, loads
+from jaxbuffer.study.example import example_toml
+from jaxbuffer.study.schema import study_schema
+
+KINDS = [mechanism.name for mechanism in all_mechanisms()]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_example_loads_unchanged_and_has_every_field(kind, computed, capsys):
+    assert run(["init", "--kind", kind, "mine.toml"]) == 0
+    study, mechanism = load("mine.toml"), mechanism_named(kind)
+    assert (study.design, study.scenario) == (mechanism.design(), mechanism.scenario())
+    assert study.problem().limits.at_most == mechanism.defaults.limits and study.sweep
+    text = example_toml(mechanism)
+    assert max(map(len, text.splitlines())) <= 120
+    for part in (mechanism.design(), mechanism.scenario()):
+        for path in paths(part):
+            assert re.search(rf"^(# )?{path.rpartition('.')[2]} = ", text, re.MULTILINE), path
+            assert metadata(part, path).get("unit", "-") in text
+    assert run(["check", "mine.toml"]) == 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_defaults_in_the_comments_are_the_defaults(kind):
+    """Every commented field with a value, made to hold, leaves the study as it is."""
+    mechanism = mechanism_named(kind)
+    text = re.sub(r"^# (\w+ = [^\s].*)$", r"\1", example_toml(mechanism).split("[problem")[0], flags=re.MULTILINE)
+    study = loads(text.encode(), "example")
+    for part, default in ((study.design, mechanism.design()), (study.scenario, mechanism.scenario())):
+        for path in paths(part):
+            assert get(part, path) == get(default, path)
+
+
+def test_an_example_is_never_written_over_a_file(computed, capsys, tmp_path):
+    (tmp_path / "study.toml").write_text("mine")
+    assert run(["init"]) == 2
+    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites\n"
+    assert (tmp_path / "study.toml").read_text() == "mine"
+    assert run(["init", "--force"]) == 0 and load("study.toml").design
+    assert run(["init", "--kind", "bar_dropp", "x.toml"]) == 2
+    assert "did you mean bar_drop?" in capsys.readouterr().err
+
+
+def test_a_study_is_explained(computed, capsys, tmp_path):
+    (tmp_path / "study.toml").write_text(
+        """
+        buffer.k_A = "0.8 kN/m"
+        options.duration = 4
+        scenario.misalignment = "3 deg"
+        [problem.variables]
+        buffer.c_A = [1, 60]
+        [problem.constraints]
+        stroke = {min = 0.001, max = "25 mm"}
+        [problem.grid]
+        approach_speed = [0.1, 0.2]
+        [sweep]
+        buffer.k_A = [100, 200]
+        buffer.c_A = {from = 1, to = 9, count = 8}
+        """
+    )
+    assert run(["check", "study.toml"]) == 0
+    shown = capsys.readouterr().out
+    for line in (
+        "Study study.toml: valid",
+        "buffer.k_A 800 N/m (default 500 N/m)",
+        "options.duration 4 s (default 8 s)",
+        "scenario.misalignment 0.0523599 rad (default 0 rad)",
+        "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
+        "stroke ≤ 0.025 m",
+        "stroke ≥ 0.001 m",
+        "every case must end captured",
+        "buffer.k_A 100, 200 N/m",
+        "buffer.c_A 1 to 9 N s/m, 8 values, linear",
+        "one capture: 0.1 m/s, 3°",
+        "2 × 8 = 16 captures",
+        "1 variables over 2 scenarios",
+    ):
+        assert line in shown, line
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[bufer]\nk_A = 1", "study.toml: [bufer] is unknown; did you mean buffer?"),
+        ("[problem.variables]\nbuffer.k_A = [600, 2000]", "study.toml: the start, buffer.k_A = 500 N/m, is outside"),
+        ("[problem.constraints]\nstrok = 1", "study.toml: problem.constraints.strok is unknown; did you mean stroke?"),
+    ],
+)
+def test_what_is_wrong_with_a_study_is_one_line(computed, capsys, tmp_path, text, message):
+    (tmp_path / "study.toml").write_text(text)
+    assert run(["check", "study.toml"]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == "" and shown.err.startswith(f"error: {message}") and shown.err.count("\n") == 1
+
+
+def described_by(schema, value) -> bool:  # noqa: PLR0911
+    """Whether a value is valid: as much of JSON Schema, draft 7, as the schemas here use."""
+    if "anyOf" in schema and not any(described_by(one, value) for one in schema["anyOf"]):
+        return False
+    if "enum" in schema or "const" in schema:
+        return value in schema.get("enum", [schema.get("const")])
+    kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
+    kind = schema.get("type")
+    if kind is None:
+        return True
+    if not isinstance(value, kinds[kind]) or (isinstance(value, bool) and kind != "boolean"):
+        return False
+    if kind == "object":
+        known = schema.get("properties", {})
+        closed = schema.get("additionalProperties") is False
+        return all(described_by(known[name], it) if name in known else not closed for name, it in value.items())
+    if kind == "array":
+        return len(value) >= schema.get("minItems", 0) and all(described_by(schema["items"], it) for it in value)
+    if kind == "string":
+        return bool(re.search(schema.get("pattern", ""), value))
+    within = schema.get("minimum", value) <= value <= schema.get("maximum", value) if kind != "boolean" else True
+    open_low, open_high = schema.get("exclusiveMinimum"), schema.get("exclusiveMaximum")
+    return within and (open_low is None or value > open_low) and (open_high is None or value < open_high)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
+    assert run(["schema", "--kind", kind]) == 0
+    mechanism = mechanism_named(kind)
+    schema = json.loads(capsys.readouterr().out)
+    assert schema == json.loads(json.dumps(study_schema(mechanism)))
+    assert described_by(schema, tomllib.loads(example_toml(mechanism)))
+    field = next(path for path in paths(mechanism.design()) if "limits" in metadata(mechanism.design(), path))
+    section, name = field.split(".")
+    assert described_by(schema, {section: {name: "2 kg"}}) and described_by(schema, {section: {name: 2.0}})
+    for wrong in ({section: {name: -1.0}}, {section: {name: True}}, {section: {f"{name}x": 1.0}}, {"fizz": {}}):
+        assert not described_by(schema, wrong), wrong
+
+
+def test_meanings_come_from_docstrings():
+    crank = mechanism_named("slider_crank").design()
+    capture = mechanism_named("probe_cone").design()
+    assert meaning(crank, "crank.length") == "length from the shaft to the crank pin"
+    assert (
+        meaning(capture, "buffer.k_A") == meaning(capture, "buffer.c_A") == "stiffness and damping along the cylinder"
+    )
+    assert meaning(capture, "probe.free_tip") == "whether the tip spins freely"
+    assert meaning(capture, "active.mass") == "mass m_S"
+
+
+def test_a_shell_completes_commands(tmp_path):
+    source = str(Path(jaxbuffer.__file__).parents[1])
+    asked = {"_JAXBUFFER_COMPLETE": "complete_bash", "COMP_WORDS": "jaxbuffer si", "COMP_CWORD": "1"}
+    code = "from jaxbuffer.cli import main; main([])"
+    environment = {**os.environ, **asked, "PYTHONPATH": source}
+    shown = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert shown.stdout.split() == ["simulate"]
