@@ -27,9 +27,9 @@ from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
-SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png")
+SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png", "capture.svg", "motion.png", "motion.svg")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
-TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
+TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"
 
 

@@ -19,10 +19,18 @@ from jaxbuffer.output.sweep_files import read
 from test_files import room_for
 
 FILES = {
-    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt"},
+    "simulate": {
+        "capture.json",
+        "history.csv",
+        "capture.png",
+        "capture.svg",
+        "motion.png",
+        "motion.svg",
+        "capture.txt",
+    },
     "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
-    "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt"},
-    "sweep": {"sweep.csv", "sweep.npz", "sweep.png"},
+    "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt"},
+    "sweep": {"sweep.csv", "sweep.npz", "sweep.png", "sweep.svg"},
 }
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
@@ -163,7 +171,7 @@ def test_arrays_that_do_not_belong_together_are_refused(computed, capsys, tmp_pa
 
 def test_the_same_sweep_makes_the_same_bytes(computed, tmp_path):
     assert run(["sweep", *SPEEDS, "--output", "one"]) == 0 and run(["sweep", *SPEEDS, "--output", "two"]) == 0
-    for name in FILES["sweep"] - {"sweep.png"}:
+    for name in FILES["sweep"] - {"sweep.png", "sweep.svg"}:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert len(read(tmp_path / "one" / "sweep.npz").done) == 5
 
