@@ -45,6 +45,10 @@ class Computed:
                 raise SweepInterrupted(found, np.arange(len(found)) < done)
         return found
 
+    def asked(self, command):
+        """The arguments of the last call of a command; a tuning's figure simulates its worst scenario after it."""
+        return [arguments for name, arguments in self.calls if name == command][-1]
+
     def _note(self, command, **arguments):
         self.calls.append((command, arguments))
         if self.error is not None:
