@@ -115,10 +115,10 @@ def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, capsys, t
     assert f"out/{file} exists; --resume goes on, --force overwrites" in capsys.readouterr().err
     assert (tmp_path / "out" / file).read_text() == "theirs"
     assert run([command, "--output", "out", "--resume"]) == 0
-    assert computed.asked("tune")["resume"] and "overwritten" not in capsys.readouterr().err
+    assert computed.asked(command)["resume"] and "overwritten" not in capsys.readouterr().err
     assert run([command, "--output", "out", "--force"]) == 0
     assert f"note: --force: an earlier run is overwritten, out/{file}\n" in capsys.readouterr().err
-    assert not computed.asked("tune")["resume"]
+    assert not computed.asked(command)["resume"]
 
 
 @pytest.mark.parametrize("command", ["tune", "sweep"])
