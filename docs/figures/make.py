@@ -76,7 +76,7 @@ def main():
         far, wide = mouth(design)
         throat = -design.cone.offset
         arrow(axes, "throat", Spot(T, throat).at(at), (0.03, -0.12))
-        arrow(axes, "capture plane", Spot(T, throat - 0.0106, 1.25 * wide).at(at), (-0.2, 0.21))
+        arrow(axes, "capture plane", Spot(T, throat - 0.0106, 1.25 * wide).at(at), (-0.19, 0.25))
         arrow(axes, "upper flank", Spot(T, 0.6 * far + 0.4 * throat, 0.6 * wide + 0.006).at(at), (-0.2, 0.15))
         lower = Spot(T, 0.85 * far + 0.15 * throat, -0.85 * wide - 0.15 * design.cone.throat_radius).at(at)
         arrow(axes, "lower flank", lower, (-0.2, -0.15))

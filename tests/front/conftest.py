@@ -50,6 +50,10 @@ class Computed:
                 raise SweepInterrupted(Swept(asked, design, scenario, found, those), those)
         return Swept(asked, design, scenario, found, np.ones(len(found), bool))
 
+    def asked(self, command):
+        """The arguments of the last call of a command; a tuning's figure simulates its worst scenario after it."""
+        return [arguments for name, arguments in self.calls if name == command][-1]
+
     def _note(self, command, **arguments):
         self.calls.append((command, arguments))
         if self.error is not None:

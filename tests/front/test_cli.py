@@ -27,9 +27,10 @@ from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
-SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png", "capture.nc")
+SIMULATED = ("capture.json", "history.csv", "capture.txt", "capture.png", "capture.svg", "motion.png", "motion.svg")
+SIMULATED += ("capture.nc", "motion.json")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
-TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
+TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"
 
 
@@ -173,7 +174,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
         assert part in shown.out
     assert "start: 350 N, residual 2.0e-02" in shown.err
     assert "search 1, step 2: 315 N, 0 of 3 end as they must, limits broken" in shown.err
-    arguments = computed.calls[-1][1]
+    arguments = computed.asked("tune")
     assert {name: arguments[name] for name in ("iterations", "starts", "searches", "seed", "resume")} == {
         **{"iterations": 9, "starts": 3, "searches": 2, "seed": 5, "resume": False}
     }
@@ -197,7 +198,7 @@ def test_resuming_takes_the_folder_as_it_is(computed, tmp_path):
     for name in ("log.jsonl", "state.npz"):
         (tmp_path / "out" / name).write_text("")
     assert run(["tune", "--output", "out"]) == 2
-    assert run(["tune", "--output", "out", "--resume"]) == 0 and computed.calls[-1][1]["resume"] is True
+    assert run(["tune", "--output", "out", "--resume"]) == 0 and computed.asked("tune")["resume"] is True
 
 
 def test_on_a_terminal_progress_is_drawn_and_removed(computed, capsys, monkeypatch):

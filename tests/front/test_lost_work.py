@@ -19,10 +19,20 @@ from jaxbuffer.output.sweep_files import read
 from test_files import room_for
 
 FILES = {
-    "simulate": {"capture.json", "history.csv", "capture.png", "capture.txt", "capture.nc"},
+    "simulate": {
+        "capture.json",
+        "history.csv",
+        "capture.png",
+        "capture.svg",
+        "motion.png",
+        "motion.svg",
+        "motion.json",
+        "capture.txt",
+        "capture.nc",
+    },
     "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
-    "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt"},
-    "sweep": {"sweep.csv", "sweep.npz", "sweep.png", "sweep.nc"},
+    "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt"},
+    "sweep": {"sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc"},
 }
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
@@ -107,10 +117,10 @@ def test_an_earlier_run_is_resumed_or_overwritten_on_purpose(computed, capsys, t
     assert f"out/{file} exists; --resume goes on, --force overwrites" in capsys.readouterr().err
     assert (tmp_path / "out" / file).read_text() == "theirs"
     assert run([command, "--output", "out", "--resume"]) == 0
-    assert computed.calls[-1][1]["resume"] and "overwritten" not in capsys.readouterr().err
+    assert computed.asked(command)["resume"] and "overwritten" not in capsys.readouterr().err
     assert run([command, "--output", "out", "--force"]) == 0
     assert f"note: --force: an earlier run is overwritten, out/{file}\n" in capsys.readouterr().err
-    assert not computed.calls[-1][1]["resume"]
+    assert not computed.asked(command)["resume"]
 
 
 @pytest.mark.parametrize("command", ["tune", "sweep"])
@@ -163,7 +173,7 @@ def test_arrays_that_do_not_belong_together_are_refused(computed, capsys, tmp_pa
 
 def test_the_same_sweep_makes_the_same_bytes(computed, tmp_path):
     assert run(["sweep", *SPEEDS, "--output", "one"]) == 0 and run(["sweep", *SPEEDS, "--output", "two"]) == 0
-    for name in FILES["sweep"] - {"sweep.png"}:
+    for name in FILES["sweep"] - {"sweep.png", "sweep.svg", "sweep.nc"}:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert len(read(tmp_path / "one" / "sweep.npz").done) == 5
 

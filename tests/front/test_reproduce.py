@@ -5,6 +5,7 @@ import math
 import pytest
 
 from jaxbuffer.cli.entry import run as command
+from jaxbuffer.output.style import png
 from jaxbuffer.papers.docking import CAPTURES
 from jaxbuffer.papers.docking.claims import CLAIMS
 from jaxbuffer.papers.docking.figures import figure
@@ -69,4 +70,4 @@ def test_a_study_runs_and_draws():
     (studied,) = run(CAPTURES, (BY_NAME["motion"],))
     assert studied.rows[0]["outcome"] == "captured"
     assert studied.rows[0]["capture_time"] == pytest.approx(0.71934, abs=1e-5)
-    assert figure(studied).startswith(b"\x89PNG")
+    assert png(figure(studied)).startswith(b"\x89PNG")

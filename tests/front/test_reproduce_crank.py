@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from jaxbuffer.output.style import png
 from jaxbuffer.papers import paper_named
 from jaxbuffer.papers.impact.crank_claims import CLAIMS
 from jaxbuffer.papers.impact.crank_rows import turn_times
@@ -73,4 +74,4 @@ def test_the_studies():
     for row in rows["crank"]:
         assert float(row["second_turn"]) == pytest.approx(0.2 * math.pi, rel=1e-3)
     assert len(judged(part.claims, studied)) == len(CLAIMS)
-    assert all(part.figure(found).startswith(b"\x89PNG") for found in studied)
+    assert all(png(part.figure(found)).startswith(b"\x89PNG") for found in studied)

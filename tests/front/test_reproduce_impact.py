@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer.cli.entry import run as command
+from jaxbuffer.output.style import png
 from jaxbuffer.papers import PAPERS, paper_named
 from jaxbuffer.papers.impact.bar_claims import CLAIMS
 from jaxbuffer.papers.impact.bar_rows import harmonics, seen_by
@@ -68,7 +69,7 @@ def test_the_undamped_force_at_the_printed_speed():
     assert float(studied.rows[0]["speed"]) == pytest.approx(1.325, rel=1e-9)
     assert float(studied.rows[0]["peak_force"]) == pytest.approx(244.5, rel=1.5e-3)
     assert float(studied.rows[1]["peak_force"]) == pytest.approx(840.0, rel=1e-3)
-    assert part.figure(studied).startswith(b"\x89PNG")
+    assert png(part.figure(studied)).startswith(b"\x89PNG")
 
 
 def test_an_unknown_paper_is_refused(tmp_path, capsys):

@@ -16,7 +16,7 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
-FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.nc")
+FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc")
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 
@@ -104,7 +104,10 @@ def test_files(computed, capsys, tmp_path):
     assert repr(back) in printed
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
-    assert "sweep.csv, out/sweep.npz, out/sweep.png, out/sweep.nc exist; --force overwrites" in capsys.readouterr().err
+    assert (
+        "sweep.csv, out/sweep.npz, out/sweep.png, out/sweep.svg, out/sweep.nc exist; --force overwrites"
+        in capsys.readouterr().err
+    )
     assert run(["sweep", "--output", "out", "--force"]) == 0
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
