@@ -32,6 +32,13 @@ class Results:
     - ``tuned``: of `jaxbuffer tune`, the record of tuned.json.
     - ``sensitivity``: of `jaxbuffer sensitivity`, the record of sensitivity.json.
     - ``design``: the tuned one, or else that of the run or the sweep.
+
+    **Example:**
+
+    >>> import pathlib
+    >>> found = jb.Results(pathlib.Path("results"), tuned={"message": "no reduction is left"})
+    >>> found.run is None, found.tuned["message"]
+    (True, 'no reduction is left')
     """
 
     folder: Path

@@ -23,7 +23,15 @@ def load_design(toml: str | Path) -> tuple[Part, tuple[Part, ...]]:
 
     **Raises:** `InputError` for a file that is not there or says something wrong, naming file and field.
 
-    **Example:** see `save_design`.
+    **Example:**
+
+    >>> import tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "drop.toml"
+    ...     _ = file.write_text('kind = "bar_drop"')
+    ...     design, scenarios = jb.load_design(file)
+    >>> type(design).__name__, len(scenarios)
+    ('BarDrop', 1)
     """
     study = load(Path(toml))
     return study.design, study.scenarios

@@ -26,6 +26,12 @@ class Swept:
 
     ``design``, ``scenario``: what the grid's values were put into; ``found``: quantities (n,) in the grid's order;
     ``done`` (n,): which runs were computed, all of them unless the sweep was interrupted.
+
+    **Example:**
+
+    >>> found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.05, over={"scenario.height": [0.1, 0.194]})
+    >>> found.to_xarray().outcome.values.tolist()
+    ['finished', 'finished']
     """
 
     grid: Grid
