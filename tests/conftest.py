@@ -1,7 +1,7 @@
 """Every test runs in double precision and with strict rank promotion, and may leave evidence for the report.
 
-Compiled programs are kept in one folder for all processes of a test run, and memory is freed between files: a program
-takes up to 10 s to compile and some 50 MB to hold.
+Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
+are dropped between files where a process holds too much.
 """
 
 import gc

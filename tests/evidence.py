@@ -29,16 +29,13 @@ class Evidence:
     ) -> None:
         measured, tolerance = float(measured), float(tolerance)
         test = os.environ.get("PYTEST_CURRENT_TEST", "").split(" ")[0].split("[")[0]
-        record = self.records.setdefault((topic, claim), {"measured": -1.0, "count": 0})
-        record["count"] += 1
-        if not measured <= record["measured"]:
-            record.update(topic=topic, claim=claim, measured=measured, tolerance=tolerance, source=source)
-            record.update(unit=unit, detail=detail, test=test)
+        record = {"topic": topic, "claim": claim, "measured": measured, "tolerance": tolerance, "source": source}
+        self.add([{**record, "unit": unit, "detail": detail, "test": test, "count": 1}])
         told = f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
         assert 0.0 <= measured <= tolerance, told
 
     def add(self, records: list[dict[str, Any]]) -> None:
-        """What another process measured."""
+        """What was measured, here or in another process: the worst of each claim is kept."""
         for other in records:
             record = self.records.setdefault((other["topic"], other["claim"]), {"measured": -1.0, "count": 0})
             count = record["count"] + other["count"]

@@ -26,9 +26,10 @@ def first_peak(design, rtol=1e-9):
 
 
 def clamped_beam_with_a_ball(design, count):
-    """Frequencies of a clamped beam with a mass that turns at its end [Hz], from the characteristic equation."""
+    """Frequencies of a clamped beam with a solid ball at its end [Hz], from the characteristic equation."""
     probe = design.probe
-    mass, inertia = probe.tip_mass / probe.rod_mass, probe.tip_inertia / (probe.rod_mass * probe.length**2)
+    mass = probe.tip_mass / probe.rod_mass
+    inertia = 0.4 * mass * (probe.tip_radius / probe.length) ** 2
 
     def condition(x):
         c, s, ch, sh = np.cos(x), np.sin(x), np.cosh(x), np.sinh(x)

@@ -41,11 +41,8 @@ def contact_validity(design: SliderCrank, peak_force: Any) -> list[Limit]:
     if not limits:
         return []
     least = np.min([np.broadcast_to(np.asarray(limit), np.shape(peak_force)) for limit in limits], axis=0)
-    return [
-        Limit(
-            f"{BEYOND_LAW}the contact is too wide for the law, which takes it for small", np.asarray(peak_force) / least
-        )
-    ]
+    wide = f"{BEYOND_LAW}the contact is too wide for the law, which takes it for small"
+    return [Limit(wide, np.asarray(peak_force) / least)]
 
 
 def warnings(run: "Run") -> list[str]:
