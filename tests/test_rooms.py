@@ -15,7 +15,20 @@ TOP = PACKAGE.name
 # A room imports only from rooms above it; "" is the package itself, whose public names are imported when asked for.
 ROOMS = (
     *("errors", "files", "tables", "version", "_types", "fields", "plane", "multibody", "contact", "compiling"),
-    *("hybrid", "mechanisms", "run", "sensitivities", "sweeps", "tuning", "study", "output", "papers", "", "cli"),
+    *(
+        "hybrid",
+        "mechanisms",
+        "run",
+        "sensitivities",
+        "sweeps",
+        "experiments",
+        "tuning",
+        "study",
+        "output",
+        "papers",
+        "",
+        "cli",
+    ),
     "__main__",
 )
 HYBRID = (
