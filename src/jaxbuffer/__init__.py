@@ -66,6 +66,8 @@ if TYPE_CHECKING:
     from .tuning.objective import Limits as Limits
     from .tuning.objective import Objective as Objective
     from .tuning.objective import Then as Then
+    from .tuning.pareto import Front as Front
+    from .tuning.pareto import pareto as pareto
     from .tuning.problem import Case as Case
     from .tuning.problem import Problem as Problem
     from .tuning.problem import Variable as Variable
@@ -92,6 +94,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
     "sweeps.sweep": ("Sweep", "sweep"),
     "tuning.objective": ("Limits", "Objective", "Then"),
+    "tuning.pareto": ("Front", "pareto"),
     "tuning.problem": ("Case", "Problem", "Variable"),
     "tuning.tune": ("tune",),
     "tuning.tuned": ("Tuned",),

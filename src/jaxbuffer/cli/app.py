@@ -14,6 +14,7 @@ from .overrides import WITH_QUANTITIES, Plain
 from .report import report
 from .reproduce import reproduce
 from .request import Request, given, verb
+from .sample import sample
 from .streams import note
 from .sweep import sweep
 
@@ -242,6 +243,7 @@ def tune(
 
 
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
+verb(app, "Many runs spread over ranges: what matters most, and a fitted surface.")(sample)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)
 app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
 app.command(cls=Plain, short_help="Print again what a folder of results holds.")(report)

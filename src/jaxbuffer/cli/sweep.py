@@ -42,6 +42,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png  over one field lines, over two heat maps, over more slices of heat maps
+      envelope.png  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.chunks  kept up while running; --resume needs it
 
     \b
@@ -49,7 +50,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
-    from ..output.formats import ARRAYS
+    from ..output.formats import ARRAYS, ENVELOPE
     from ..output.sweep_files import FIGURE, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.store import STORE
@@ -58,7 +59,9 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     grid = _grid(study, over or [])
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     design, scenarios = grid.applied(study.design, study.scenario)
-    files = request.files(TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
+    limits = _limits(study, grid)
+    drawn = () if limits is None else (ENVELOPE,)
+    files = request.files(TABLE, ARRAYS, FIGURE, *drawn, resumable=(STORE,), resume=resume)
     import numpy as np
 
     from ..output.results import swept_files
@@ -92,7 +95,13 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
         if not done.any():
             return INTERRUPTED
     swept = Swept(grid, study.design, study.scenario, found, done)
-    files.save_and_show(lambda: swept_files(swept), swept)
+    if limits is None:
+        files.save_and_show(lambda: swept_files(swept), swept)
+    else:
+        from ..experiments.rectangle import safe_rectangle
+
+        envelope = safe_rectangle(swept, limits)
+        files.save_and_show(lambda: swept_files(swept, envelope), f"{swept!r}\n{envelope!r}")
     return INTERRUPTED if interrupted else OK
 
 
@@ -106,3 +115,17 @@ def _grid(study: "Config", over: list[str]) -> "Grid":
             raise InputError(f"--over {path} is given more than once; put its values into one")
         asked[path] = values
     return grid(asked or study.mechanism.defaults.grid, study.design, study.scenario)
+
+
+def _limits(study: "Config", over: "Grid") -> dict[str, float] | None:
+    """The limits of a sweep's envelope: the problem's, or the mechanism's own; None where there is no envelope."""
+    from ..study.problem_toml import read_limits
+
+    mechanism = study.mechanism
+    if sum(len(axis) > 1 for axis in over.axes) != 2:
+        return None
+    asked = read_limits(study.table, mechanism)
+    limits = {name: limit for name, limit in asked.at_most.items() if name in mechanism.swept}
+    if asked.impacts is not None:
+        limits["impact_count"] = float(asked.impacts)
+    return limits if limits or mechanism.success is not None else None

@@ -20,7 +20,7 @@ class SafeRectangle:
     - ``swept``: over two fields of more than one value each; ``limits``: by quantity, in its unit.
     - ``axes``: those two; ``values``: theirs in increasing order, (m,) and (n,).
     - ``safe`` (m, n): which runs end as they should and keep every limit; ``share`` (m, n) [-]: the largest share of a
-      limit, 1 on it, NaN without numbers.
+      limit, 1 on it, NaN without numbers; ``reasons`` (m, n): the first thing that each of the others breaks, in words.
     - ``first``, ``second``: lowest and highest value of either field in the largest rectangle of safe runs, or None
       where no run is safe; ``runs``: how many it has.
 
@@ -40,6 +40,7 @@ class SafeRectangle:
     values: tuple[np.ndarray, np.ndarray]
     safe: Bool[np.ndarray, "m n"]
     share: Float[np.ndarray, "m n"]
+    reasons: np.ndarray
     first: tuple[float, float] | None
     second: tuple[float, float] | None
     runs: int
@@ -86,8 +87,11 @@ def safe_rectangle(swept: Swept, limits: Mapping[str, float] | None = None) -> S
         return column.reshape(len(first), len(second))[np.ix_(right, up)]
 
     safe, share = face(_succeeded(swept)), np.zeros((len(first), len(second)))
+    reasons = face(_ends(swept))
     for name, limit in limits.items():
-        share = np.fmax(share, face(_column(swept, name, limit)) / limit)
+        of_limit = face(_column(swept, name, limit)) / limit
+        share = np.fmax(share, of_limit)
+        reasons[(of_limit > 1.0) & (reasons == "")] = f"{name.replace('_', ' ')} above its limit"
     share = np.where(face(swept.solved), share, np.nan)
     safe = safe & (np.nan_to_num(share, nan=np.inf) <= 1.0)
     rows, columns = largest_rectangle(safe)
@@ -100,6 +104,7 @@ def safe_rectangle(swept: Swept, limits: Mapping[str, float] | None = None) -> S
         values=(x, y),
         safe=safe,
         share=share,
+        reasons=reasons,
         first=(float(x[rows][0]), float(x[rows][-1])) if runs else None,
         second=(float(y[columns][0]), float(y[columns][-1])) if runs else None,
         runs=runs,
@@ -110,6 +115,13 @@ def _succeeded(swept: Swept) -> np.ndarray:
     mechanism = swept.found.mechanism
     good = True if mechanism.success is None else swept.found.code == mechanism.outcomes[mechanism.success]
     return swept.solved & good
+
+
+def _ends(swept: Swept) -> np.ndarray:
+    """How each run ended that is not safe for its end alone, "" for the others."""
+    named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.found.outcomes]
+    words = np.where(swept.done, np.array(named, object), "not computed")
+    return np.where(_succeeded(swept), "", words).astype(object)
 
 
 def _column(swept: Swept, name: str, limit: float) -> np.ndarray:

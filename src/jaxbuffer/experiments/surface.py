@@ -21,8 +21,8 @@ EDGE = 1e-12  # of a range, for rounding
 
 class Error(NamedTuple):
     """What a surface misses at runs it was not fitted to: ``rms`` (root mean square) and ``largest`` in the quantity's
-    unit; ``relative`` [-]: root mean square of the misses over the values; ``explained`` [-]: 1 - their mean square over
-    the variance, at most 1."""
+    unit; ``relative`` [-]: root mean square of the misses over the values; ``explained`` [-]: 1 - their mean square
+    over the variance, at most 1."""
 
     rms: float
     largest: float

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-ARRAYS = "sweep.npz"
+ARRAYS, ENVELOPE = "sweep.npz", "envelope.png"
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 
 

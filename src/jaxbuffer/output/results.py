@@ -1,10 +1,12 @@
 """The files of each command: names, and what makes their contents, in the order in which they are saved."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from .formats import ARRAYS, Contents, csv_text, json_text
+from .formats import ARRAYS, ENVELOPE, Contents, csv_text, json_text
 
 if TYPE_CHECKING:
+    from ..experiments.rectangle import SafeRectangle
     from ..mechanisms.run import Run
     from ..sensitivities.sensitivity import Sensitivity
     from ..sweeps.swept import Swept
@@ -53,14 +55,19 @@ def tuned_files(tuned: "Tuned") -> Contents:
     }
 
 
-def swept_files(swept: "Swept") -> Contents:
-    """Of `jaxbuffer sweep`."""
+def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None) -> Contents:
+    """Of `jaxbuffer sweep`. ``envelope``: what is safe of a sweep over two fields."""
     from .style import png
     from .sweep_figures import sweep_figure
     from .sweep_files import FIGURE, TABLE, arrays, rows
 
-    return {
+    files: dict[str, Callable[[], str | bytes]] = {
         ARRAYS: lambda: arrays(swept),
         TABLE: lambda: csv_text(*rows(swept)),
         FIGURE: lambda: png(sweep_figure(swept)),
     }
+    if envelope is not None:
+        from .envelope_figure import envelope_figure
+
+        files[ENVELOPE] = lambda: png(envelope_figure(envelope))
+    return files

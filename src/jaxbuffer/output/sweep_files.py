@@ -14,7 +14,7 @@ from ..mechanisms.registry import mechanism_of
 from ..study.config import design_toml, loads
 from ..sweeps.grid import Axis, Grid
 from ..sweeps.sweep import Sweep
-from ..sweeps.swept import Swept
+from ..sweeps.swept import Computed, Swept
 from ..version import version
 
 TABLE, FIGURE = "sweep.csv", "sweep.png"
@@ -27,7 +27,7 @@ def named(sweep: Sweep, column: str) -> str:
     return f"{column} [{catalogue[column].unit}]" if column in catalogue else column
 
 
-def rows(swept: Swept) -> tuple[list[str], Iterator[Sequence[Any]]]:
+def rows(swept: Computed) -> tuple[list[str], Iterator[Sequence[Any]]]:
     """Header and a row for each run that was computed; what a failed one lacks stays empty."""
     found = swept.found
     contact = f"peak_{found.mechanism.contact}"
@@ -41,7 +41,7 @@ def rows(swept: Swept) -> tuple[list[str], Iterator[Sequence[Any]]]:
     return header, _rows(swept, numbers, contact)
 
 
-def _rows(swept: Swept, numbers: Sequence[str], contact: str) -> Iterator[Sequence[Any]]:
+def _rows(swept: Computed, numbers: Sequence[str], contact: str) -> Iterator[Sequence[Any]]:
     found, inputs = swept.found, list(swept.grid.columns().values())
     contacts = found.mechanism.names(swept.design).contacts
     columns, outcomes = [found.columns[name] for name in numbers], found.outcomes

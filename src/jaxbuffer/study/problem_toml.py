@@ -51,6 +51,11 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
         _then(_table(table, "then", {}), mechanism)
 
 
+def read_limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
+    """The limits of a problem's table, or those that the mechanism has by default."""
+    return _limits(_table(table, "constraints", mechanism.defaults.limits), mechanism)
+
+
 def _variables(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
     if not table:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
