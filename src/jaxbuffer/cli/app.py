@@ -11,6 +11,7 @@ from .exits import OK, fail
 from .fields import fields
 from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
+from .pareto import pareto
 from .report import report
 from .reproduce import reproduce
 from .request import Request, given, verb
@@ -242,6 +243,7 @@ def tune(
     return OK if tuned.feasible else fail(tuned.message)
 
 
+verb(app, "The front of two objectives or more.", without=("solver",))(pareto)
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
 verb(app, "Many runs spread over ranges: what matters most, and a fitted surface.")(sample)
 verb(app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration"))(laws)

@@ -45,6 +45,17 @@ class SafeRectangle:
     second: tuple[float, float] | None
     runs: int
 
+    @property
+    def asked(self) -> str:
+        """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
+        mechanism = self.swept.found.mechanism
+        words = [mechanism.success or "solved"]
+        for name, limit in self.limits.items():
+            quantity = mechanism.quantities.get(name)
+            unit, factor = (quantity.shown or (quantity.unit, 1.0)) if quantity else ("", 1.0)
+            words.append(f"{name.replace('_', ' ')} ≤ {factor * limit:.6g} {unit}".rstrip(" -"))
+        return ", ".join(words)
+
     def __repr__(self) -> str:
         from .summary import rectangle_summary
 

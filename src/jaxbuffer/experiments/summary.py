@@ -72,7 +72,8 @@ def surface_summary(surface: "Surface") -> str:
 
 
 def _worth(surface: "Surface") -> str:
-    return f"the surface misses {100 * surface.error.relative:.3g} % of a value it has not seen (cross-validated)"
+    told = f"the surface misses {100 * surface.error.relative:.3g} % of a value it has not seen (cross-validated)"
+    return told if surface.trusted else f"{told} and is not to be trusted"
 
 
 def _distrust(surface: "Surface") -> list[str]:
@@ -82,7 +83,7 @@ def _distrust(surface: "Surface") -> list[str]:
         lines.append(f"  left out: {count} {surface.run_name}s, {reason}")
     if total > MANY * (total + len(surface.computed)):
         lines.append("  do not trust it near those: it is fitted as if they did not exist")
-    if not surface.error.explained > 0.9:
+    if not surface.trusted:
         lines.append("  do not trust it at all: it explains less than 90 % of the variance of runs it has not seen")
     return lines
 
@@ -90,10 +91,8 @@ def _distrust(surface: "Surface") -> list[str]:
 def rectangle_summary(found: "SafeRectangle") -> str:
     """Which runs are safe, and the ranges of the largest rectangle."""
     mechanism = found.swept.found.mechanism
-    kept = [f"{name} ≤ {limit:g} {_unit(found, name)}".rstrip(" -") for name, limit in found.limits.items()]
-    asked = " and ".join([*([mechanism.success] if mechanism.success else ["solved"]), *kept])
     count = int(found.safe.sum())
-    lines = [f"Safe ({asked}): {count} of {found.safe.size} {mechanism.run_name}s"]
+    lines = [f"Safe ({found.asked}): {count} of {found.safe.size} {mechanism.run_name}s"]
     if found.first is None or found.second is None:
         return text(*lines, "  no run is safe")
     shape = f"{np.sum(_within(found.values[0], found.first))} × {np.sum(_within(found.values[1], found.second))}"
@@ -107,11 +106,6 @@ def rectangle_summary(found: "SafeRectangle") -> str:
 
 def _within(values: np.ndarray, part: tuple[float, float]) -> np.ndarray:
     return (values >= part[0]) & (values <= part[1])
-
-
-def _unit(found: "SafeRectangle", name: str) -> str:
-    catalogue = found.swept.found.mechanism.quantities
-    return catalogue[name].unit if name in catalogue else ""
 
 
 def ends(axis: "Axis", part: tuple[float, float]) -> str:

@@ -16,6 +16,7 @@ from .sample import Sample
 KINDS = ("automatic", "quadratic", "gaussian_process")
 FOLDS = 5
 TUNED_ON = 512  # runs at most by which a Gaussian process' lengths are found; all runs are fitted with them
+ENOUGH = 0.9  # of the variance of runs not seen: below that a surface is not to be trusted
 EDGE = 1e-12  # of a range, for rounding
 
 
@@ -41,7 +42,8 @@ class Regressor(Protocol):
 class Surface:
     """A fitted quantity. Print it for what it is worth.
 
-    - ``quantity`` and its ``unit``; ``axes``: the d ranges inside which it holds; ``run_name``: what a run is called.
+    - ``quantity`` and its ``unit``; ``shown``: the unit in figures and how many of those a unit is.
+    - ``axes``: the d ranges inside which it holds; ``run_name``: what a run is called.
     - ``kind``: "quadratic" or "gaussian_process"; ``errors``: the cross-validated `Error` of each kind tried.
     - ``logarithmic``: whether the logarithm is fitted, as is done where all values are positive.
     - ``computed``, ``predicted`` (m,): the values of the m runs it knows, and what the surface says of each when it is
@@ -59,6 +61,7 @@ class Surface:
 
     quantity: str
     unit: str
+    shown: tuple[str, float]
     run_name: str
     axes: tuple[Range, ...]
     kind: str
@@ -73,6 +76,11 @@ class Surface:
     def error(self) -> Error:
         """Of the kind that was chosen."""
         return self.errors[self.kind]
+
+    @property
+    def trusted(self) -> bool:
+        """Whether it explains more than 90 % of the variance of runs it has not seen."""
+        return self.error.explained > ENOUGH
 
     def predict(self, values: Mapping[str, Any]) -> Float[np.ndarray, " n"]:
         """The quantity [``unit``] at some values.
@@ -166,6 +174,7 @@ def response_surface(
     return Surface(
         quantity=quantity,
         unit=mechanism.quantities[quantity].unit,
+        shown=mechanism.quantities[quantity].shown or (mechanism.quantities[quantity].unit, 1.0),
         run_name=mechanism.run_name,
         axes=sample.grid.axes,
         kind=chosen,

@@ -29,7 +29,11 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     axes.pcolormesh(right, top, found.safe.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
     _border(axes, found.safe, right, top)
     _reasons(axes, found, x * over, y * above)
-    title = f"{int(found.safe.sum())} of {found.safe.size} {found.swept.found.mechanism.run_name}s are safe"
+    rows, columns = np.nonzero(found.safe)
+    axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
+    title = (
+        f"{int(found.safe.sum())} of {found.safe.size} {found.swept.found.mechanism.run_name}s are safe: {found.asked}"
+    )
     if found.first is not None and found.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((found.first, over), (found.second, above)))
         corners = np.array([[low[0], high[0]], [low[1], high[0]], [low[1], high[1]], [low[0], high[1]]])

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..errors import InputError, check_names, check_type, check_whole, suggest
+from ..fields import Part
 from .objective import Limits, Objective
 from .problem import Problem
 from .store import LOG, Record
@@ -98,8 +99,8 @@ def pareto(
     """The front of several objectives: the least worst value of the first, under ever tighter limits on the others.
 
     The ends come first: the least of the first objective, with the others free, and the least of each other one. Limits
-    between the values there make the rest of the front, each searched from its neighbour's design (the ε-constraint
-    method, which also finds what no weighted sum does: parts of the front that bend inwards).
+    between the values there make the rest of the front, the tightest first, each searched from the last one's design (the
+    ε-constraint method, which also finds what no weighted sum does: parts of the front that bend inwards).
 
     **Arguments:**
 
@@ -129,12 +130,14 @@ def pareto(
     check_type(
         "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     )
-    names = _checked(problem, objectives, points, limits)
+    check_front(problem, objectives, points)
+    names = tuple(objectives)
+    _check_limits(names, limits)
     search = _Search(problem, names, None if folder is None else Path(folder), resume, workers, report, settings)
     if limits is None:
         return _between_ends(search, points, finished)
     wanted = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
-    return search.front(wanted, [], finished)
+    return search.front(wanted, None, problem.design, finished)
 
 
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:
@@ -147,7 +150,7 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     spread = [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
     wanted = np.array(list(itertools.product(*spread)))
     wanted[0] = np.inf
-    return search.front(wanted, [free], finished)
+    return search.front(wanted, free, ends[-1].design, finished)
 
 
 @dataclasses.dataclass
@@ -162,28 +165,35 @@ class _Search:
     report: Callable[[Record], None] | None
     settings: dict[str, Any]
 
-    def front(self, wanted: np.ndarray, begun: list[Tuned], finished: Callable[[int, int], None] | None) -> Front:
-        """A point for each row of limits, each searched from the last one's design."""
-        found = list(begun)
-        for number in range(len(found), len(wanted)):
+    def front(
+        self,
+        wanted: np.ndarray,
+        free: Tuned | None,
+        start: Part,
+        finished: Callable[[int, int], None] | None,
+    ) -> Front:
+        """A point for each row of limits, the tightest first: its design keeps to the next ones too, which can only be
+        better. ``free``: the first point, if it is known; ``start``: the design to begin from."""
+        known, done = {} if free is None else {0: free}, 0
+        for number in reversed(range(len(wanted))):
+            if number not in known:
+                limits = {n: float(x) for n, x in zip(self.names[1:], wanted[number], strict=True) if np.isfinite(x)}
+                known[number] = self.at(limits, f"point-{number + 1}", start)
+                start = known[number].design
+            done += 1
             if finished is not None:
-                finished(number, len(wanted))
-            limits = {n: float(x) for n, x in zip(self.names[1:], wanted[number], strict=True) if np.isfinite(x)}
-            start = found[-1].design if found else self.problem.design
-            found.append(self.at(limits, f"point-{number + 1}", start))
-        if finished is not None:
-            finished(len(wanted), len(wanted))
-        return Front(self.problem, self.names, wanted, tuple(found))
+                finished(done, len(wanted))
+        return Front(self.problem, self.names, wanted, tuple(known[number] for number in range(len(wanted))))
 
-    def at(self, limits: Mapping[str, float], name: str, start: Any) -> Tuned:
+    def at(self, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
         """The least of the first objective under some limits."""
         return self._tuned({self.names[0]: 1.0}, limits, name, start)
 
-    def alone(self, objective: str, start: Any) -> Tuned:
+    def alone(self, objective: str, start: Part) -> Tuned:
         """The least of another objective."""
         return self._tuned({objective: 1.0}, {}, "least-" + objective, start)
 
-    def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Any) -> Tuned:
+    def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Part) -> Tuned:
         given = self.problem.limits
         tighter = {key: min(x, given.at_most.get(key, np.inf)) for key, x in limits.items()}
         kept = Limits(given.captured, {**given.at_most, **tighter}, given.impacts)
@@ -198,9 +208,8 @@ def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
     return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
 
 
-def _checked(
-    problem: Problem, objectives: Sequence[str], points: int, limits: Mapping[str, Sequence[float]] | None
-) -> tuple[str, ...]:
+def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int:
+    """How many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
         if name not in problem.quantities:
@@ -208,11 +217,15 @@ def _checked(
     if len(names) < 2:
         raise InputError(f"objectives = {names[0]}: a front needs two at least; known: {', '.join(problem.quantities)}")
     check_whole("points", points, 2)
-    if points ** (len(names) - 1) > MOST:
+    total = points ** (len(names) - 1)
+    if total > MOST:
         raise InputError(f"points = {points} for each of {len(names) - 1} limited objectives; at most {MOST} in all")
-    if limits is not None:
-        check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
-        for name in (*limits, *names[1:]):
-            if name not in names[1:] or name not in limits:
-                raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
-    return names
+    return int(total)
+
+
+def _check_limits(names: tuple[str, ...], limits: Mapping[str, Sequence[float]] | None) -> None:
+    if limits is None:
+        return
+    check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
+    if set(limits) != set(names[1:]):
+        raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
