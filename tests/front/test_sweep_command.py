@@ -16,7 +16,7 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
-FILES = ("sweep.csv", "sweep.npz", "sweep.png")
+FILES = ("sweep.csv", "sweep.npz", "sweep.png", "envelope.png", "envelope.txt")
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 
@@ -218,7 +218,7 @@ def test_report_without_results(capsys, tmp_path):
     assert run(["report", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
     assert run(["report", str(tmp_path)]) == 2
-    assert "holds no results of simulate, sensitivity, sweep or tune" in capsys.readouterr().err
+    assert "holds no results of simulate, sensitivity, sweep, sample, tune or pareto" in capsys.readouterr().err
     (tmp_path / "sweep.npz").write_bytes(b"not one")
     assert run(["report", str(tmp_path)]) == 2
     assert "sweep.npz is not a sweep's result" in capsys.readouterr().err

@@ -27,11 +27,11 @@ def pareto(
     seed: Number = None,
     resume: Resume = False,
 ) -> int:
-    """Find the front of two objectives or more: designs of which none is better than another in all of them.
+    """Find the front of two objectives or more: designs of which none is better than another in every objective.
 
     Each point is the least worst value of the first objective under limits on the others, tuned as `tune` does: over
-    all scenarios, within bounds and [problem.constraints]. Its values are simulated again at rtol 1e-9, and its first-order
-    residual tells what is left to gain. The [problem.objective] is put aside.
+    all scenarios, within bounds and [problem.constraints]. Its values are simulated again at rtol 1e-9, and
+    its first-order residual tells what is left to gain. The [problem.objective] is put aside.
 
     \b
     Files in DIR:

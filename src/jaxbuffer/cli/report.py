@@ -20,14 +20,14 @@ def report(folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder 
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     found = sorted(file for file in folder.glob("*.txt") if file.is_file())
-    for file in found:
-        show(_text(file))
     if (folder / ARRAYS).is_file():
         from ..output.sweep_files import read
 
         show(read(folder / ARRAYS))
-    elif not found:
-        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
+    for file in found:
+        show(_text(file))
+    if not found and not (folder / ARRAYS).is_file():
+        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep, sample, tune or pareto")
     for figure in sorted(folder.glob("*.png")):
         show(f"figure {figure}")
     return OK

@@ -42,7 +42,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png  over one field lines, over two heat maps, over more slices of heat maps
-      envelope.png  over two fields: which runs keep every limit, and the largest rectangle of them
+      envelope.png, envelope.txt  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.chunks  kept up while running; --resume needs it
 
     \b
@@ -60,8 +60,8 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     design, scenarios = grid.applied(study.design, study.scenario)
     limits = _limits(study, grid)
-    drawn = () if limits is None else (ENVELOPE,)
-    files = request.files(TABLE, ARRAYS, FIGURE, *drawn, resumable=(STORE,), resume=resume)
+    drawn = () if limits is None else ENVELOPE
+    files = request.files(*drawn, TABLE, ARRAYS, FIGURE, resumable=(STORE,), resume=resume)
     import numpy as np
 
     from ..output.results import swept_files

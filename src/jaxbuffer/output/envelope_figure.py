@@ -31,9 +31,8 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     _reasons(axes, found, x * over, y * above)
     rows, columns = np.nonzero(found.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
-    title = (
-        f"{int(found.safe.sum())} of {found.safe.size} {found.swept.found.mechanism.run_name}s are safe: {found.asked}"
-    )
+    runs = f"{found.swept.found.mechanism.run_name}s"
+    title = f"{int(found.safe.sum())} of {found.safe.size} {runs} are safe: {found.asked}"
     if found.first is not None and found.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((found.first, over), (found.second, above)))
         corners = np.array([[low[0], high[0]], [low[1], high[0]], [low[1], high[1]], [low[0], high[1]]])

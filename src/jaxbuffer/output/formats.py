@@ -6,7 +6,8 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-ARRAYS, ENVELOPE = "sweep.npz", "envelope.png"
+ARRAYS = "sweep.npz"
+ENVELOPE = ("envelope.png", "envelope.txt")
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 
 

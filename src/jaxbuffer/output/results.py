@@ -69,5 +69,6 @@ def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None) -> Cont
     if envelope is not None:
         from .envelope_figure import envelope_figure
 
-        files[ENVELOPE] = lambda: png(envelope_figure(envelope))
+        figure, words = ENVELOPE
+        files |= {figure: lambda: png(envelope_figure(envelope)), words: lambda: f"{envelope!r}\n"}
     return files

@@ -43,9 +43,9 @@ def front_table(front: "Front") -> str:
 
 
 def standing(front: "Front", k: int) -> str:
-    """What is to be said of a point: "on the front", "dominated" or "limits broken", and whether it converged."""
+    """What is to be said of a point: "front", "dominated" or "limits broken", and whether it converged."""
     if not front.feasible[k]:
         return "limits broken"
     if front.dominated[k]:
         return "dominated"
-    return "on the front" if front.points[k].converged else "on the front, not converged"
+    return "front" if front.points[k].converged else "front, not converged"

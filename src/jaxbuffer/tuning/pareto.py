@@ -99,8 +99,9 @@ def pareto(
     """The front of several objectives: the least worst value of the first, under ever tighter limits on the others.
 
     The ends come first: the least of the first objective, with the others free, and the least of each other one. Limits
-    between the values there make the rest of the front, the tightest first, each searched from the last one's design (the
-    ε-constraint method, which also finds what no weighted sum does: parts of the front that bend inwards).
+    between the values there make the rest of the front, the tightest first, each searched from the last one's
+    design, and from the next looser one's too where that did not converge. This is the ε-constraint method; it also
+    finds what no weighted sum does, parts of the front that bend inwards.
 
     **Arguments:**
 
@@ -174,16 +175,26 @@ class _Search:
     ) -> Front:
         """A point for each row of limits, the tightest first: its design keeps to the next ones too, which can only be
         better. ``free``: the first point, if it is known; ``start``: the design to begin from."""
-        known, done = {} if free is None else {0: free}, 0
-        for number in reversed(range(len(wanted))):
+        known = {} if free is None else {0: free}
+        for done, number in enumerate(reversed(range(len(wanted))), 1):
             if number not in known:
-                limits = {n: float(x) for n, x in zip(self.names[1:], wanted[number], strict=True) if np.isfinite(x)}
-                known[number] = self.at(limits, f"point-{number + 1}", start)
+                known[number] = self.at(self._limits(wanted[number]), f"point-{number + 1}", start)
                 start = known[number].design
-            done += 1
             if finished is not None:
                 finished(done, len(wanted))
+        for number in range(1, len(wanted)):
+            if not known[number].converged:
+                known[number] = self._again(known[number], known[number - 1], wanted[number], number)
         return Front(self.problem, self.names, wanted, tuple(known[number] for number in range(len(wanted))))
+
+    def _again(self, found: Tuned, looser: Tuned, limits: np.ndarray, number: int) -> Tuned:
+        """A point that did not converge is searched from the next looser one's design too; the better one stays."""
+        other = self.at(self._limits(limits), f"point-{number + 1}-again", looser.design)
+        better = not found.feasible or other.objective[1] < found.objective[1]
+        return other if other.feasible and better else found
+
+    def _limits(self, row: np.ndarray) -> dict[str, float]:
+        return {name: float(x) for name, x in zip(self.names[1:], row, strict=True) if np.isfinite(x)}
 
     def at(self, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
         """The least of the first objective under some limits."""
