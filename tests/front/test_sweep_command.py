@@ -211,7 +211,8 @@ def test_report_prints_a_folder_again(computed, capsys, tmp_path):
         assert run(["report", words[0]]) == 0
         again = capsys.readouterr().out.splitlines()
         assert [line for line in again if not line.startswith("figure")] == printed
-        assert sum(line.startswith("figure") for line in again) == (words[0] != "sensitivity")
+        figures = {"sensitivity": 0, "sweep": 2}.get(words[0], 1)
+        assert sum(line.startswith("figure") for line in again) == figures
 
 
 def test_report_without_results(capsys, tmp_path):

@@ -79,7 +79,9 @@ def front_figure(front: "Front") -> "Figure":
             axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
         label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
     lost = int((~front.feasible).sum())
-    title = f"Front of {len(front.points)} tuned designs over {len(front.problem.cases)} scenarios"
+    count = len(front.problem.cases)
+    over = f"{count} scenarios" if count > 1 else "one scenario"
+    title = f"Front of {len(front.points)} tuned designs over {over}"
     figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
     return figure
 
