@@ -4,35 +4,43 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from jaxbuffer import Limits
+import numpy as np
+
+from jaxbuffer import pareto
 from jaxbuffer.output.formats import csv_text
+from jaxbuffer.output.front_files import front_rows
 
-from .study import config, figure, tuned, write
+from .study import config, figure, told, write
 
-LIMITS = (0.006, 0.008, 0.01, 0.013, 0.016, 0.02, 0.025)  # m
+LIMITS = (0.025, 0.02, 0.016, 0.013, 0.01, 0.008, 0.006)  # m
 
 
 def main(folder: Path, resume: bool = False) -> None:
     """A tuning a limit, each from the last one's design; the front as table and figure."""
     study = config("pareto")
-    problem, rows = study.problem(), []
-    for limit in reversed(LIMITS):
-        limits = Limits(problem.limits.captured, {"stroke": limit}, problem.limits.impacts)
-        problem = dataclasses.replace(problem, limits=limits)
-        found = tuned(study, folder / f"{1e3 * limit:g}mm", resume, problem)
-        worst = found.after.quantities.max(axis=0)
-        rows.append(
-            [limit, float(worst[3]), float(worst[0]), float(worst[1]), float(found.floor.lowest), found.feasible]
-        )
-        problem = dataclasses.replace(problem, design=found.design)
-    header = ["limit [m]", "stroke [m]", "peak_force [N]", "peak_hinge_force [N]", "floor [N]", "feasible"]
-    write(folder, "pareto.csv", csv_text(header, rows))
+    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    front = pareto(
+        study.problem(),
+        ["peak_force", "stroke"],
+        limits={"stroke": LIMITS},
+        folder=folder,
+        resume=resume,
+        report=told,
+        **settings,
+    )
+    print(front, flush=True)
+    write(folder, "pareto.txt", f"{front!r}\n")
+    write(folder, "pareto.csv", csv_text(*front_rows(front)))
+    feasible, stroke = front.feasible, 1e3 * front.values[:, 1]
+    hinge = front.problem.quantities.index("peak_hinge_force")
+    hinge_force = np.array([point.after.quantities[:, hinge].max() for point in front.points])
 
     def draw(axes: Any) -> None:
-        kept = [row for row in rows if row[-1]]
-        axes.plot([1e3 * row[1] for row in kept], [row[2] for row in kept], "o-", label="peak contact force")
-        axes.plot([1e3 * row[1] for row in kept], [row[3] for row in kept], "s--", label="peak hinge force")
-        axes.axhline(rows[0][4], color="#888888", linewidth=0.8, label="floor within the bounds")
+        axes.plot(stroke[feasible], front.values[feasible, 0], "o-", label="peak contact force")
+        axes.plot(stroke[feasible], hinge_force[feasible], "s--", label="peak hinge force")
+        floor = front.points[0].floor
+        assert floor is not None
+        axes.axhline(floor.lowest, color="#888888", linewidth=0.8, label="floor within the bounds")
         axes.set(xlabel="stroke, worst scenario [mm]", ylabel="force, worst scenario [N]", title="Force against stroke")
         axes.legend()
 

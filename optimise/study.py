@@ -29,7 +29,7 @@ def tuned(study: Config, folder: Path, resume: bool, problem: Problem | None = N
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
-    found = tune(problem, **settings, folder=folder, resume=resume, report=_told)
+    found = tune(problem, **settings, folder=folder, resume=resume, report=told)
     write(folder, "design.toml", design_toml(found.design, problem.scenarios_met, tuned_comment(found)))
     write(folder, "tuned.json", json_text(tuned_record(found)))
     write(folder, "history.csv", csv_text(*tuning_history(found)))
@@ -58,5 +58,6 @@ def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 
         write(folder, name, png(drawn))
 
 
-def _told(record: dict[str, Any]) -> None:
+def told(record: dict[str, Any]) -> None:
+    """One evaluation on stderr."""
     print(in_words(record), file=sys.stderr, flush=True)

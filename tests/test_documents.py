@@ -13,7 +13,7 @@ from jaxbuffer.contact.laws import _all as laws
 
 ROOT = Path(__file__).resolve().parents[1]
 HEADING = "**Example:**"
-COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|tune|diffeqsolve)\(")
+COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|diffeqsolve)\(")
 PARSER = doctest.DocTestParser()
 
 

@@ -18,6 +18,14 @@ if TYPE_CHECKING:
     from .compiling.process import configure as configure
     from .contact import register_law as register_law
     from .errors import InputError as InputError
+    from .experiments.indices import Indices as Indices
+    from .experiments.indices import sobol_indices as sobol_indices
+    from .experiments.rectangle import SafeRectangle as SafeRectangle
+    from .experiments.rectangle import safe_rectangle as safe_rectangle
+    from .experiments.sample import Sample as Sample
+    from .experiments.sample import sample as sample
+    from .experiments.surface import Surface as Surface
+    from .experiments.surface import response_surface as response_surface
     from .fields import get as get
     from .fields import paths as paths
     from .fields import replace as replace
@@ -65,6 +73,8 @@ if TYPE_CHECKING:
     from .tuning.objective import Limits as Limits
     from .tuning.objective import Objective as Objective
     from .tuning.objective import Then as Then
+    from .tuning.pareto import Front as Front
+    from .tuning.pareto import pareto as pareto
     from .tuning.problem import Case as Case
     from .tuning.problem import Problem as Problem
     from .tuning.problem import Variable as Variable
@@ -77,6 +87,10 @@ _HOME: dict[str, tuple[str, ...]] = {
     "compiling.process": ("configure",),
     "contact": ("register_law",),
     "errors": ("InputError",),
+    "experiments.indices": ("Indices", "sobol_indices"),
+    "experiments.rectangle": ("SafeRectangle", "safe_rectangle"),
+    "experiments.sample": ("Sample", "sample"),
+    "experiments.surface": ("Surface", "response_surface"),
     "fields": ("get", "paths", "replace"),
     "hybrid.rungekutta.diffrax_solver": ("Diffrax",),
     "mechanisms.run": ("Run",),
@@ -92,6 +106,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sweeps.sweep": ("Sweep", "sweep"),
     "sweeps.swept": ("Swept",),
     "tuning.objective": ("Limits", "Objective", "Then"),
+    "tuning.pareto": ("Front", "pareto"),
     "tuning.problem": ("Case", "Problem", "Variable"),
     "tuning.tune": ("tune",),
     "tuning.tuned": ("Tuned",),

@@ -149,7 +149,7 @@ STUDIES = [
     toml("[sweep]\nbuffer.k_A = [1, -1]", "buffer.k_A = -1 N/m", "(0, inf) N/m"),
     toml("[sweep]\nbuffer.k_A = ['soft']", "sweep.buffer.k_A: 'soft' is not a number"),
     toml("[sweep]\nbuffer.kA = [1]", "sweep: buffer.kA is unknown; did you mean buffer.k_A?"),
-    toml("[sweep]\nbuffer.damping = [1]", "sweep: buffer.damping is a choice; only numbers can be swept"),
+    toml("[sweep]\nbuffer.damping = [1]", "buffer.damping = 1 is unknown; choose one of physical, published"),
     toml('[sweep]\nbuffer.k_A = [1]\n"buffer.k_A" = [2]', "sweep: buffer.k_A is given twice"),
     toml("[sweep]\nbuffer.k_A = {from = 1, to = 2}", "sweep.buffer.k_A: count is missing"),
     toml("[sweep]\nbuffer.k_A = {from = 1, to = 2, count = 2.5}", "count = 2.5 must be a whole number of at least 1"),

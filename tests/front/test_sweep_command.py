@@ -16,7 +16,7 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
-FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc")
+FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc", "envelope.png", "envelope.svg", "envelope.txt")
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 
@@ -146,7 +146,7 @@ def test_help_teaches(computed, capsys):
     assert run(["sweep", "--help"]) == 0
     shown = capsys.readouterr().out
     for part in (
-        *FILES,
+        *(file for file in FILES if not file.endswith((".svg", "envelope.txt"))),
         "--over scenario.approach_speed=0.05:0.3:20",
         '{from = 100, to = 2000, count = 8, scale = "log"}',
     ):
@@ -214,15 +214,17 @@ def test_report_prints_a_folder_again(computed, capsys, tmp_path):
         printed = [line for line in capsys.readouterr().out.splitlines() if not line.startswith("wrote")]
         assert run(["report", words[0]]) == 0
         again = capsys.readouterr().out.splitlines()
-        assert [line for line in again if not line.startswith("figure")] == printed
-        assert sum(line.startswith("figure") for line in again) == (words[0] != "sensitivity")
+        assert [line for line in again if not line.startswith(("figure", "wrote"))] == printed
+        assert f"wrote {words[0]}/report.html" in again
+        figures = {"simulate": 2, "sensitivity": 0, "sweep": 2}.get(words[0], 1)
+        assert sum(line.startswith("figure") for line in again) == figures
 
 
 def test_report_without_results(capsys, tmp_path):
     assert run(["report", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
     assert run(["report", str(tmp_path)]) == 2
-    assert "holds no results of simulate, sensitivity, sweep or tune" in capsys.readouterr().err
+    assert "holds no results of simulate, sensitivity, sweep, sample, tune or pareto" in capsys.readouterr().err
     (tmp_path / "sweep.npz").write_bytes(b"not one")
     assert run(["report", str(tmp_path)]) == 2
     assert "sweep.npz is not a sweep's result" in capsys.readouterr().err

@@ -13,9 +13,11 @@ from .fields import fields
 from .laws import laws
 from .limits import keeps_limits
 from .overrides import WITH_QUANTITIES, Plain
+from .pareto import pareto
 from .report import compare, report
 from .reproduce import reproduce
 from .request import Request, given, verb
+from .sample import sample
 from .streams import note
 from .study import check, init, schema
 from .sweep import sweep
@@ -90,6 +92,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
       history.csv   forces, gaps, motion and energies at each step
       capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
       motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
+      motion.json   the same over time, for the page of jaxbuffer report
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 
@@ -252,8 +255,10 @@ def tune(
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 
-verb(app, "One run as an animation: the mechanism, its contact forces, slow motion around impacts.")(animate)
+verb(app, "The front of two objectives or more.", without=("solver",))(pareto)
 verb(app, "Many runs: every combination of values of some fields.")(sweep)
+verb(app, "Many runs spread over ranges: what matters most, and a fitted surface.")(sample)
+verb(app, "One run as an animation: the mechanism, its contact forces, slow motion around impacts.")(animate)
 verb(
     app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration", "as_json")
 )(laws)

@@ -1,5 +1,6 @@
 """`jaxbuffer sweep`: captures over a grid."""
 
+import dataclasses
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -11,6 +12,8 @@ from .streams import note
 
 if TYPE_CHECKING:
     from ..study.config import Config
+    from ..sweeps.grid import Grid
+    from ..tuning.objective import Limits
 
 Over = Annotated[
     list[str] | None,
@@ -44,6 +47,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
+      envelope.png, .svg, .txt  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.chunks  kept up while running; --resume needs it
 
@@ -53,7 +57,8 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20 --over contact.law=hertz,lankarani-nikravesh
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
-    from ..output.formats import ARRAYS
+    from ..output.formats import ARRAYS, ENVELOPE
+    from ..output.results import swept_files, swept_json
     from ..output.sweep_files import FIGURE, LABELLED, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
@@ -64,11 +69,11 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     grid = made(asked, study.design, study.scenario)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     grid.batches(study.design, study.scenario)  # checks that the values go together
-    files = request.files(TABLE, ARRAYS, FIGURE, LABELLED, resumable=(STORE,), resume=resume)
-    from ..output.results import swept_files, swept_json
+    limits = _limits(study, grid)
+    drawn = () if limits is None else ENVELOPE
+    files = request.files(*drawn, TABLE, ARRAYS, FIGURE, LABELLED, resumable=(STORE,), resume=resume)
     from ..sweeps.sweep import SweepInterrupted
     from ..sweeps.sweep import sweep as compute
-    from ..sweeps.swept import Swept
     from .progress import sweeping
 
     options = study.options
@@ -89,14 +94,19 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
             ),
         )
     except SweepInterrupted as stop:
-        assert isinstance(stop.found, Swept)
         swept, interrupted = stop.found, True
         if request.output is not None:
             told = f"{stop.done.sum()} of {stop.done.size} {study.mechanism.run_name}s are kept"
             note(f"{told}; the same command with --resume goes on in {request.output}")
         if not stop.done.any():
             return INTERRUPTED
-    files.save_and_show(lambda: swept_files(swept), swept, lambda: swept_json(swept))
+    envelope = None
+    if limits is not None:
+        from ..experiments.rectangle import safe_rectangle
+
+        envelope = safe_rectangle(swept, limits)
+    shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
+    files.save_and_show(lambda: swept_files(swept, envelope), shown, lambda: swept_json(swept))
     return INTERRUPTED if interrupted else OK
 
 
@@ -111,3 +121,17 @@ def _asked(study: "Config", over: list[str]) -> dict[str, Any]:
             raise InputError(f"--over {path} is given more than once; put its values into one")
         asked[path] = values
     return asked or dict(study.mechanism.defaults.grid)
+
+
+def _limits(study: "Config", over: "Grid") -> "Limits | None":
+    """The limits of a sweep's envelope: the problem's, or the mechanism's own; None where there is no envelope."""
+    from ..study.problem_toml import limits
+
+    mechanism = study.mechanism
+    if sum(len(axis) > 1 for axis in over.axes) != 2:
+        return None
+    asked = limits(study.table, mechanism)
+    in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731
+    found = dataclasses.replace(asked, at_most=in_sweeps(asked.at_most), at_least=in_sweeps(asked.at_least))
+    limited = found.at_most or found.at_least or found.impacts is not None
+    return found if limited or mechanism.success is not None else None

@@ -73,9 +73,9 @@ def animate(run: Run, path: str | Path) -> Path:
 
     **Example:**
 
-    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(), history=True)
-    >>> jb.animate(run, "drop.gif")  # doctest: +SKIP
-    PosixPath('drop.gif')
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01, history=True)
+    >>> jb.animate(run, "drop.gif").name
+    'drop.gif'
     """
     path = Path(path)
     write(path, animation(run, path.suffix.removeprefix(".")))

@@ -3,10 +3,12 @@
 import csv
 import io
 import json
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 ARRAYS = "sweep.npz"
+ENVELOPE = ("envelope.png", "envelope.txt")
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 
 
@@ -18,6 +20,12 @@ def json_text(record: Mapping[str, Any]) -> str:
 def compact_json(record: Mapping[str, Any]) -> str:
     """JSON in one line, for data that nobody reads."""
     return json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+
+
+def table_json(name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table under a name as JSON, a record for each row; what is not finite is null."""
+    finite = lambda value: None if isinstance(value, float) and not math.isfinite(value) else value  # noqa: E731
+    return json_text({name: [dict(zip(header, map(finite, row), strict=True)) for row in rows]})
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

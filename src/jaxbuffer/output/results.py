@@ -1,13 +1,15 @@
 """The files of each command: names, and what makes their contents, in the order in which they are saved."""
 
-import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from .formats import ARRAYS, Contents, compact_json, csv_text, json_text
+from .formats import ARRAYS, ENVELOPE, Contents, compact_json, csv_text, json_text, table_json
 
 if TYPE_CHECKING:
+    from ..experiments.rectangle import SafeRectangle
     from ..mechanisms.run import Run
     from ..sensitivities.sensitivity import Sensitivity
+    from ..sweeps.computed import Computed
     from ..sweeps.swept import Swept
     from ..tuning.tuned import Tuned
 
@@ -71,27 +73,31 @@ def tuned_files(tuned: "Tuned") -> Contents:
     }
 
 
-def swept_json(swept: "Swept") -> str:
-    """A sweep as JSON: what a run is called, and its table, a record for each run."""
+def swept_json(swept: "Computed") -> str:
+    """A sweep or a sample as JSON: its table, a record for each run."""
     from ..sweeps.dataset import swept_rows
 
-    header, table = swept_rows(swept)
-    finite = lambda value: None if isinstance(value, float) and not math.isfinite(value) else value  # noqa: E731
-    records = [{name: finite(value) for name, value in zip(header, row, strict=True)} for row in table]
-    return json_text({"runs": records})
+    return table_json("runs", *swept_rows(swept))
 
 
-def swept_files(swept: "Swept") -> Contents:
-    """Of `jaxbuffer sweep`."""
+def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None) -> Contents:
+    """Of `jaxbuffer sweep`. ``envelope``: what is safe of a sweep over two fields."""
     from ..labelled.netcdf import content
     from ..sweeps.dataset import swept_rows
     from .style import both
     from .sweep_figures import sweep_figure
     from .sweep_files import FIGURE, LABELLED, TABLE, arrays
 
-    return {
+    files: dict[str, Callable[[], str | bytes]] = {
         ARRAYS: lambda: arrays(swept),
         TABLE: lambda: csv_text(*swept_rows(swept)),
         **both(FIGURE.removesuffix(".png"), lambda: sweep_figure(swept)),
         LABELLED: lambda: content(swept.to_xarray()),
     }
+    if envelope is not None:
+        from .envelope_figure import envelope_figure
+
+        figure, words = ENVELOPE
+        files |= both(figure.removesuffix(".png"), lambda: envelope_figure(envelope))
+        files[words] = lambda: f"{envelope!r}\n"
+    return files

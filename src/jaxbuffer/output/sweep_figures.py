@@ -157,7 +157,7 @@ def _map(
 
     x, y = first.values[right], second.values[upwards]
     cells = np.ma.masked_invalid(flat(values))
-    image = axes.pcolormesh(_edges(x, first), _edges(y, second), cells, cmap="viridis", **limits)
+    image = axes.pcolormesh(edges(x, first), edges(y, second), cells, cmap="viridis", **limits)
     outcomes = flat(_outcomes(swept))
     size = min(40.0, 6e3 / outcomes.size)
     for outcome, (marker, _, colour) in _marks(swept).items():
@@ -170,7 +170,7 @@ def _map(
     return image
 
 
-def _edges(values: np.ndarray, axis: Axis) -> np.ndarray:
+def edges(values: np.ndarray, axis: Axis) -> np.ndarray:
     """Borders of the cells around sorted values, halfway between them on the axis' scale."""
     places = np.log(values) if axis.scale == "log" else values
     middles = 0.5 * (places[1:] + places[:-1])

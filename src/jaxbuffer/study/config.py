@@ -32,6 +32,7 @@ from ..mechanisms.registry import mechanism_of
 from ..run.simulate import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid
 from ..tuning.settings import Settings
+from .sample_toml import read_sample
 
 if TYPE_CHECKING:
     from ..tuning.problem import Problem
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=eqx.Module)
 
 DEFAULT_KIND = "probe_cone"
-KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep")  # beside the design's own
+KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
 
 
 class Options(Part):
@@ -74,6 +75,7 @@ class Config:
     tuning: Settings = dataclasses.field(default_factory=Settings)
     table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
+    sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -229,6 +231,7 @@ def _config(data: dict[str, Any]) -> Config:
     sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
     if sweep:
         grid(sweep, design, scenario)  # checks it
+    sample = read_sample(_table(data, "sample"), design, scenario)
     tuning = _replaced(Settings(), _table(data, "tune"), "tune.")
     if table := _table(data, "problem"):
         from .problem_toml import check_table
@@ -237,7 +240,7 @@ def _config(data: dict[str, Any]) -> Config:
         for name in ("grid", "sample"):
             if scenarios and name in table:
                 raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    return Config(design, scenario, scenarios, options, tuning, table, sweep)
+    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample)
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from ..version import version
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .computed import Computed
     from .found import Sweep
     from .swept import Swept
 
@@ -30,17 +31,18 @@ def swept_dataset(swept: "Swept") -> "xr.Dataset":
     return dataset(variables, axes, about)
 
 
-def sweep_dataset(sweep: "Sweep") -> "xr.Dataset":
-    """See `Sweep.to_xarray`."""
+def sweep_dataset(sweep: "Sweep", done: np.ndarray | None = None) -> "xr.Dataset":
+    """See `Sweep.to_xarray`. ``done`` (n,): which runs were computed, by default all."""
     runs = {"run": Labelled(("run",), np.arange(len(sweep)), "", "number of the run, from 0")}
     inputs = {path: Labelled(("run",), values, unit) for path, (unit, values) in _inputs(sweep).items()}
     contacts = _contacts(sweep, sweep.design)
-    variables = _variables(sweep, np.ones(len(sweep), bool), contacts, ("run",), (len(sweep),))
+    computed = np.ones(len(sweep), bool) if done is None else done
+    variables = _variables(sweep, computed, contacts, ("run",), (len(sweep),))
     about = {"title": sweep.mechanism.title, "kind": sweep.mechanism.name, "jaxbuffer": version()}
     return dataset(variables, runs | inputs, about)
 
 
-def swept_rows(swept: "Swept") -> Rows:
+def swept_rows(swept: "Computed") -> Rows:
     """Header and a row for each run that was computed; what a failed one lacks stays empty."""
     inputs = {axis.heading: swept.grid.columns()[axis.path] for axis in swept.grid.axes}
     return _table(swept.found, inputs, swept.done, _contacts(swept.found, swept.design))

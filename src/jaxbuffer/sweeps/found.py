@@ -1,7 +1,7 @@
 """What a sweep found: arrays with an entry a run."""
 
 import dataclasses
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,6 @@ from ..mechanisms.outcome import RunOutcome
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-    from .swept import Swept
 
 
 @dataclasses.dataclass(frozen=True)
@@ -115,9 +113,9 @@ def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 class SweepInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep. ``found``, a `Sweep` or with ``over`` a `Swept`, has what was done until then; ``done``
-    (n,) says which runs those are."""
+    """Ctrl-C during a sweep. ``found`` has what was done until then: a `Sweep`, with ``over`` a `Swept`, of a sample a
+    `Sample`; ``done`` (n,) says which runs those are."""
 
-    def __init__(self, found: "Sweep | Swept", done: np.ndarray) -> None:
+    def __init__(self, found: Any, done: np.ndarray) -> None:
         super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.run_name}s done")
         self.found, self.done = found, done

@@ -6,22 +6,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.table import Table
 
-from ..fields import Part
-from ..mechanisms.mechanism import Mechanism
-from ..tables import html, table, text
-from .found import Sweep
+from ..tables import html, text
+from .computed import Computed, outcomes_table, what_was_found
 from .grid import Axis, Grid
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-SHOWN = 10  # runs that are listed of those that failed
-QUANTILES = {"least": 0.0, "10 %": 0.1, "median": 0.5, "90 %": 0.9, "greatest": 1.0}
-
 
 @dataclasses.dataclass(frozen=True)
-class Swept:
+class Swept(Computed):
     """A sweep over a grid. Print it for a summary.
 
     ``design``, ``scenario``: what the grid's values were put into; ``found``: quantities (n,) in the grid's order;
@@ -35,20 +30,6 @@ class Swept:
     """
 
     grid: Grid
-    design: Part
-    scenario: Part
-    found: Sweep
-    done: np.ndarray
-
-    @property
-    def mechanism(self) -> Mechanism:
-        """Of which these are runs."""
-        return self.found.mechanism
-
-    @property
-    def solved(self) -> np.ndarray:
-        """Which runs have numbers, shape (n,): done, and not failed."""
-        return self.done & self.found.solved
 
     def shaped(self, quantity: str) -> np.ndarray:
         """A quantity in the grid's shape."""
@@ -88,37 +69,14 @@ class Swept:
 
 def swept_parts(swept: Swept) -> list[str | Table]:
     """Outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
-    grid, done = swept.grid, int(swept.done.sum())
+    over, done = swept.grid, int(swept.done.sum())
     mechanism = swept.found.mechanism
-    title = f"Sweep of {len(grid)} {mechanism.run_name}s: " + " × ".join(
-        f"{len(axis)} {axis.name}" for axis in grid.axes
+    title = f"Sweep of {len(over)} {mechanism.run_name}s: " + " × ".join(
+        f"{len(axis)} {axis.name}" for axis in over.axes
     )
-    parts: list[str | Table] = [title if done == len(grid) else f"{title}; interrupted, {done} of them done"]
-    parts += [f"  {axis.path:26} {_values(axis)}" for axis in grid.axes]
-    codes, counts = np.unique(swept.found.code[swept.done], return_counts=True)
-    outcomes = table("Outcomes", ("outcome",), (f"{mechanism.run_name}s", "share"))
-    for code, count in zip(codes, counts, strict=True):
-        outcomes.add_row(mechanism.outcomes(int(code)).reason, str(count), f"{100.0 * count / done:.1f} %")
-    parts.append(outcomes)
-    if swept.solved.any():
-        parts += [_spread(swept), *_extremes(swept)]
-    return [*parts, *_beyond_validity(swept), *_failures(swept)]
-
-
-def _beyond_validity(swept: Swept) -> list[str]:
-    """How many answers lie beyond each limit of validity, and the worst of them."""
-    found, mechanism, shares = swept.found, swept.found.mechanism, dict[str, np.ndarray]()
-    for places, design, _ in swept.grid.batches(swept.design, swept.scenario):
-        for limit in mechanism.validity(design, found.peak_force[places], found.penetration[places]):
-            share = shares.setdefault(limit.beyond, np.full(len(found), -np.inf))
-            share[places] = np.where(limit.passed & swept.solved[places], limit.share, -np.inf)
-    lines = []
-    for beyond, share in shares.items():
-        if count := int(np.sum(share > -np.inf)):
-            worst = int(np.argmax(share))
-            furthest = f"by a factor of {share[worst]:.3g} at {swept.grid.point(worst)}"
-            lines.append(f"{beyond}, {count} {mechanism.run_name}s; {furthest}")
-    return lines
+    parts: list[str | Table] = [title if done == len(over) else f"{title}; interrupted, {done} of them done"]
+    parts += [f"  {axis.path:26} {_values(axis)}" for axis in over.axes]
+    return [*parts, outcomes_table(swept), *what_was_found(swept, "sweep.csv")]
 
 
 def _values(axis: Axis) -> str:
@@ -128,49 +86,3 @@ def _values(axis: Axis) -> str:
     few = [f"{value:g}" for value in values]
     listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
     return f"{listed} {axis.unit}".rstrip(" -")
-
-
-def _spread(swept: Swept) -> Table:
-    solved = swept.solved
-    mechanism = swept.found.mechanism
-    what = f"Quantities of the {int(solved.sum())} {mechanism.run_name}s that were solved"
-    spread = table(what, ("quantity",), tuple(QUANTILES))
-    for name in mechanism.swept:
-        values, symbol = swept.found.columns[name][solved], mechanism.quantities[name].unit
-        known = values[np.isfinite(values)]
-        if known.size:
-            spread.add_row(f"{name} [{symbol}]", *(f"{x:.5g}" for x in np.quantile(known, list(QUANTILES.values()))))
-    return spread
-
-
-def _extremes(swept: Swept) -> list[str]:
-    found, success = swept.found, swept.found.mechanism.success
-    force = np.where(swept.solved, found.peak_force, np.nan)
-    lines = [f"greatest peak force {_run(swept, int(np.nanargmax(force)))}"]
-    good = np.ones(len(found), bool) if success is None else found.code == found.mechanism.outcomes[success]
-    least = np.where(swept.solved & good, found.peak_force, np.nan)
-    if np.isfinite(least).any():
-        of = "" if success is None else f" of those {success}"
-        lines.append(f"least peak force{of} {_run(swept, int(np.nanargmin(least)))}")
-    return lines
-
-
-def _run(swept: Swept, index: int) -> str:
-    found, names = swept.found, swept.found.mechanism.names(swept.design)
-    kind = found.mechanism.contact
-    contact = f"{names.contacts[int(found.columns[f'peak_{kind}'][index])]} {kind}"
-    return (
-        f"{found.peak_force[index]:.6g} N at {swept.grid.point(index)}: {contact} after"
-        f" {found.peak_time[index]:.4g} s, {int(found.impact_count[index])} impacts, {found.outcomes[index].name}"
-    )
-
-
-def _failures(swept: Swept) -> list[str]:
-    failed = np.flatnonzero(swept.done & ~swept.solved)
-    lines = [
-        f"  {swept.grid.point(i)}: {swept.found.mechanism.outcomes(int(swept.found.code[i])).reason}"
-        for i in failed[:SHOWN].tolist()
-    ]
-    if failed.size > SHOWN:
-        lines.append(f"  and {failed.size - SHOWN} more; see the column outcome in sweep.csv")
-    return ["failed:", *lines] if lines else []

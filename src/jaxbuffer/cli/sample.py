@@ -1,0 +1,170 @@
+"""`jaxbuffer sample`: runs spread over ranges, and what can be read off them."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..errors import InputError
+from .exits import INTERRUPTED, OK
+from .request import Request
+from .streams import note
+
+if TYPE_CHECKING:
+    from ..experiments.points import Points
+    from ..experiments.sample import Sample
+    from ..study.config import Config
+    from .output import Output
+
+Over = Annotated[
+    list[str] | None, typer.Option(metavar="FIELD=RANGE", help="A field's range: LOW:HIGH[:log|linear]; repeatable.")
+]
+Count = Annotated[str | None, typer.Option(metavar="N", help="Points, a power of two; default 256.")]
+Method = Annotated[
+    str | None, typer.Option(metavar="HOW", help="sobol (default), latin_hypercube, or saltelli (that of --indices).")
+]
+Seed = Annotated[str | None, typer.Option(metavar="N", help="Of the points; default 0.")]
+Of = Annotated[
+    list[str] | None, typer.Option(metavar="QUANTITY", help="What --indices and --surface are of; repeatable.")
+]
+IndicesOf = Annotated[bool, typer.Option("--indices", help="Sobol' indices: whose scatter matters most.")]
+SurfaceOf = Annotated[bool, typer.Option("--surface", help="Fit a response surface, and tell its error.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sample in DIR, however it ended.")]
+
+
+def sample(
+    request: Request,
+    over: Over = None,
+    count: Count = None,
+    method: Method = None,
+    seed: Seed = None,
+    of: Of = None,
+    indices: IndicesOf = False,
+    surface: SurfaceOf = False,
+    resume: Resume = False,
+) -> int:
+    """Simulate runs spread evenly over ranges of some fields of the design and the scenario, on all cores.
+
+    The ranges are those of [sample.ranges] in CONFIG.toml, with those of --over added or put in their place; without
+    either, the bounds that a tuning has by default. A range of more than a decade is spread on a logarithmic scale.
+    A run that fails is counted and named; it does not touch the others. Ctrl-C ends the sample and saves what was
+    done; --resume goes on, also after a kill.
+
+    --indices makes count × (fields + 2) runs. With another --method, indices are those of the response surface.
+
+    \b
+    In CONFIG.toml:
+      [sample]
+      count = 256
+      method = "sobol"
+      [sample.ranges]
+      buffer.k_A = [200, 2000]             # N/m; or [200, 2000, "linear"]
+      scenario.misalignment = [-0.05, 0.05]  # rad
+
+    \b
+    Files in DIR:
+      sample.csv   a row for each run: its values, outcome and results, units in the header
+      sample.png, .svg  the quantities over each field
+      sample.txt   the summary
+      sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
+      indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
+      surface.csv, .png, .svg  of --surface: predicted against computed
+      sweep.chunks  kept up while running; --resume needs it
+
+    \b
+    Example:
+      jaxbuffer sample --over buffer.k_A=200:2000 --over scenario.misalignment=-0.05:0.05 --indices --output results/doe
+    """
+    from ..mechanisms.quantity import check_quantities
+    from ..output.results import swept_json
+    from ..output.sample_files import INDICES, SAMPLE, SURFACE, sample_files
+    from ..sweeps.grid import check_swept_once
+    from ..sweeps.store import STORE
+
+    study = request.study()
+    points = _points(study, over or [], count, method, seed, indices)
+    check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
+    names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults.mapped[:1])
+    for name in names:
+        if name not in study.mechanism.swept:
+            raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
+    wanted = [*SAMPLE, *(INDICES if indices else ()), *(SURFACE if surface else ())]
+    files = request.files(*wanted, resumable=(STORE,), resume=resume)
+    found, interrupted = _computed(request, study, points, resume)
+    if found is None:
+        return INTERRUPTED
+    if interrupted:
+        files.save_and_show(lambda: sample_files(found), found, lambda: swept_json(found))
+        return INTERRUPTED
+    return _told(found, names, indices, surface, files)
+
+
+def _points(
+    study: "Config", over: list[str], count: str | None, method: str | None, seed: str | None, indices: bool
+) -> "Points":
+    from ..experiments.points import METHODS, points
+    from ..experiments.ranges import ranges, typed
+
+    section = dict(study.sample)
+    asked = dict(section.pop("ranges", {}))
+    typed_in = [typed(text) for text in over]
+    for path, values in typed_in:
+        if sum(path == other for other, _ in typed_in) > 1:
+            raise InputError(f"--over {path} is given more than once; keep one")
+        asked[path] = values
+    chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
+    number = _whole("count", count) if count is not None else section.get("count", 256)
+    start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
+    axes = ranges(asked or study.mechanism.defaults.variables, study.design, study.scenario)
+    return points(axes, number, chosen, start)
+
+
+def _whole(name: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
+
+
+def _computed(request: Request, study: "Config", points: "Points", resume: bool) -> "tuple[Sample | None, bool]":
+    """The sample, as far as it came, and whether it was interrupted."""
+    from ..experiments.sample import sample_at
+    from ..sweeps.found import SweepInterrupted
+    from .progress import sweeping
+
+    options: dict[str, Any] = {"solver": study.options.stepper(), "rtol": study.options.rtol}
+    options |= {"folder": request.output, "resume": resume}
+    asked = (points, study.design, study.scenario, study.options.duration)
+    try:
+        return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False
+    except SweepInterrupted as stop:
+        if request.output is not None:
+            told = f"{stop.done.sum()} of {stop.done.size} {study.mechanism.run_name}s are kept"
+            note(f"{told}; the same command with --resume goes on in {request.output}")
+        return (stop.found if stop.done.any() else None), True
+
+
+def _told(found: "Sample", names: tuple[str, ...], indices: bool, surface: bool, files: "Output") -> int:
+    """Indices and surfaces, saved and printed; where one cannot be had, the sample is saved and it is said why."""
+    from ..output.results import swept_json
+    from ..output.sample_files import Told, sample_files
+    from .progress import working
+
+    told, refused = Told(), None
+    try:
+        if surface:
+            from ..experiments.surface import response_surface
+
+            told.surfaces = working(
+                "fitting response surfaces", lambda: [response_surface(found, name) for name in names]
+            )
+        if indices:
+            from ..experiments.indices import sobol_indices
+
+            told.indices = working("resampling", lambda: sobol_indices(found, names))
+    except InputError as error:
+        refused = error
+    shown = "\n\n".join(map(repr, [found, *([told.indices] if told.indices else []), *told.surfaces]))
+    files.save_and_show(lambda: sample_files(found, told, shown), shown, lambda: swept_json(found))
+    if refused is not None:
+        raise refused
+    return OK

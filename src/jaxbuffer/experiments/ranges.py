@@ -1,0 +1,105 @@
+"""Ranges to sample: a field of design or scenario, its two ends, and the scale on which it is spread evenly."""
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, as_number, check_choice, check_number, check_type, shown
+from ..fields import Part, check_address, in_unit, unit_at, with_values
+from ..sweeps.grid import SCALES
+
+EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
+DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale
+
+
+@dataclasses.dataclass(frozen=True)
+class Range:
+    """A number that is sampled: its dotted ``path`` and ``unit``, its ends ``low`` and ``high`` [unit], and the
+    ``scale`` ("linear" or "log") on which every part of the range is as likely as any other."""
+
+    path: str
+    unit: str
+    low: float
+    high: float
+    scale: str = SCALES[0]
+
+    @property
+    def heading(self) -> str:
+        """The path with its unit: "scenario.approach_speed [m/s]"."""
+        return f"{self.path} [{self.unit}]"
+
+    @property
+    def name(self) -> str:
+        """The field without its section: "approach_speed"."""
+        return self.path.rsplit(".", 1)[-1]
+
+    def at(self, shares: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+        """The values [unit] at shares of the range [-]: 0 is the low end, 1 the high one."""
+        if self.scale == "log":
+            found = self.low * np.exp(shares * math.log(self.high / self.low))
+        else:
+            found = self.low + shares * (self.high - self.low)
+        return np.clip(found, self.low, self.high)  # rounding leads beyond no end
+
+    def shares(self, values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+        """The inverse of `at`."""
+        if self.scale == "log":
+            return np.log(values / self.low) / math.log(self.high / self.low)
+        return (values - self.low) / (self.high - self.low)
+
+    def __str__(self) -> str:
+        scale = ", log scale" if self.scale == "log" else ""
+        return f"{self.low:g} … {self.high:g} {self.unit}".rstrip(" -") + scale
+
+
+def ranges(asked: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
+    """Ranges from pairs (low, high) or triples (low, high, scale) by dotted path, "scenario.…" for the scenario's.
+
+    **Raises:** `InputError` for what is no such pair, paths that are unknown or choices, ends out of a field's range.
+    """
+    check_type("ranges", asked, Mapping, 'ranges={"buffer.k_A": (200, 2000)}')
+    if not asked:
+        raise InputError("nothing to sample; name a field and its range, such as buffer.k_A = [200, 2000]")
+    return tuple(_range(path, given, design, scenario) for path, given in asked.items())
+
+
+def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
+    check_address(design, scenario, path, "sample: ")
+    symbol = unit_at(design, scenario, path)
+    if not symbol:
+        raise InputError(f"sample: {path} is a choice; only numbers can be sampled")
+    parts = list(given) if isinstance(given, Sequence) and not isinstance(given, (str, bytes)) else []
+    scale = parts.pop() if len(parts) == 3 else None
+    numbers = [as_number(in_unit(f"sample.{path}", part, symbol)) for part in parts]
+    if len(numbers) != 2 or not all(type(number) is float for number in numbers):
+        raise InputError(f"sample.{path} = {shown(given)} must be low and high end in {symbol}: {EXAMPLE}")
+    low, high = numbers
+    for end in numbers:
+        check_number(f"sample.{path}", end, symbol)
+    if not low < high:
+        raise InputError(f"sample.{path} = [{low:g}, {high:g}] {symbol}: the low end must be below the high one")
+    with_values(design, scenario, {path: np.array([low, high])})  # checks the field's own range
+    if scale is None:
+        scale = "log" if low > 0.0 and high > DECADE * low else "linear"
+    check_choice(f"sample.{path}: scale", scale, SCALES)
+    if scale == "log" and low <= 0.0:
+        raise InputError(f"sample.{path}: a logarithmic scale needs positive ends; found {low:g} and {high:g} {symbol}")
+    return Range(path, symbol, low, high, scale)
+
+
+def typed(text: str) -> tuple[str, list[Any]]:
+    """A path and its range as typed on a command line: PATH=LOW:HIGH or PATH=LOW:HIGH:SCALE."""
+    path, equals, values = text.partition("=")
+    words: list[Any] = values.split(":")
+    if not path or not equals or len(words) not in (2, 3):
+        raise InputError(f"--over {text}: expected FIELD=LOW:HIGH or FIELD=LOW:HIGH:log, buffer.k_A=200:2000 say")
+    for k in range(2):
+        try:
+            words[k] = float(words[k])
+        except ValueError:
+            raise InputError(f"--over {text}: {words[k]!r} is not a number") from None
+    return path, words

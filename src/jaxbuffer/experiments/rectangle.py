@@ -1,0 +1,180 @@
+"""The safe part of a two-dimensional sweep, and the largest rectangle of safe runs in it."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..errors import InputError, check_type, suggest
+from ..sweeps.grid import Axis
+from ..sweeps.swept import Swept
+from ..tuning.objective import Limits
+
+
+@dataclasses.dataclass(frozen=True)
+class SafeRectangle:
+    """Where every limit is kept. Print it for the ranges.
+
+    - ``swept``: over two fields of more than one value each; ``limits``: what a safe run keeps.
+    - ``axes``: those two; ``values``: theirs in increasing order, (m,) and (n,).
+    - ``safe`` (m, n): which runs end as they should and keep every limit; ``share`` (m, n) [-]: the largest share of a
+      limit, 1 on it, NaN without numbers; ``reasons`` (m, n): the first thing that each of the others breaks, in words.
+    - ``first``, ``second``: lowest and highest value of either field in the largest rectangle of safe runs, or None
+      where no run is safe; ``runs``: how many it has.
+
+    **Example:** which heights and stiffnesses keep the peak force below 1500 N?
+
+    >>> values = {"scenario.height": [0.05, 0.1, 0.2], "impact.stiffness": [1e11, 2e11]}  # m, N/m^e
+    >>> swept = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), over=values)
+    >>> found = jb.safe_rectangle(swept, jb.Limits(at_most={"peak_force": 1500.0}))  # N
+    >>> found.safe.shape, found.runs > 0
+    ((3, 2), True)
+    """
+
+    swept: Swept
+    limits: Limits
+    axes: tuple[Axis, Axis]
+    values: tuple[np.ndarray, np.ndarray]
+    safe: Bool[np.ndarray, "m n"]
+    share: Float[np.ndarray, "m n"]
+    reasons: np.ndarray
+    first: tuple[float, float] | None
+    second: tuple[float, float] | None
+    runs: int
+
+    @property
+    def asked(self) -> str:
+        """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
+        mechanism = self.swept.mechanism
+        ends = (mechanism.success or "solved") if self.limits.captured else "solved"
+        return ", ".join([ends, *(f"{name.replace('_', ' ')} {sign} {limit}" for name, sign, limit in self._words())])
+
+    def _words(self) -> Iterator[tuple[str, str, str]]:
+        for sign, sides in (("≤", self.limits.at_most), ("≥", self.limits.at_least)):
+            for name, limit in sides.items():
+                quantity = self.swept.mechanism.quantities[name]
+                unit, factor = quantity.shown or (quantity.unit, 1.0)
+                yield name, sign, f"{factor * limit:.6g} {unit}".rstrip(" -")
+        if self.limits.impacts is not None:
+            yield "impacts", "≤", str(self.limits.impacts)
+
+    def __repr__(self) -> str:
+        from .summary import rectangle_summary
+
+        return rectangle_summary(self)
+
+
+def safe_rectangle(swept: Swept, limits: Limits | None = None) -> SafeRectangle:
+    """Where a two-dimensional sweep is safe, and the largest rectangle of safe runs in it.
+
+    A run is safe that was solved and keeps every limit. The rectangle has the
+    most runs of all whose runs are all safe; between its runs nothing was computed.
+
+    **Arguments:**
+
+    - ``swept``: over two fields, and any others with one value each.
+    - ``limits``: what a run must keep (default: only that it ends as the mechanism's runs should).
+
+    **Returns:** a `SafeRectangle`.
+
+    **Raises:** `InputError` for sweeps over more or fewer fields and quantities that sweeps have not.
+
+    **Example:**
+
+    >>> values = {"scenario.height": [0.05, 0.1, 0.2], "impact.stiffness": [1e11, 2e11]}  # m, N/m^e
+    >>> swept = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), over=values)
+    >>> found = jb.safe_rectangle(swept, jb.Limits(at_most={"peak_force": 1500.0}))  # N
+    >>> found.first[0], found.second[0]
+    (0.05, 100000000000.0)
+    """
+    limits = Limits() if limits is None else limits
+    check_type("limits", limits, Limits, "safe_rectangle(swept, jb.Limits(at_most={'stroke': 0.025}))")
+    moving = [k for k, axis in enumerate(swept.grid.axes) if len(axis) > 1]
+    if len(moving) != 2:
+        raise InputError(f"a safe rectangle needs a sweep over two fields with several values; this has {len(moving)}")
+    first, second = (swept.grid.axes[k] for k in moving)
+    right, up = np.argsort(first.values), np.argsort(second.values)
+
+    def face(column: np.ndarray) -> np.ndarray:
+        return column.reshape(len(first), len(second))[np.ix_(right, up)]
+
+    ends = _ends(swept, limits)
+    share, reasons = np.zeros((len(first), len(second))), face(ends)
+    safe = reasons == ""
+    for name, of_limit, broken in _shares(swept, limits):
+        share = np.fmax(share, face(of_limit))
+        reasons[(face(of_limit) > 1.0) & (reasons == "")] = f"{name.replace('_', ' ')} {broken} its limit"
+    share = np.where(face(swept.solved), share, np.nan)
+    safe = safe & (np.nan_to_num(share, nan=np.inf) <= 1.0)
+    rows, columns = largest_rectangle(safe)
+    x, y = first.values[right], second.values[up]
+    runs = (rows.stop - rows.start) * (columns.stop - columns.start)
+    return SafeRectangle(
+        swept=swept,
+        limits=limits,
+        axes=(first, second),
+        values=(x, y),
+        safe=safe,
+        share=share,
+        reasons=reasons,
+        first=(float(x[rows][0]), float(x[rows][-1])) if runs else None,
+        second=(float(y[columns][0]), float(y[columns][-1])) if runs else None,
+        runs=runs,
+    )
+
+
+def _ends(swept: Swept, limits: Limits) -> np.ndarray:
+    """How each run ended that is not safe for its end alone, "" for the others."""
+    mechanism = swept.mechanism
+    good = swept.solved
+    if limits.captured and mechanism.success is not None:
+        good = good & (swept.found.code == mechanism.outcomes[mechanism.success])
+    named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.found.outcomes]
+    words = np.where(swept.done, np.array(named, object), "not computed")
+    return np.where(good, "", words).astype(object)
+
+
+def _shares(swept: Swept, limits: Limits) -> Iterator[tuple[str, np.ndarray, str]]:
+    """Each limited quantity's share of its limit in every run, infinite where it is not known, and how it breaks it."""
+    for name, limit in limits.at_most.items():
+        yield name, _known(_column(swept, name) / limit), "above"
+    for name, limit in limits.at_least.items():
+        values = _column(swept, name)
+        yield name, _known(np.where(values > 0.0, limit / np.where(values > 0.0, values, 1.0), np.inf)), "below"
+    if limits.impacts is not None:
+        yield "impacts", swept.found.impact_count / limits.impacts, "above"
+
+
+def _known(shares: np.ndarray) -> np.ndarray:
+    return np.where(np.isnan(shares), np.inf, shares)
+
+
+def _column(swept: Swept, name: str) -> np.ndarray:
+    known = swept.mechanism.swept
+    if name not in known:
+        raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
+    return swept.found.columns[name]
+
+
+def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
+    """Rows and columns of the largest rectangle of true entries, empty slices if there is none; the first of equals.
+
+    Row by row, each column has a bar as high as its unbroken true entries up to that row. The largest rectangle under
+    the bars is found with a stack of rising ones, so that each entry is looked at a fixed number of times: O(m n).
+
+    **Source:** the largest rectangle in a histogram; D. Vandevoorde, Dr. Dobb's Journal 23(4), 1998.
+    """
+    heights: Int[np.ndarray, " n"] = np.zeros(mask.shape[1], int)
+    most, found = 0, (slice(0, 0), slice(0, 0))
+    for row, entries in enumerate(mask):
+        heights = np.where(entries, heights + 1, 0)
+        rising: list[tuple[int, int]] = []  # where each bar could begin, and its height
+        for column, height in enumerate([*heights.tolist(), 0]):
+            begin = column
+            while rising and rising[-1][1] >= height:
+                begin, tall = rising.pop()
+                if (size := tall * (column - begin)) > most:
+                    most, found = size, (slice(row + 1 - tall, row + 1), slice(begin, column))
+            rising.append((begin, height))
+    return found

@@ -1,0 +1,148 @@
+"""`sample`: runs at points spread over ranges of any numbers of design and scenario."""
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .._types import Scalar
+from ..errors import InputError, suggest
+from ..fields import Part
+from ..hybrid import Solver
+from ..mechanisms.registry import mechanism_of
+from ..run.simulate import DEFAULT_TOLERANCE
+from ..sweeps.computed import Computed
+from ..sweeps.found import SweepInterrupted
+from ..sweeps.sweep import sweep
+from ..tables import html, text
+from .points import METHODS, Points, points
+from .ranges import ranges as checked_ranges
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample(Computed):
+    """A sample of runs. Print it for a summary.
+
+    - ``grid``: the `Points` where they lie, n of them over d ranges.
+    - ``design``, ``scenario``: what the sampled values were put into.
+    - ``found``: the quantities, (n,) each; ``done`` (n,): which runs were computed, all unless it was interrupted.
+
+    **Example:**
+
+    >>> ranges = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.1, 0.2)}  # N/m^e, m
+    >>> sample = jb.sample(jb.BarDrop(), jb.BarDropScenario(), ranges, count=16)
+    >>> sample.values["scenario.height"].shape, int(sample.solved.sum())
+    ((16,), 16)
+    """
+
+    grid: Points
+
+    @property
+    def values(self) -> dict[str, np.ndarray]:
+        """Each sampled field's value in every run, (n,), in the field's unit."""
+        return self.grid.columns()
+
+    @property
+    def succeeded(self) -> Bool[np.ndarray, " n"]:
+        """Which of them ended as the mechanism's runs should; all that were solved, where any end will do."""
+        mechanism = self.found.mechanism
+        good = True if mechanism.success is None else self.found.code == mechanism.outcomes[mechanism.success]
+        return self.solved & good
+
+    def quantity(self, name: str) -> Float[np.ndarray, " n"]:
+        """A quantity of every run. **Raises:** `InputError` with the nearest name for one that samples have not."""
+        mechanism = self.found.mechanism
+        if name not in mechanism.swept:
+            raise InputError(f"quantity {name} is unknown{suggest(name, mechanism.swept)}")
+        return self.found.columns[name]
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted paths."""
+        from ..sweeps.dataset import sweep_dataset
+
+        return sweep_dataset(self.found, self.done)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row for each run that was computed, as in sample.csv, units in the columns' names."""
+        from ..labelled.arrays import frame
+        from ..sweeps.dataset import swept_rows
+
+        return frame(*swept_rows(self))
+
+    def __repr__(self) -> str:
+        from .summary import sample_parts
+
+        return text(*sample_parts(self))
+
+    def _repr_html_(self) -> str:
+        from .summary import sample_parts
+
+        return html(*sample_parts(self))
+
+
+def sample(
+    design: Part,
+    scenario: Part,
+    ranges: Mapping[str, Any],
+    count: int = 256,
+    method: str = METHODS[0],
+    *,
+    seed: int = 0,
+    duration: Scalar | None = None,
+    solver: Solver | str | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+) -> Sample:
+    """Simulate a mechanism at points spread over ranges of its numbers.
+
+    **Arguments:**
+
+    - ``design``, ``scenario``: what the sampled numbers are put into.
+    - ``ranges``: by dotted path, "scenario.…" for the scenario's: (low, high), or (low, high, "linear" or "log"), in
+      the field's unit. Without a scale, a range of more than a decade is spread on a logarithmic one.
+    - ``count``: how many points; a power of two unless ``method`` is "latin_hypercube".
+    - ``method``: "sobol", "latin_hypercube", or "saltelli", whose count × (ranges + 2) runs `sobol_indices` reads
+      indices off without a response surface.
+    - ``seed``: the same one, the same points.
+    - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
+    - ``workers``, ``progress``, ``folder``, ``resume``: as for `sweep`.
+
+    **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
+
+    **Raises:** `InputError` for ranges that are none, `SweepInterrupted` on Ctrl-C.
+
+    **Source:** scipy.stats.qmc; Owen, *Monte Carlo theory, methods and examples*, chapters 10 and 15 to 17.
+
+    **Example:**
+
+    >>> ranges = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.1, 0.2)}  # N/m^e, m
+    >>> sample = jb.sample(jb.BarDrop(), jb.BarDropScenario(), ranges, count=16)
+    >>> sample.grid.axes[0].scale, sample.grid.axes[1].scale
+    ('log', 'linear')
+    """
+    spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
+    options = {"solver": solver, "rtol": rtol, "workers": workers, "progress": progress}
+    return sample_at(spread, design, scenario, duration, folder=folder, resume=resume, **options)
+
+
+def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | None = None, **options: Any) -> Sample:
+    """`sample` at points that are there already; ``options`` as for `sweep`.
+
+    **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
+    """
+    at_most = mechanism_of(design).defaults.duration if duration is None else duration
+    try:
+        found = sweep(*points.applied(design, scenario), at_most, **options)
+    except SweepInterrupted as stop:
+        raise SweepInterrupted(Sample(points, design, scenario, stop.found, stop.done), stop.done) from None
+    return Sample(points, design, scenario, found, np.ones(len(points), bool))

@@ -1,0 +1,251 @@
+"""A response surface: a quantity as a smooth function of the sampled numbers, with its cross-validated error."""
+
+import dataclasses
+import warnings
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError, as_number, check_choice, check_whole, shown, suggest
+from .ranges import Range
+from .sample import Sample
+
+KINDS = ("automatic", "quadratic", "gaussian_process")
+FOLDS = 5
+TUNED_ON = 512  # runs at most by which a Gaussian process' lengths are found; all runs are fitted with them
+ENOUGH = 0.9  # of the variance of runs not seen: below that a surface is not to be trusted
+EDGE = 1e-12  # of a range, for rounding
+
+
+class Error(NamedTuple):
+    """What a surface misses at runs it was not fitted to: ``rms`` (root mean square) and ``largest`` in the quantity's
+    unit; ``relative`` [-]: root mean square of the misses over the values; ``explained`` [-]: 1 - their mean square
+    over the variance, at most 1."""
+
+    rms: float
+    largest: float
+    relative: float
+    explained: float
+
+
+class Regressor(Protocol):
+    """What scikit-learn calls a regressor."""
+
+    def fit(self, x: np.ndarray, y: np.ndarray) -> Any: ...
+    def predict(self, x: np.ndarray) -> np.ndarray: ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Surface:
+    """A fitted quantity. Print it for what it is worth.
+
+    - ``quantity`` and its ``unit``; ``shown``: the unit in figures and how many of those a unit is.
+    - ``axes``: the d ranges inside which it holds; ``run_name``: what a run is called.
+    - ``kind``: "quadratic" or "gaussian_process"; ``errors``: the cross-validated `Error` of each kind tried.
+    - ``logarithmic``: whether the logarithm is fitted, as is done where all values are positive.
+    - ``computed``, ``predicted`` (m,): the values of the m runs it knows, and what the surface says of each when it is
+      fitted without that run's fold.
+    - ``left_out``: how many runs of each end are not in it, by reason.
+    - ``model``: scikit-learn's, of the shares of the ranges.
+
+    **Example:**
+
+    >>> ranges = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.1, 0.2)}  # N/m^e, m
+    >>> surface = jb.response_surface(jb.sample(jb.BarDrop(), jb.BarDropScenario(), ranges, count=32), "penetration")
+    >>> surface.unit, len(surface.computed)
+    ('m', 32)
+    """
+
+    quantity: str
+    unit: str
+    shown: tuple[str, float]
+    run_name: str
+    axes: tuple[Range, ...]
+    kind: str
+    errors: dict[str, Error]
+    logarithmic: bool
+    computed: Float[np.ndarray, " m"]
+    predicted: Float[np.ndarray, " m"]
+    left_out: dict[str, int]
+    model: Regressor = dataclasses.field(repr=False)
+
+    @property
+    def error(self) -> Error:
+        """Of the kind that was chosen."""
+        return self.errors[self.kind]
+
+    @property
+    def trusted(self) -> bool:
+        """Whether it explains more than 90 % of the variance of runs it has not seen."""
+        return self.error.explained > ENOUGH
+
+    def predict(self, values: Mapping[str, Any]) -> Float[np.ndarray, " n"]:
+        """The quantity [``unit``] at some values.
+
+        **Arguments:** ``values``: a number or an array (n,) for each path that was sampled, in its unit.
+
+        **Raises:** `InputError` for paths that are missing or unknown, and values outside the ranges: a surface knows
+        nothing beyond its sample.
+        """
+        paths = [axis.path for axis in self.axes]
+        for path in values:
+            if path not in paths:
+                raise InputError(f"response surface: {path} was not sampled{suggest(path, paths)}")
+        shares = [self._shares(axis, values) for axis in self.axes]
+        try:
+            places = np.stack(np.broadcast_arrays(*shares), axis=-1)
+        except ValueError:
+            raise InputError("response surface: the arrays of values must all have one length") from None
+        found = self.model.predict(places)
+        return np.exp(found) if self.logarithmic else found
+
+    def _shares(self, axis: Range, values: Mapping[str, Any]) -> np.ndarray:
+        if axis.path not in values:
+            raise InputError(f"response surface: {axis.path} is missing; it was sampled and needs a value")
+        given = np.atleast_1d(np.asarray(as_number(values[axis.path])))
+        if given.dtype.kind not in "iuf" or given.ndim != 1:
+            raise InputError(
+                f"response surface: {axis.path} = {shown(values[axis.path])} is not a number or an array (n,)"
+            )
+        slack = EDGE * (axis.high - axis.low)
+        outside = ~((given >= axis.low - slack) & (given <= axis.high + slack))
+        if outside.any():
+            raise InputError(
+                f"response surface: {axis.path} = {given[outside][0]:g} {axis.unit} is outside of what was sampled,"
+                f" [{axis.low:g}, {axis.high:g}] {axis.unit}; a surface knows nothing there, sample a wider range"
+            )
+        return np.clip(axis.shares(np.clip(given.astype(float), axis.low, axis.high)), 0.0, 1.0)
+
+    def __repr__(self) -> str:
+        from .summary import surface_summary
+
+        return surface_summary(self)
+
+
+def response_surface(
+    sample: Sample, quantity: str = "peak_force", kind: str = "automatic", *, folds: int = FOLDS, seed: int = 0
+) -> Surface:
+    """Fit a quantity of a sample, and measure what the fit misses at runs it has not seen.
+
+    **Arguments:**
+
+    - ``sample``: runs that failed, or ended otherwise than they should, are left out and counted.
+    - ``quantity``: one that samples have; its logarithm is fitted where all its values are positive.
+    - ``kind``: "quadratic" (a polynomial of order 2 in the ranges' shares), "gaussian_process" (Matérn covariance of
+      order 5/2, a length a range, and noise), or "automatic": the one that misses less.
+    - ``folds``: parts of the runs, each predicted by a fit to the others; shuffled with ``seed``.
+
+    **Returns:** a `Surface`, fitted to all runs that are not left out.
+
+    **Raises:** `InputError` for a quantity that is unknown, and where too few runs are left.
+
+    **Source:** Rasmussen and Williams, *Gaussian Processes for Machine Learning*, chapters 2, 4 and 5; scikit-learn.
+
+    **Example:** stiffness and drop height make the peak force, which is a product of their powers.
+
+    >>> ranges = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.1, 0.2)}  # N/m^e, m
+    >>> sample = jb.sample(jb.BarDrop(), jb.BarDropScenario(), ranges, count=32)
+    >>> surface = jb.response_surface(sample, "penetration", "quadratic")
+    >>> bool(surface.error.relative < 0.05), surface.predict({"impact.stiffness": 1e11, "scenario.height": 0.15}).shape
+    (True, (1,))
+    """
+    check_choice("kind", kind, KINDS)
+    check_whole("folds", folds, 2)
+    values, good = sample.quantity(quantity), sample.succeeded
+    good = good & np.isfinite(values)
+    places, known = sample.grid.shares[good], values[good]
+    terms = (len(sample.grid.axes) + 1) * (len(sample.grid.axes) + 2) // 2
+    mechanism = sample.found.mechanism
+    if known.size < max(folds, 2 * terms):
+        raise InputError(
+            f"response surface of {quantity}: {known.size} {mechanism.run_name}s are left to fit, and a surface of"
+            f" {len(sample.grid.axes)} numbers needs {max(folds, 2 * terms)}; take a larger sample"
+        )
+    logarithmic = bool(np.all(known > 0.0))
+    fitted = np.log(known) if logarithmic else known
+    back = np.exp if logarithmic else np.asarray
+    tried = KINDS[1:] if kind == "automatic" else (kind,)
+    told = {name: back(_cross_validated(name, places, fitted, folds, seed)) for name in tried}
+    errors = {name: _error(known, predicted) for name, predicted in told.items()}
+    chosen = min(errors, key=lambda name: errors[name].rms)
+    return Surface(
+        quantity=quantity,
+        unit=mechanism.quantities[quantity].unit,
+        shown=mechanism.quantities[quantity].shown or (mechanism.quantities[quantity].unit, 1.0),
+        run_name=mechanism.run_name,
+        axes=sample.grid.axes,
+        kind=chosen,
+        errors=errors,
+        logarithmic=logarithmic,
+        computed=known,
+        predicted=told[chosen],
+        left_out=_left_out(sample, good),
+        model=_fitted(chosen, places, fitted),
+    )
+
+
+def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
+    """Why runs are not in the fit, and how many each time."""
+    outcomes = sample.found.outcomes
+    reasons = Counter(
+        outcomes[k].reason if not (sample.succeeded[k]) else "the quantity is not a number"
+        for k in np.flatnonzero(sample.done & ~good).tolist()
+    )
+    if waiting := int(np.sum(~sample.done)):
+        reasons["not computed"] = waiting
+    return dict(reasons)
+
+
+def _cross_validated(kind: str, places: np.ndarray, values: np.ndarray, folds: int, seed: int) -> np.ndarray:
+    """What each run's value is by a fit to the other folds."""
+    order = np.random.default_rng(seed).permutation(len(values))
+    found = np.empty(len(values))
+    for part in np.array_split(order, folds):
+        others = np.setdiff1d(order, part)
+        found[part] = _fitted(kind, places[others], values[others]).predict(places[part])
+    return found
+
+
+def _fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Regressor:
+    from sklearn.exceptions import ConvergenceWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound: a number that has no influence
+        if kind == "quadratic":
+            return _quadratic().fit(places, values)
+        ranges = places.shape[1]
+        some = _process(ranges).fit(places[:TUNED_ON], values[:TUNED_ON])
+        return some if len(values) <= TUNED_ON else _process(ranges, some.kernel_).fit(places, values)
+
+
+def _quadratic() -> Any:
+    from sklearn.linear_model import LinearRegression
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import PolynomialFeatures
+
+    return make_pipeline(PolynomialFeatures(2, include_bias=False), LinearRegression())
+
+
+def _process(ranges: int, kernel: Any = None) -> Any:
+    """A Gaussian process; with a ``kernel`` its lengths are not looked for."""
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+    if kernel is not None:
+        return GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True)
+    lengths = Matern(np.ones(ranges), (0.05, 100.0), nu=2.5)
+    noise = WhiteKernel(1e-4, (1e-10, 1.0))
+    return GaussianProcessRegressor(ConstantKernel(1.0, (1e-3, 1e5)) * lengths + noise, normalize_y=True)
+
+
+def _error(known: np.ndarray, predicted: np.ndarray) -> Error:
+    miss = predicted - known
+    square = float(np.mean(miss**2))
+    variance = float(np.var(known))
+    nonzero = known != 0.0
+    relative = float(np.sqrt(np.mean((miss[nonzero] / known[nonzero]) ** 2))) if nonzero.any() else float("nan")
+    explained = 1.0 - square / variance if variance > 0.0 else float("nan")
+    return Error(float(np.sqrt(square)), float(np.max(np.abs(miss))), relative, explained)

@@ -1,0 +1,97 @@
+"""A front as files: a table, a figure, and each point's design."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..fields import get, unit
+from ..study.config import design_toml
+from ..tuning.front_summary import standing
+from .formats import Contents, csv_text, table_json
+from .records import tuned_comment
+from .style import BLUE, GREY, both, label, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..tuning.pareto import Front
+    from ..tuning.tuned import Tuned
+
+PANELS = 4  # pairs of objectives that are drawn
+
+
+def front_files(front: "Front") -> Contents:
+    """Of `jaxbuffer pareto`."""
+    files: dict[str, Callable[[], str | bytes]] = {
+        f"design-{k + 1}.toml": _design(point) for k, point in enumerate(front.points)
+    }
+    return files | {
+        "pareto.csv": lambda: csv_text(*front_rows(front)),
+        "pareto.txt": lambda: f"{front!r}\n",
+        **both("pareto", lambda: front_figure(front)),
+    }
+
+
+def front_json(front: "Front") -> str:
+    """The table as JSON, a record for each point."""
+    return table_json("points", *front_rows(front))
+
+
+def _design(point: "Tuned") -> Callable[[], str]:
+    return lambda: design_toml(point.design, point.problem.scenarios_met, tuned_comment(point))
+
+
+def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:
+    """A row for each point."""
+    problem, catalogue = front.problem, front.problem.mechanism.quantities
+    header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
+    header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
+    header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        kept = [None if np.isinf(limit) else float(limit) for limit in limits]
+        told = [float(point.residual), float(point.gradient_error), point.converged, standing(front, k)]
+        rows.append(
+            [k + 1, *map(float, values), *kept, *told, *(float(get(point.design, v.path)) for v in problem.variables)]
+        )
+    return header, rows
+
+
+@styled
+def front_figure(front: "Front") -> "Figure":
+    """The first objective over each other one: the front, and points that another one is better than."""
+    others = front.objectives[1 : PANELS + 1]
+    figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
+    shown = [_shown(front, name) for name in front.objectives]
+    (first, unit, factor), values = shown[0], front.values
+    for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
+        name, other, scale = shown[k]
+        order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
+        line = "-" if len(front.objectives) == 2 else ""
+        axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
+        for i in order:
+            axes.annotate(
+                str(i + 1),
+                (scale * values[i, k], factor * values[i, 0]),
+                (4, 5),
+                textcoords="offset points",
+                fontsize=8,
+            )
+        if front.dominated.any():
+            left = front.dominated
+            axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
+        label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
+    lost = int((~front.feasible).sum())
+    count = len(front.problem.cases)
+    over = f"{count} scenarios" if count > 1 else "one scenario"
+    title = f"Front of {len(front.points)} tuned designs over {over}"
+    figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
+    return figure
+
+
+def _shown(front: "Front", name: str) -> tuple[str, str, float]:
+    quantity = front.problem.mechanism.quantities[name]
+    unit, factor = quantity.shown or (quantity.unit, 1.0)
+    return quantity.title or name.replace("_", " "), unit, factor

@@ -1,0 +1,157 @@
+"""Figures of a sample: quantities over each number, Sobol' indices as bars, predicted against computed."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
+from .sweep_figures import MARKERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..experiments.indices import Indices
+    from ..experiments.ranges import Range
+    from ..experiments.sample import Sample
+    from ..experiments.surface import Surface
+
+ROWS, COLUMNS = 3, 6  # quantities and numbers that are drawn
+OTHERS = (ORANGE, "#CC79A7", "#009E73", "#000000")
+
+
+@styled
+def sample_figure(sample: "Sample") -> "Figure":
+    """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
+    mechanism, drawn = sample.found.mechanism, sample.grid.axes[:COLUMNS]
+    names = mechanism.defaults.mapped[:ROWS]
+    figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
+    columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.found.outcomes])
+    ends = sorted(set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.time_is_up))
+    for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
+        title, unit, factor = _shown(mechanism.quantities[name])
+        for axes, axis in zip(row, drawn, strict=True):
+            for k, end in enumerate(ends):
+                here = sample.solved & (outcomes == end)
+                style: dict[str, Any] = {"color": BLUE, "marker": "o", "s": 9, "linewidths": 0}
+                if k:
+                    style = {"color": OTHERS[(k - 1) % 4], "marker": MARKERS[(k - 1) % 5], "s": 18, "linewidths": 0}
+                axes.scatter(
+                    _factor(axis) * columns[axis.path][here],
+                    factor * sample.found.columns[name][here],
+                    label=end,
+                    **style,
+                )
+            _scaled(axes, axis)
+            low = axes.get_ylim()[0]
+            axes.set_ylim(bottom=min(low, 0.0) if low > -0.05 * axes.get_ylim()[1] else low)
+            label(axes, "", _name(axis) if number == len(names) else "", "", legend=False)
+        row[0].set_ylabel(f"{title}\n[{unit}]")
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=max(len(ends), 1))
+    lost = int(np.sum(sample.done & ~sample.solved))
+    parts = [f"Sample of {len(sample.grid)} {mechanism.run_name}s, {sample.grid.method.replace('_', ' ')}"]
+    parts += [f"{lost} failed"] if lost else []
+    parts += [f"{len(drawn)} of {len(sample.grid.axes)} numbers"] if len(drawn) < len(sample.grid.axes) else []
+    figure.suptitle(", ".join(parts))
+    return figure
+
+
+@styled
+def indices_figure(indices: "Indices") -> "Figure":
+    """First-order and total index of each number as bars with their intervals, a panel a quantity."""
+    names = list(indices.estimates)
+    figure, grid = panels(7.5, (0.45 * len(indices.paths) + 1.3) * len(names) + 0.6, len(names), 1)
+    for axes, name in zip(grid[:, 0], names, strict=True):
+        it = indices.estimates[name]
+        order = np.argsort(it.total)
+        places = np.arange(len(order))
+        for values, ends, shift, colour, what in (
+            (it.total, it.total_interval, -0.2, ORANGE, "total: together with the others"),
+            (it.first, it.first_interval, 0.2, BLUE, "first-order: alone"),
+        ):
+            reach = np.abs(ends[:, order] - values[order])
+            axes.barh(places + shift, values[order], 0.38, color=colour, label=what)
+            axes.errorbar(
+                values[order], places + shift, xerr=reach, fmt="none", ecolor="black", elinewidth=1.0, capsize=2.5
+            )
+        axes.set_yticks(places, [indices.paths[k] for k in order])
+        axes.axvline(0.0, color="black", linewidth=0.8)
+        axes.set_xlim(min(0.0, 1.05 * float(it.first_interval.min())), max(1.0, 1.05 * float(it.total_interval.max())))
+        through = _through(indices, name)
+        label(axes, f"{name.replace('_', ' ')}{through}", "share of the variance [-]", "", legend=False)
+    handles, words = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles[::-1], words[::-1], loc="outside lower center", ncols=2)
+    figure.suptitle(f"Sobol' indices with {100 * indices.confidence:g} % intervals")
+    return figure
+
+
+def _through(indices: "Indices", name: str) -> str:
+    """Where a quantity's indices come from."""
+    surface = indices.surfaces.get(name)
+    if surface is None:
+        return f", from {indices.estimates[name].rows} rows of runs"
+    return f", by a response surface that misses {100 * surface.error.relative:.2g} %{_warned(surface)}"
+
+
+def _warned(surface: "Surface") -> str:
+    return "" if surface.trusted else ": not to be trusted"
+
+
+@styled
+def surfaces_figure(surfaces: "Sequence[Surface]") -> "Figure":
+    """Predicted against computed, by fits that had not seen the run; a panel a quantity."""
+    figure, grid = panels(4.6 * len(surfaces), 4.8, 1, len(surfaces))
+    for axes, surface in zip(grid[0], surfaces, strict=True):
+        _predicted(axes, surface)
+    return figure
+
+
+def _predicted(axes: "Axes", surface: "Surface") -> None:
+    unit, factor = surface.shown
+    computed, predicted = factor * surface.computed, factor * surface.predicted
+    both = np.concatenate([computed, predicted])
+    ends = np.array([both.min(), both.max()])
+    axes.plot(ends, ends, color=GREY, linewidth=1.0, label="equal")
+    axes.plot(computed, predicted, "o", color=BLUE, markersize=3, label="a run not seen")
+    worst = int(np.argmax(np.abs(surface.predicted - surface.computed)))
+    axes.plot(
+        computed[worst], predicted[worst], "s", color=RED, markersize=7, fillstyle="none",
+        label=f"worst, off by {factor * surface.error.largest:.3g} {unit}",
+    )  # fmt: skip
+    if surface.logarithmic and ends[1] > 10.0 * ends[0]:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.set_aspect("equal")
+    what = surface.quantity.replace("_", " ")
+    error = f"{factor * surface.error.rms:.3g} {unit} rms, {100 * surface.error.relative:.2g} %{_warned(surface)}"
+    title = f"{what}, {surface.kind.replace('_', ' ')}\ncross-validated error {error}"
+    label(axes, title, f"computed {what} [{unit}]", f"predicted {what} [{unit}]")
+
+
+def _shown(quantity: Any) -> tuple[str, str, float]:
+    unit, factor = quantity.shown or (quantity.unit, 1.0)
+    return quantity.title, unit, factor
+
+
+def _name(axis: "Range") -> str:
+    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
+    return f"{words} [{'°' if axis.unit == 'rad' else axis.unit}]"
+
+
+def _factor(axis: "Range") -> float:
+    """Angles are shown in degrees."""
+    return 180.0 / np.pi if axis.unit == "rad" else 1.0
+
+
+def _scaled(axes: "Axes", axis: "Range") -> None:
+    """The range's scale, with few and plain numbers along it."""
+    if axis.scale != "log":
+        return
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    short = axis.high < 100.0 * axis.low
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())

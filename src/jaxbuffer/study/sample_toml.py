@@ -1,0 +1,26 @@
+"""The ``[sample]`` section of a study."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..errors import InputError, shown, suggest
+from ..experiments.points import points
+from ..experiments.ranges import ranges
+from ..fields import Part, by_path
+
+KEYS = ("count", "method", "seed", "ranges")
+
+
+def read_sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str, Any]:
+    """Count, method, seed and ranges by dotted path, those that are given, checked."""
+    for name in table:
+        if name not in KEYS:
+            raise InputError(f"sample.{name} is unknown{suggest(name, KEYS)}; ranges go under [sample.ranges]")
+    found = dict(table)
+    if "ranges" in table:
+        if not isinstance(table["ranges"], Mapping):
+            raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
+        found["ranges"] = by_path(table["ranges"], where="sample.ranges")
+        axes = ranges(found["ranges"], design, scenario)
+        points(axes, table.get("count", 1), table.get("method", "sobol"), table.get("seed", 0))
+    return found

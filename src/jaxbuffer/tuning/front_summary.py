@@ -1,0 +1,51 @@
+"""A front as a table, for people."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..tables import table, text
+
+if TYPE_CHECKING:
+    from .pareto import Front
+
+
+def front_table(front: "Front") -> str:
+    """Each point's objectives, limits and certificate, and what is not on the front."""
+    catalogue = front.problem.mechanism.quantities
+    shown = table(f"Front of {' and '.join(front.objectives)}, worst over the scenarios ({len(front.problem.cases)})")
+    shown.add_column("point", justify="right")
+    for name in front.objectives:
+        shown.add_column(f"{name} [{catalogue[name].unit}]", justify="right")
+    for name in front.objectives[1:]:
+        shown.add_column(f"{name} ≤", justify="right")
+    shown.add_column("residual [-]", justify="right")
+    shown.add_column("gradient error [-]", justify="right")
+    shown.add_column("", justify="left")
+    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        shown.add_row(
+            str(k + 1),
+            *(f"{value:.6g}" for value in values),
+            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits),
+            f"{point.residual:.1e}",
+            f"{point.gradient_error:.1e}",
+            standing(front, k),
+        )
+    count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
+    lines = [f"{int(front.kept.sum())} of {len(front.points)} points are on the front"]
+    if count:
+        lines.append(f"{count} left out: another point is better in every objective")
+    if lost:
+        lines.append(f"{lost} left out: no design was found that keeps to the limits")
+    return text(
+        shown, "; ".join(lines), "Values at rtol 1e-9; residual: what first-order information there still gains."
+    )
+
+
+def standing(front: "Front", k: int) -> str:
+    """What is to be said of a point: "front", "dominated" or "limits broken", and whether it converged."""
+    if not front.feasible[k]:
+        return "limits broken"
+    if front.dominated[k]:
+        return "dominated"
+    return "front" if front.points[k].converged else "front, not converged"

@@ -1,0 +1,242 @@
+"""`pareto`: the front of several objectives, each point the best design under limits on the others than the first."""
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from ..errors import InputError, check_names, check_type, check_whole, suggest
+from ..fields import Part
+from .objective import Limits, Objective
+from .problem import Problem
+from .store import LOG, Record
+from .tune import tune
+from .tuned import Tuned
+
+ROOM = 1e-3  # relative room above the least value of an objective: there its design alone would be allowed
+MOST = 400  # points
+
+
+@dataclasses.dataclass(frozen=True)
+class Front:
+    """A front of objectives. Print it for a table.
+
+    - ``problem``: what may change, in which cases, and what holds at every point.
+    - ``objectives``: k names; the first was lowered under ``limits`` (points, k - 1) on the others, in their units;
+      infinite where there was none.
+    - ``points``: a `Tuned` each: tight re-evaluation, first-order residual, error of its gradients, design.
+    - ``values`` (points, k): each objective's worst value over the cases at rtol 1e-9, in its unit.
+
+    **Example:**
+
+    >>> problem = jb.Problem(
+    ...     jb.BarDrop(), [jb.BarDropScenario()], [jb.Variable("impact.stiffness", 1e10, 1e12)], duration=0.25
+    ... )
+    >>> front = jb.pareto(problem, ["peak_force", "penetration"], points=2, starts=1, iterations=3)
+    >>> front.values.shape, front.dominated.tolist()
+    ((2, 2), [False, False])
+    """
+
+    problem: Problem
+    objectives: tuple[str, ...]
+    limits: Float[np.ndarray, "points others"]
+    points: tuple[Tuned, ...]
+
+    @property
+    def values(self) -> Float[np.ndarray, "points k"]:
+        """Each objective's worst value over the cases, in its unit."""
+        columns = [self.problem.quantities.index(name) for name in self.objectives]
+        return np.array([point.after.quantities[:, columns].max(axis=0) for point in self.points])
+
+    @property
+    def feasible(self) -> Bool[np.ndarray, " points"]:
+        """Which points keep to every limit."""
+        return np.array([point.feasible for point in self.points])
+
+    @property
+    def dominated(self) -> Bool[np.ndarray, " points"]:
+        """Which feasible points another feasible one is better than: nowhere worse, somewhere lower."""
+        return dominated(self.values, self.feasible)
+
+    @property
+    def kept(self) -> Bool[np.ndarray, " points"]:
+        """Which points make the front: feasible, and not dominated."""
+        return self.feasible & ~self.dominated
+
+    def __repr__(self) -> str:
+        from .front_summary import front_table
+
+        return front_table(self)
+
+
+def dominated(values: Float[np.ndarray, "points k"], feasible: Bool[np.ndarray, " points"]) -> np.ndarray:
+    """Which feasible points are dominated by a feasible one; of equal points all but the first are."""
+    found = np.zeros(len(values), bool)
+    for i in np.flatnonzero(feasible):
+        for j in np.flatnonzero(feasible):
+            better = np.all(values[j] <= values[i]) and (np.any(values[j] < values[i]) or j < i)
+            found[i] |= i != j and bool(better)
+    return found
+
+
+def pareto(
+    problem: Problem,
+    objectives: Sequence[str],
+    points: int = 9,
+    *,
+    limits: Mapping[str, Sequence[float]] | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    report: Callable[[Record], None] | None = None,
+    finished: Callable[[int, int], None] | None = None,
+    **settings: Any,
+) -> Front:
+    """The front of several objectives: the least worst value of the first, under ever tighter limits on the others.
+
+    The ends come first: the least of the first objective, with the others free, and the least of each other one. Limits
+    between the values there make the rest of the front, the tightest first, each searched from the last one's
+    design, and from the next looser one's too where that did not converge. This is the ε-constraint method; it also
+    finds what no weighted sum does, parts of the front that bend inwards.
+
+    **Arguments:**
+
+    - ``problem``: its objective is put aside; its limits hold at every point, and its ``then`` decides among equals.
+    - ``objectives``: two names of quantities or more, of which the worst case counts.
+    - ``points``: how many, both ends included; with more than two objectives, for each limited one.
+    - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
+    - ``folder``: a folder for each point's run is made in it; ``resume``: go on there.
+    - ``workers``, ``report``, ``settings``: as for `tune`; ``finished``: called with points done and asked for.
+
+    **Returns:** a `Front`; points that are infeasible or dominated are in it, and it says which they are.
+
+    **Raises:** `InputError` for objectives that are unknown or fewer than two, and limits that are not theirs.
+
+    **Source:** Haimes, Lasdon and Wismer, IEEE Trans. Syst. Man Cybern. 1(3), 1971; Miettinen, *Nonlinear
+    Multiobjective Optimization*, section 3.2.
+
+    **Example:** a stiffer contact has less penetration and a higher peak.
+
+    >>> problem = jb.Problem(
+    ...     jb.BarDrop(), [jb.BarDropScenario()], [jb.Variable("impact.stiffness", 1e10, 1e12)], duration=0.25
+    ... )
+    >>> front = jb.pareto(problem, ["peak_force", "penetration"], points=2, starts=1, iterations=3)
+    >>> [bool(kept) for kept in front.kept]
+    [True, True]
+    """
+    check_type(
+        "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
+    )
+    check_front(problem, objectives, points)
+    names = tuple(objectives)
+    _check_limits(names, limits)
+    search = _Search(problem, names, None if folder is None else Path(folder), resume, workers, report, settings)
+    if limits is None:
+        return _between_ends(search, points, finished)
+    wanted = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
+    return search.front(wanted, None, problem.design, finished)
+
+
+def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:
+    """The ends of the front, and limits between them."""
+    names = search.names
+    free = search.at({}, "least-" + names[0], search.problem.design)
+    ends = [search.alone(name, free.design) for name in names[1:]]
+    high = _worst(free, names[1:])
+    low = np.array([_worst(end, (name,))[0] for name, end in zip(names[1:], ends, strict=True)])
+    spread = [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
+    wanted = np.array(list(itertools.product(*spread)))
+    wanted[0] = np.inf
+    return search.front(wanted, free, ends[-1].design, finished)
+
+
+@dataclasses.dataclass
+class _Search:
+    """Tunings of one problem under limits, each in a folder of its own."""
+
+    problem: Problem
+    names: tuple[str, ...]
+    folder: Path | None
+    resume: bool
+    workers: int | None
+    report: Callable[[Record], None] | None
+    settings: dict[str, Any]
+
+    def front(
+        self,
+        wanted: np.ndarray,
+        free: Tuned | None,
+        start: Part,
+        finished: Callable[[int, int], None] | None,
+    ) -> Front:
+        """A point for each row of limits, the tightest first: its design keeps to the next ones too, which can only be
+        better. ``free``: the first point, if it is known; ``start``: the design to begin from."""
+        known = {} if free is None else {0: free}
+        for done, number in enumerate(reversed(range(len(wanted))), 1):
+            if number not in known:
+                known[number] = self.at(self._limits(wanted[number]), f"point-{number + 1}", start)
+                start = known[number].design
+            if finished is not None:
+                finished(done, len(wanted))
+        for number in range(1, len(wanted)):
+            if not known[number].converged:
+                known[number] = self._again(known[number], known[number - 1], wanted[number], number)
+        return Front(self.problem, self.names, wanted, tuple(known[number] for number in range(len(wanted))))
+
+    def _again(self, found: Tuned, looser: Tuned, limits: np.ndarray, number: int) -> Tuned:
+        """A point that did not converge is searched from the next looser one's design too; the better one stays."""
+        other = self.at(self._limits(limits), f"point-{number + 1}-again", looser.design)
+        better = not found.feasible or other.objective[1] < found.objective[1]
+        return other if other.feasible and better else found
+
+    def _limits(self, row: np.ndarray) -> dict[str, float]:
+        return {name: float(x) for name, x in zip(self.names[1:], row, strict=True) if np.isfinite(x)}
+
+    def at(self, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
+        """The least of the first objective under some limits."""
+        return self._tuned({self.names[0]: 1.0}, limits, name, start)
+
+    def alone(self, objective: str, start: Part) -> Tuned:
+        """The least of another objective."""
+        return self._tuned({objective: 1.0}, {}, "least-" + objective, start)
+
+    def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Part) -> Tuned:
+        given = self.problem.limits
+        tighter = {key: min(x, given.at_most.get(key, np.inf)) for key, x in limits.items()}
+        kept = Limits(given.captured, {**given.at_most, **tighter}, given.impacts)
+        problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=kept)
+        folder = None if self.folder is None else self.folder / name
+        begun = self.resume and folder is not None and (folder / LOG).exists()
+        return tune(problem, folder=folder, resume=begun, workers=self.workers, report=self.report, **self.settings)
+
+
+def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
+    columns = [tuned.problem.quantities.index(name) for name in names]
+    return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
+
+
+def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int:
+    """How many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
+    names = check_names("objectives", objectives, "peak_force")
+    for name in names:
+        if name not in problem.quantities:
+            raise InputError(f"objectives: {name} is unknown{suggest(name, problem.quantities)}")
+    if len(names) < 2:
+        raise InputError(f"objectives = {names[0]}: a front needs two at least; known: {', '.join(problem.quantities)}")
+    check_whole("points", points, 2)
+    total = points ** (len(names) - 1)
+    if total > MOST:
+        raise InputError(f"points = {points} for each of {len(names) - 1} limited objectives; at most {MOST} in all")
+    return int(total)
+
+
+def _check_limits(names: tuple[str, ...], limits: Mapping[str, Sequence[float]] | None) -> None:
+    if limits is None:
+        return
+    check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
+    if set(limits) != set(names[1:]):
+        raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
