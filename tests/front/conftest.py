@@ -38,17 +38,17 @@ class Computed:
             report(record)
         return tuned
 
-    def sweep(self, design, scenario, duration, *, over, progress, **options):
-        asked = grid(over, design, scenario)
-        designs, scenarios = asked.applied(design, scenario)
+    def sweep(self, design, scenario, duration, *, progress, over=None, **options):
+        asked = over and grid(over, design, scenario)
+        designs, scenarios = asked.applied(design, scenario) if asked else (design, scenario)
         self._note("sweep", design=designs, scenarios=scenarios, duration=duration, **options)
         found = made_up_sweep(designs, scenarios, self.outcomes)
         for done in range(1, len(found) + 1):
             progress(done, len(found))
             if done == self.interrupt_after:
                 those = np.arange(len(found)) < done
-                raise SweepInterrupted(Swept(asked, design, scenario, found, those), those)
-        return Swept(asked, design, scenario, found, np.ones(len(found), bool))
+                raise SweepInterrupted(Swept(asked, design, scenario, found, those) if asked else found, those)
+        return Swept(asked, design, scenario, found, np.ones(len(found), bool)) if asked else found
 
     def asked(self, command):
         """The arguments of the last call of a command; a tuning's figure simulates its worst scenario after it."""
@@ -67,6 +67,7 @@ def computed(monkeypatch, tmp_path):
     for module in ("run.simulate", "sensitivities.sensitivity", "sweeps.sweep", "tuning.tune"):
         function = module.rsplit(".", 1)[-1]
         monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(stand_in, function))
+    monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", stand_in.sweep)
     monkeypatch.setattr(
         "jaxbuffer.compiling.process.configure", lambda **options: stand_in.calls.append(("configure", options))
     )

@@ -76,12 +76,12 @@ def _saved(file: Path, content: str) -> Path:
 
 
 def _print(folder: Path) -> None:
-    for file in sorted(file for file in folder.glob("*.txt") if file.is_file()):
-        show(_text(file))
     if (folder / ARRAYS).is_file():
         from ..output.sweep_files import read
 
         show(read(folder / ARRAYS))
+    for file in sorted(file for file in folder.glob("*.txt") if file.is_file()):
+        show(_text(file))
     for figure in sorted(folder.glob("*.png")):
         show(f"figure {figure}")
 

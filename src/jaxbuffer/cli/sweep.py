@@ -128,7 +128,8 @@ def _limits(study: "Config", over: "Grid") -> "Limits | None":
     from ..study.problem_toml import limits
 
     mechanism = study.mechanism
-    if sum(len(axis) > 1 for axis in over.axes) != 2:
+    moving = [axis for axis in over.axes if len(axis) > 1]
+    if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None
     asked = limits(study.table, mechanism)
     in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731

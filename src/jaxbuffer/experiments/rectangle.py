@@ -94,6 +94,9 @@ def safe_rectangle(swept: Swept, limits: Limits | None = None) -> SafeRectangle:
     if len(moving) != 2:
         raise InputError(f"a safe rectangle needs a sweep over two fields with several values; this has {len(moving)}")
     first, second = (swept.grid.axes[k] for k in moving)
+    for axis in (first, second):
+        if not axis.unit:
+            raise InputError(f"a safe rectangle is over numbers; {axis.path} is a choice")
     right, up = np.argsort(first.values), np.argsort(second.values)
 
     def face(column: np.ndarray) -> np.ndarray:

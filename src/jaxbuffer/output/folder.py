@@ -103,7 +103,7 @@ def load(folder: str | Path) -> Results:
     tuned, sensitivity = _record(folder / "tuned.json"), _record(folder / "sensitivity.json")
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     if run is None and sweep is None and tuned is None and sensitivity is None and design is None:
-        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
+        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep, sample, tune or pareto")
     for found in (run, sweep):
         if design is None and found is not None:
             design = _design(folder, found)

@@ -68,7 +68,7 @@ def results(folder: Path) -> Results:
         sweep = read(folder / ARRAYS)
     found = [record for record in (run, sensitivity, tuned) if record is not None]
     if sweep is None and not found:
-        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep or tune")
+        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep, sample, tune or pareto")
     kinds = [record["kind"] for record in found]
     mechanism = sweep.found.mechanism if sweep is not None else mechanism_named(kinds[0])
     motion = None if run is None else _record(folder / "motion.json")
