@@ -185,11 +185,12 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         code[index] = outcome
         if Outcome(outcome).failed:
             peak[index] = np.nan
-    share = peak / np.nanmax(peak)
+    largest = np.nanmax(np.append(peak, 1.0))
+    share = peak / largest
     whole = np.ones(count, int)
     numbers = {
         "peak_time": 0.02,
-        "peak_hinge_force": 1.5 * np.nanmax(peak),
+        "peak_hinge_force": 1.5 * largest,
         "peak_buffer_force": 4.0,
         "peak_stop_force": 0.0,
         "stroke": 0.01,

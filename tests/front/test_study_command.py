@@ -149,6 +149,18 @@ def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
         assert not described_by(schema, wrong), wrong
 
 
+def test_the_schema_knows_samples_and_choices_that_are_swept():
+    schema = study_schema(mechanism_named("probe_cone"))
+    for text, right in (
+        ('[sample]\ncount = 64\nmethod = "sobol"\n[sample.ranges]\nbuffer.k_A = [200, "2 kN/m", "log"]', True),
+        ("[sample.ranges]\nbuffer.k_A = [200]", False),
+        ('[sample]\nmethod = "random"', False),
+        ('[sweep]\nbuffer.damping = ["physical", "published"]', True),
+        ('[sweep]\nbuffer.damping = ["fysical"]', False),
+    ):
+        assert described_by(schema, tomllib.loads(text)) is right, text
+
+
 def test_meanings_come_from_docstrings():
     crank = mechanism_named("slider_crank").design()
     capture = mechanism_named("probe_cone").design()

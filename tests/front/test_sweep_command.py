@@ -142,6 +142,14 @@ def test_bad_grids_are_one_line_and_exit_code_2(computed, capsys, tmp_path, word
     assert all(name == "configure" for name, _ in computed.calls) and list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("command", [["sweep"], ["sample", "--count", "4"]])
+def test_without_a_single_answer_the_solver_failed(computed, capsys, command):
+    computed.outcomes = dict.fromkeys(range(4), Outcome.failed_step_size)
+    ranges = {"sweep": ["--over", "buffer.k_A=100:400:4"], "sample": ["--over", "buffer.k_A=100:400"]}[command[0]]
+    assert run([*command, *ranges]) == 3
+    assert "none of the 4 captures was solved" in capsys.readouterr().err
+
+
 def test_help_teaches(computed, capsys):
     assert run(["sweep", "--help"]) == 0
     shown = capsys.readouterr().out

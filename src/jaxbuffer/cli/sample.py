@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import InputError
-from .exits import INTERRUPTED, OK
+from .exits import INTERRUPTED, any_solved
 from .request import Request
 from .streams import note
 
@@ -167,4 +167,4 @@ def _told(found: "Sample", names: tuple[str, ...], indices: bool, surface: bool,
     files.save_and_show(lambda: sample_files(found, told, shown), shown, lambda: swept_json(found))
     if refused is not None:
         raise refused
-    return OK
+    return any_solved(found)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import InputError
-from .exits import INTERRUPTED, OK
+from .exits import INTERRUPTED, any_solved
 from .request import Request
 from .streams import note
 
@@ -107,7 +107,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
         envelope = safe_rectangle(swept, limits)
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
     files.save_and_show(lambda: swept_files(swept, envelope), shown, lambda: swept_json(swept))
-    return INTERRUPTED if interrupted else OK
+    return INTERRUPTED if interrupted else any_solved(swept)
 
 
 def _asked(study: "Config", over: list[str]) -> dict[str, Any]:

@@ -5,12 +5,14 @@ It knows names, ranges, choices and units; what must fit together is checked by 
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..experiments.points import METHODS
 from ..fields import Part, get, metadata, paths
 from ..fields.meaning import meanings
 from ..mechanisms.mechanism import Mechanism
+from ..sweeps.grid import SCALES as RANGES
 from ..tuning.problem import SCALES
 from ..tuning.settings import Settings
 from .config import KINDS, Options, sections
@@ -23,8 +25,8 @@ Schema = dict[str, Any]
 def study_schema(mechanism: Mechanism) -> Schema:
     """The schema of a study of the mechanism."""
     design, scenario = mechanism.design(), mechanism.scenario()
-    numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
-    numbers |= {f"scenario.{path}": metadata(scenario, path) for path in paths(scenario)}
+    fields = {path: metadata(design, path) for path in paths(design)}
+    fields |= {f"scenario.{path}": metadata(scenario, path) for path in paths(scenario)}
     parts = {name: _part(getattr(design, name)) for name in sections(mechanism)}
     properties = {
         "kind": {"const": mechanism.name, "description": f"the mechanism: {mechanism.title}"},
@@ -35,7 +37,8 @@ def study_schema(mechanism: Mechanism) -> Schema:
         "tune": _part(Settings()),
         "problem": _problem(mechanism, design, scenario),
         "quantities": {"type": "object", "description": "quantities of your own, by name"},
-        "sweep": _by_path({path: _values(known) for path, known in numbers.items()}),
+        "sweep": _by_path({path: _values(known) for path, known in fields.items()}),
+        "sample": _sample(fields),
     }
     return {
         "$schema": DIALECT,
@@ -90,6 +93,9 @@ def _by_path(schemas: Mapping[str, Schema]) -> Schema:
 
 def _values(known: Mapping[str, Any]) -> Schema:
     """Of the values of a sweep."""
+    if "unit" not in known:
+        choice = _field(known)
+        return {"anyOf": [choice, {"type": "array", "items": choice, "minItems": 1}]}
     one: Schema = {"anyOf": [_number(known), TEXT]}
     span = {"from": one, "to": one, "count": {"type": "integer", "minimum": 1}, "scale": {"enum": ["linear", "log"]}}
     listed = {"type": "array", "items": one, "minItems": 1}
@@ -97,18 +103,22 @@ def _values(known: Mapping[str, Any]) -> Schema:
     return {"anyOf": [one, listed, _object(span, required=["from", "to", "count"])], "description": f"[{unit}]"}
 
 
+def _sample(fields: Mapping[str, Mapping[str, Any]]) -> Schema:
+    ranges = {path: _range(known, RANGES) for path, known in fields.items() if "unit" in known}
+    whole = {"count": {"type": "integer", "minimum": 1}, "seed": {"type": "integer", "minimum": 0}}
+    return _object({**whole, "method": {"enum": list(METHODS)}, "ranges": _by_path(ranges)})
+
+
+def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
+    """Of two ends and a scale."""
+    items: Schema = {"anyOf": [_number(known), TEXT, {"enum": list(scales)}]}
+    words = f"[low, high] in {known['unit']}, or [low, high, scale]"
+    return {"type": "array", "items": items, "minItems": 2, "maxItems": 3, "description": words}
+
+
 def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
-    variables = {
-        path: {
-            "type": "array",
-            "items": {"anyOf": [_number(known), TEXT, {"enum": list(SCALES)}]},
-            "minItems": 2,
-            "maxItems": 3,
-            "description": f"[low, high] in {known['unit']}, or [low, high, scale]",
-        }
-        for path, known in numbers.items()
-    }
+    variables = {path: _range(known, SCALES) for path, known in numbers.items()}
     listed = {
         path: {"type": "array", "items": _field(metadata(scenario, path)), "minItems": 1} for path in paths(scenario)
     }
