@@ -131,8 +131,9 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
         margin=np.ones(cases),
         first=0.5 * peaks[:, 0],
         peaks_slope=np.zeros((cases, PEAKS, n)),
-        rest_slope=np.zeros((cases, len(problem.quantities) - 1, n)),
+        rest_slope=np.zeros((cases, len(problem.names) - 1, n)),
         margin_slope=np.zeros((cases, n)),
+        by_peak=np.zeros((cases, len(problem.names) - 1)),
     )
 
 
@@ -152,7 +153,7 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
                 **{"radius": 0.1, "residual": 0.02, "status": "running" if number else "start", "values": values},
                 "succeeded": [number != 2] * len(problem.cases),
                 "outcome": ["captured" if number != 2 else "timeout"] * len(problem.cases),
-                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.quantities)},
+                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.names)},
             }
         )
     before, after = (made_up_evaluation(problem, z, share) for z, share in ((start, 1.0), (halfway, 0.8)))

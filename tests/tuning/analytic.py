@@ -68,6 +68,7 @@ class Functions:
             peaks_slope=peaks_slope,
             rest_slope=rest_slope,
             margin_slope=margin_slope,
+            by_peak=np.zeros(rest.shape),
         )
 
 
