@@ -166,6 +166,10 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         ],
         "limits": dict(problem.limits.at_most),
         "lower_limits": dict(problem.limits.at_least),
+        "quantities": {
+            name: {"unit": own.unit, "function": own.signature, "description": own.description}
+            for name, own in problem.quantities.items()
+        },
         "scenarios": [
             {
                 **record(case.scenario),

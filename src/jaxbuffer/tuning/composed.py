@@ -1,13 +1,14 @@
 """The own quantities of a problem by the chain rule: values and slopes from those of the quantities they are made of.
 
-The largest contact force is a maximum over impacts, max p_i, and another impact may take over within a step. So the
-slope at a fixed largest force and the derivative by that force are kept apart: h(max p_i, x) to first order in a step d is
+The largest contact force is a maximum over impacts, max p_i, and another impact may take over within a step d. So the
+slope at a fixed largest force and the derivative by that force are kept apart, and h(max p_i, x) becomes
 h + ∂h/∂p (max (p_i + ∇p_i d) - max p_i) + ∂h/∂x ∇x d, with the linear model of every impact inside (a composite
-function; Fletcher, *Practical Methods of Optimization*, section 14.6).
+function; Fletcher, *Practical Methods of Optimization*, chapter 14).
 """
 
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -41,8 +42,8 @@ def composed(
 ) -> Composed:
     """The own quantities from the measured ones.
 
-    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, and their slopes
-    by the scaled variables.
+    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, with their
+    slopes by the scaled variables.
     """
     count, variables = len(peak), rest_slope.shape[2]
     own = len(problem.quantities)
@@ -50,7 +51,7 @@ def composed(
     known = np.column_stack([peak, rest])
     for k, derived in enumerate(problem.quantities.values()):
         columns = [problem.measured.index(name) for name in derived.parameters]
-        values, partials = map(np.asarray, derived.linearised(known[:, columns]))
+        values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
         found.values[:, k] = values
         for column, partial in zip(columns, partials.T, strict=True):
             if column == 0:
@@ -67,9 +68,11 @@ def check_start(
     known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
     for name, derived in problem.quantities.items():
         given = [known[parameter] for parameter in derived.parameters]
-        values, partials = (np.asarray(found)[0] for found in derived.linearised(np.array([given])))
+        values, partials = (np.asarray(found)[0] for found in derived.linearised(jnp.array([given])))
         units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
-        at = ", ".join(f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, given, units, strict=True))
+        at = ", ".join(
+            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, given, units, strict=True)
+        )
         where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
         if not np.isfinite(values):
             raise InputError(f"quantities.{name}: {derived.label} is {float(values):g} {where}")

@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Derived(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
-    "captured impacts over level slack evaluation stage search step accepted objective feasible excess radius residual "
-    "status captures values outcome succeeded margin".split()  # noqa: SIM905
+    [
+        *("captured", "impacts", "over", "level", "slack", "evaluation", "stage", "search", "step", "accepted"),
+        *("objective", "feasible", "excess", "radius", "residual", "status", "captures", "values", "outcome"),
+        *("succeeded", "margin", "first_peak"),
+    ]
 )
 
 

@@ -209,8 +209,8 @@ def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Ev
 
 
 def _settled(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray) -> dict[str, np.ndarray]:
-    """The runs' numbers by the fields of `Evaluation`: ``lost`` ones without numbers and slopes, end times of those that
-    ended otherwise than they should at the duration."""
+    """The runs' numbers by the fields of `Evaluation`: ``lost`` ones without numbers and slopes, end times of those
+    that ended otherwise than they should at the duration."""
     outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
     code = stacked["code"]
     code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)

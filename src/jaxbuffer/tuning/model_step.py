@@ -1,10 +1,10 @@
 """The best step of a stage's model: a linear programme, with the Lagrangian's curvature a quadratic one.
 
 Peaks, cases and constraints are first-order in the step, and their true maxima, not smoothed ones, become the rows of a
-programme in epigraph form. A row that falls with the largest peak, a lower limit say, has the present largest impact
-instead: that bounds it from above, while the maximum would make the programme non-convex. With ½ dᵀ B d added, B the Lagrangian's curvature, it is the subproblem of sequential
-quadratic programming with an exact penalty in a trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of
-its rows are the Lagrangian's multipliers.
+programme in epigraph form. A row that falls with the largest peak, a lower limit on it say, has the present largest
+impact instead: that bounds the row from above, where the maximum would make the programme non-convex. With ½ dᵀ B d
+added, B the Lagrangian's curvature, it is the subproblem of sequential quadratic programming with an exact penalty in a
+trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of its rows are the Lagrangian's multipliers.
 
 What the linear programme can still gain within a tenth of every range is the first-order (KKT) residual: zero exactly
 where weights on the active peaks, cases, limits and bounds balance the slopes (Fletcher, Practical Methods of

@@ -26,7 +26,7 @@ class Objective:
     - ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value at risk).
     - ``level``: that share is 1 - ``level`` [-].
 
-    **Raises:** `InputError` for numbers out of range; `Problem`, which knows the names, for quantities that are unknown.
+    **Raises:** `InputError` for numbers out of range; `Problem`, which knows the names, for unknown quantities.
 
     **Example:**
 
@@ -92,7 +92,7 @@ class Limits:
       rejected, none is led back by it); None: any number.
 
     **Raises:** `InputError` for numbers out of range, and a lower limit that is not below the upper one; `Problem`,
-    which knows the names, for quantities that are unknown.
+    which knows the names, for unknown quantities.
 
     **Example:** at most 25 mm of stroke, and a capture that takes half a second or more.
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .tuned import Tuned
 
 SHOWN = 12  # scenarios in a table
+OWN = 3  # own quantities in that table, in place of the usual ones
 
 
 def tuned_table(tuned: "Tuned") -> str:
@@ -78,12 +79,13 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
 
 
 def _tuned_cases(tuned: "Tuned") -> Table:
-    """The largest peak, the other quantities drawn of a sweep that are tuned, impacts and outcomes."""
+    """The largest peak, the own quantities or else those drawn of a sweep that are tuned, impacts and outcomes."""
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
     cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} worst of {count} scenarios")
     cases.add_column("scenario")
-    others = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names] + list(problem.quantities)
+    usual = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names]
+    others = list(problem.quantities)[:OWN] or usual
     headings = ["peak force [N]", "change"]
     for name in others:
         quantity = catalogue[name]

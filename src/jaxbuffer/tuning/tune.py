@@ -124,7 +124,9 @@ def _check_known(problem: Problem) -> None:
     for name, own in problem.quantities.items():
         if own.identity is None:
             told = "write it with def, of numbers and functions that it reads by their names"
-            raise InputError(f"resume: whether quantities.{name} is the same as before can't be told from its code; {told}")
+            raise InputError(
+                f"resume: whether quantities.{name} is the same as before can't be told from its code; {told}"
+            )
 
 
 def _fingerprint(problem: Problem, settings: Settings) -> str:
