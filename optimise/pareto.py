@@ -32,7 +32,7 @@ def main(folder: Path, resume: bool = False) -> None:
     write(folder, "pareto.txt", f"{front!r}\n")
     write(folder, "pareto.csv", csv_text(*front_rows(front)))
     feasible, stroke = front.feasible, 1e3 * front.values[:, 1]
-    hinge = front.problem.quantities.index("peak_hinge_force")
+    hinge = front.problem.names.index("peak_hinge_force")
     hinge_force = np.array([point.after.quantities[:, hinge].max() for point in front.points])
 
     def draw(axes: Any) -> None:

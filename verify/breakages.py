@@ -51,6 +51,20 @@ REDUCTION = "tests/multibody/test_flexible_elements.py::test_the_free_beams_tabl
 ROTATING = "tests/multibody/test_flexible_bars.py::test_a_rotating_beam_stiffens"
 SPUN_UP = "tests/multibody/test_flexible_spin.py::test_the_tips_largest_deflection"
 
+CHAINED = "tests/tuning/test_derived.py::test_slopes_are_those_of_the_function"
+
+
+def _lose_force_in_chain() -> None:
+    from jaxbuffer.tuning import composed
+
+    chained = composed.composed
+
+    def broken(*given):
+        found = chained(*given)
+        return found._replace(by_peak=0.0 * found.by_peak)
+
+    composed.composed = broken
+
 
 def _lose_modal_force() -> None:
     from jaxbuffer.mechanisms import ball_contact
@@ -516,6 +530,9 @@ BREAKAGES = (
     Breakage("even tension", "centrifugal tension linear along a cantilever", _even_tension, (ROTATING, SPUN_UP)),
     Breakage(
         "constraint modes", "static shapes of the interface 0.1 % too small", _loose_constraint_modes, (REDUCTION,)
+    ),
+    Breakage(
+        "own force", "an own quantity's derivative by the largest contact force lost", _lose_force_in_chain, (CHAINED,)
     ),
     *FLEXIBLE,
 )

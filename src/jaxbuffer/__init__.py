@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from .sweeps.sweep import Sweep as Sweep
     from .sweeps.sweep import sweep as sweep
     from .sweeps.swept import Swept as Swept
+    from .tuning.derived import Derived as Derived
     from .tuning.objective import Limits as Limits
     from .tuning.objective import Objective as Objective
     from .tuning.objective import Then as Then
@@ -105,6 +106,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "study.designs": ("load_design", "save_design"),
     "sweeps.sweep": ("Sweep", "sweep"),
     "sweeps.swept": ("Swept",),
+    "tuning.derived": ("Derived",),
     "tuning.objective": ("Limits", "Objective", "Then"),
     "tuning.pareto": ("Front", "pareto"),
     "tuning.problem": ("Case", "Problem", "Variable"),

@@ -59,7 +59,9 @@ STUDIES = [
     toml("[options]\nrtoll = 1", "options.rtoll is unknown; did you mean options.rtol?"),
     toml("[tune]\niteration = 1", "tune.iteration is unknown; did you mean tune.iterations?"),
     toml("[tune]\nfizz = 1", "tune.fizz is unknown; known: tune.iterations, tune.starts"),
-    toml("[problem.fizz]", "problem.fizz is unknown; known: variables, grid, sample, objective, constraints, then"),
+    toml(
+        "[problem.fizz]", "problem.fizz is unknown; known: variables, grid, sample, objective, constraints, then, quant"
+    ),
     # tables
     toml("buffer = 3", "buffer = 3 is not a table; write [buffer] and its fields below it"),
     toml("options = 'quick'", "options = 'quick' is not a table; write [options]"),
@@ -123,6 +125,24 @@ STUDIES = [
     toml("[problem.constraints]\nstroke = 'x'", "problem.constraints.stroke: 'x' is not a number", "(0, inf) m"),
     toml("[problem.constraints]\nimpacts = 0", "constraints.impacts = 0 must be a whole number of at least 1"),
     toml("[problem.constraints]\ncaptured = 1", "constraints.captured = 1 must be true or false"),
+    toml("[problem]\nquantities = 1", "problem.quantities = 1 is not a table; write effort = {function = "),
+    toml("[problem.quantities]\nown = 1", "problem.quantities.own = 1 is not a table; write own = {function = "),
+    toml("[problem.quantities]\nown = {unit = 'N'}", "problem.quantities.own has no function; write own = {function"),
+    toml("[problem.quantities]\nown = {function = 'a.py:f'}", "problem.quantities.own has no unit"),
+    toml("[problem.quantities]\nown = {functoin = 'a.py:f'}", "own.functoin is unknown; did you mean function?"),
+    toml("[problem.quantities]\nown = {function = 1, unit = 'N'}", "own.function = 1 is not a text"),
+    toml("[problem.quantities]\nown = {function = 'f', unit = 'N'}", "own.function = 'f' is not a file and a name"),
+    toml("[problem.quantities]\nown = {function = 'a.py:f', unit = 'Nm'}", "own.unit = 'Nm'", "did you mean N m?"),
+    toml("[problem.quantities]\nstroke = {function = 'a.py:f', unit = 'N'}", "quantities.stroke: the name is taken"),
+    toml("[problem.quantities]\nlevel = {function = 'a.py:f', unit = 'N'}", "quantities.level: the name is taken"),
+    toml(
+        "[problem.quantities]\nown = {function = 'a.py:f', unit = 'N'}\n[problem.objective]\nowm = 1",
+        "problem.objective.owm is unknown; did you mean own?",
+    ),
+    toml(
+        "[problem.quantities]\nown = {function = 'a.py:f', unit = 'N m'}\n[problem.constraints]\nown = '25 mm'",
+        "problem.constraints.own = '25 mm': mm is a length, expected a number in N m",
+    ),
     toml("[problem.then]\nslack = 0.1", "problem.then names no quantity; choose some of peak_force"),
     toml("[problem.then]\nstroke = 1\nslack = 0", "then.slack = 0 is out of range; allowed: (0, 1]"),
     toml("[problem.grid]\nspeed = [1]", "problem.grid.speed is unknown; did you mean approach_speed?"),

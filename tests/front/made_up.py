@@ -16,6 +16,7 @@ from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.sweep import Sweep, column_names
 from jaxbuffer.tuning import Problem
+from jaxbuffer.tuning.composed import composed
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
 from jaxbuffer.tuning.floor import Floor
 from jaxbuffer.tuning.goal import Goal
@@ -119,6 +120,8 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
     peaks = np.zeros((cases, PEAKS))
     peaks[:, 0] = share * (250.0 + 50.0 * np.arange(cases))
     rest = np.column_stack([1.5 * peaks[:, 0], peaks[:, 0] / 50.0, np.full(cases, 0.01), np.full(cases, 0.004)])
+    rest = np.column_stack([rest, np.zeros(cases), np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)])
+    own = composed(problem, peaks[:, 0], rest, np.zeros((*rest.shape, n)))
     return Evaluation(
         scaled=np.asarray(scaled),
         code=np.full(cases, int(Outcome.captured)),
@@ -127,12 +130,13 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
         impacts=np.full(cases, 9),
         peaks=peaks,
         slots=np.tile(np.arange(PEAKS), (cases, 1)),
-        rest=np.column_stack([rest, np.zeros(cases), np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)]),
+        rest=np.column_stack([rest, own.values]),
         margin=np.ones(cases),
         first=0.5 * peaks[:, 0],
         peaks_slope=np.zeros((cases, PEAKS, n)),
-        rest_slope=np.zeros((cases, len(problem.quantities) - 1, n)),
+        rest_slope=np.zeros((cases, len(problem.names) - 1, n)),
         margin_slope=np.zeros((cases, n)),
+        by_peak=np.column_stack([np.zeros(rest.shape), own.by_peak]),
     )
 
 
@@ -152,7 +156,7 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
                 **{"radius": 0.1, "residual": 0.02, "status": "running" if number else "start", "values": values},
                 "succeeded": [number != 2] * len(problem.cases),
                 "outcome": ["captured" if number != 2 else "timeout"] * len(problem.cases),
-                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.quantities)},
+                **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.names)},
             }
         )
     before, after = (made_up_evaluation(problem, z, share) for z, share in ((start, 1.0), (halfway, 0.8)))

@@ -4,6 +4,7 @@ import numpy as np
 
 from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, Then, Variable, replace, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.tuning.composed import composed
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
 
 QUANTITIES = PROBE_CONE.tuned
@@ -13,7 +14,8 @@ PATHS = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 
 class Functions:
     """Stands in for an `Evaluator`: ``peaks``, one list of functions a case, become that case's impacts, ``rest`` its
-    other quantities by name, ``margin`` its margin; each of x, with its gradient by complex steps."""
+    other quantities by name, ``margin`` its margin; each of x, with its gradient by complex steps. The problem's own
+    quantities are made of these."""
 
     def __init__(self, problem, peaks, rest=None, margin=None):
         self.problem, self.peaks, self.rest, self.margin = problem, peaks, rest or {}, margin
@@ -53,6 +55,7 @@ class Functions:
             if self.margin is not None:
                 margin[k], slope = gradient(self.margin, x)
                 margin_slope[k] = slope * stretch
+        own = composed(self.problem, peaks[:, 0], rest, rest_slope)
         code = np.where(margin >= 0.0, int(Outcome.captured), int(Outcome.timeout))
         return Evaluation(
             scaled=scaled,
@@ -62,12 +65,13 @@ class Functions:
             impacts=np.full(count, 5),
             peaks=peaks,
             slots=slots,
-            rest=rest,
+            rest=np.column_stack([rest, own.values]),
             margin=margin,
             first=peaks[:, 0],
             peaks_slope=peaks_slope,
-            rest_slope=rest_slope,
+            rest_slope=np.concatenate([rest_slope, own.slopes], axis=1),
             margin_slope=margin_slope,
+            by_peak=np.column_stack([np.zeros(rest.shape), own.by_peak]),
         )
 
 

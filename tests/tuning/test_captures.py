@@ -38,7 +38,7 @@ def test_an_evaluation_agrees_with_the_independent_reference():
         (point,) = nominal([nominal.problem.start()])
         (drawn,), (scattered,) = (e([e.problem.start()], rtol=1e-9) for e in (nominal, built))
     expected = REFERENCE.values
-    names = nominal.problem.quantities
+    names = nominal.problem.names
     assert point.code[0] == Outcome.captured and point.impacts[0] == expected["impacts"]
     assert point.quantities[0, 0] == pytest.approx(expected["peak_force"], rel=1e-4)
     assert point.quantities[0, names.index("stroke")] == pytest.approx(expected["stroke"], rel=1e-4)

@@ -98,7 +98,8 @@ def test_bad_problems(fields, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Objective({"peak": 1.0}), "objective.peak is unknown; did you mean peak_force?"),
+        (lambda: stated(objective=Objective({"peak": 1.0})), "objective.peak is unknown; did you mean peak_force?"),
+        (lambda: stated(limits=Limits(at_least={"strok": 1.0})), "constraints.strok is unknown; did you mean stroke?"),
         (lambda: Objective({"peak_force": 0.0}), r"objective\.peak_force = 0 N/N"),
         (lambda: Objective({}), "no quantity is given"),
         (lambda: Objective(over="best"), "objective.over = 'best' is unknown"),

@@ -35,13 +35,18 @@ def in_the_middle(change):
     return damage
 
 
+def flipped(content, k, count=100):
+    """More bytes than an array's header in the archive has: some of it is never read, the time say."""
+    return content[:k] + bytes(byte ^ 1 for byte in content[k : k + count]) + content[k + count :]
+
+
 WHOLE = {"whole": lambda file: None}
 DAMAGES = {
     "missing": lambda file: file.unlink(),
     "empty": lambda file: file.write_bytes(b""),
     "cut": in_the_middle(lambda content, middle: content[:middle]),
     "garbled": lambda file: file.write_bytes(np.random.default_rng(1).bytes(5000)),
-    "flipped": in_the_middle(lambda content, k: content[:k] + bytes([content[k] ^ 1]) + content[k + 1 :]),
+    "flipped": in_the_middle(flipped),
 }
 STATES = {**DAMAGES, "another version's": another_version}
 

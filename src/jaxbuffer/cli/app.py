@@ -11,7 +11,7 @@ from .animate import animate
 from .exits import LIMITS_BROKEN, OK, fail
 from .fields import fields
 from .laws import laws
-from .limits import keeps_limits
+from .limits import asked_limits, keeps_limits
 from .overrides import WITH_QUANTITIES, Plain
 from .pareto import pareto
 from .report import compare, report
@@ -100,7 +100,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
-    name = study.mechanism.run_name
+    limits, name = asked_limits(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "motion.png")
     from ..run.simulate import simulate as compute
@@ -129,7 +129,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     from ..output.results import run_files
 
     files.save_and_show(lambda: run_files(run), run, lambda: str(run_files(run)[f"{name}.json"]()))
-    return keeps_limits(study, run)
+    return keeps_limits(limits, run)
 
 
 @verb(app, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
@@ -166,6 +166,7 @@ def sensitivity(
       jaxbuffer sensitivity --of peak_force --of impact.1.peak_force --of capture_margin --certify thorough
     """
     study = request.one_scenario(scenario_number)
+    limits = asked_limits(study)
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..errors import check_choice
     from ..fields import check_numbers
@@ -199,7 +200,7 @@ def sensitivity(
 
     record = lambda: str(sensitivity_files(result)["sensitivity.json"]())  # noqa: E731
     files.save_and_show(lambda: sensitivity_files(result), result, record)
-    return keeps_limits(study, result.run)
+    return keeps_limits(limits, result.run)
 
 
 @verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))

@@ -86,6 +86,18 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     return as_unit(value, unit)
 
 
+def check_unit(path: str, symbol: Any) -> None:
+    """Raise `InputError` unless a text is a unit, "-" for none."""
+    if not isinstance(symbol, str) or not symbol.strip():
+        raise InputError(f"{path} = {shown(symbol)} is not a unit; write 'N m' say, or '-' for none")
+    if symbol != "-" and (not _UNIT.fullmatch(symbol) or _POWERS.search(symbol)):
+        raise InputError(f"{path} = {shown(symbol)} is not a unit; write 'N m' say, or '-' for none")
+    try:
+        _parsed(symbol)
+    except Exception:  # pint has many, and its tokenizer others
+        raise InputError(f"{path} = {shown(symbol)}: {_unknown(symbol)}") from None
+
+
 _RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
 
 

@@ -44,7 +44,7 @@ def _design(point: "Tuned") -> Callable[[], str]:
 
 def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:
     """A row for each point."""
-    problem, catalogue = front.problem, front.problem.mechanism.quantities
+    problem, catalogue = front.problem, front.problem.catalogue
     header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
     header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
     header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
@@ -92,6 +92,6 @@ def front_figure(front: "Front") -> "Figure":
 
 
 def _shown(front: "Front", name: str) -> tuple[str, str, float]:
-    quantity = front.problem.mechanism.quantities[name]
+    quantity = front.problem.catalogue[name]
     unit, factor = quantity.shown or (quantity.unit, 1.0)
     return quantity.title or name.replace("_", " "), unit, factor

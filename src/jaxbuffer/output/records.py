@@ -166,6 +166,10 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         ],
         "limits": dict(problem.limits.at_most),
         "lower_limits": dict(problem.limits.at_least),
+        "quantities": {
+            name: {"unit": own.unit, "function": own.signature, "description": own.description}
+            for name, own in problem.quantities.items()
+        },
         "scenarios": [
             {
                 **record(case.scenario),
@@ -193,7 +197,7 @@ def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
 
 def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
     problem = tuned.problem
-    units = {name: problem.mechanism.quantities[name].unit for name in problem.quantities}
+    units = {name: problem.catalogue[name].unit for name in problem.names}
     return [
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
@@ -208,7 +212,7 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits = problem.limits.lines(problem.mechanism.quantities)
+    limits = problem.limits.lines(problem.catalogue)
     lines = [
         f"Tuned by jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s: {tuned.message}.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",

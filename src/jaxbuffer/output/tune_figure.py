@@ -116,8 +116,8 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     """The largest of each quantity over the scenarios, in shares of its limit, or of what it was where it has none."""
     problem = tuned.problem
     before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
-    chosen, catalogue = _shown(tuned), problem.mechanism.quantities
-    names = [problem.quantities[k] for k in chosen]
+    chosen, catalogue = _shown(tuned), problem.catalogue
+    names = [problem.names[k] for k in chosen]
     before, after = before[chosen], after[chosen]
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
     of = np.array([allowed.get(name, first) for name, first in zip(names, before, strict=True)])
@@ -144,7 +144,7 @@ def _shown(tuned: "Tuned") -> list[int]:
     problem = tuned.problem
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
-    return [k for k, name in enumerate(problem.quantities) if name in allowed or largest[k] != 0.0]
+    return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 
 
 def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:

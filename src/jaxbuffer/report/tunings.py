@@ -14,7 +14,7 @@ def limits(found: Results) -> Section | None:
     rows: list[list[str | Cell]] = []
     for name, limit in tuned["limits"].items():
         worst = max(by_name(case["after"])[name] for case in tuned["scenarios"])
-        symbol, margin = mechanism.quantities[name].unit, f"{100 * (1 - worst / limit):.3g} %"
+        symbol, margin = _unit(found, name), f"{100 * (1 - worst / limit):.3g} %"
         rows.append([words(name), symbol, shown(worst), shown(limit), margin, _kept(not _broken(worst, limit))])
     if mechanism.success is not None:
         count = sum(case["after"]["outcome"] == mechanism.success for case in tuned["scenarios"])
@@ -43,9 +43,15 @@ def scenarios(found: Results) -> Section | None:
         rows.append(row)
     headings = ["scenario", "outcome before", "after"]
     for name in names:
-        headings += [f"{words(name)} [{mechanism.quantities[name].unit}] before", "after"]
+        headings += [f"{words(name)} [{_unit(found, name)}] before", "after"]
     figures = found.figure("force", "Contact force of the worst scenario, before and after")
     return Section("Scenarios", figures=figures, tables=[Table("Before and after tuning", headings, rows)])
+
+
+def _unit(found: Results, name: str) -> str:
+    """Of a limited quantity, the mechanism's or an own one, which the record describes."""
+    own = (found.tuned or {}).get("quantities", {})
+    return str(own[name]["unit"]) if name in own else found.mechanism.quantities[name].unit
 
 
 def search(found: Results) -> Section | None:

@@ -65,7 +65,8 @@ class Options(Part):
 class Config:
     """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings.
 
-    ``table``: the ``[problem]`` section as read, checked when the `problem` is made.
+    ``table``: the ``[problem]`` section as read, checked when the `problem` is made; ``folder``: the file's own, where
+    the Python files lie that it names.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -76,6 +77,7 @@ class Config:
     table: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
     sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
+    folder: Path = Path()
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -104,7 +106,7 @@ class Config:
         if options.solver != Options.solver:
             raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
         listed = self.scenarios
-        return read_problem(self.table, self.design, self.scenario, listed, options.duration, options.rtol)
+        return read_problem(self.table, self.design, self.scenario, listed, options.duration, options.rtol, self.folder)
 
 
 def load(path: str | Path | None) -> Config:
@@ -127,7 +129,7 @@ def loads(content: bytes, name: str | Path) -> Config:
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
         raise InputError(f"{name} is not valid TOML: {error}") from None
     try:
-        return _config(data)
+        return dataclasses.replace(_config(data), folder=Path(name).parent)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 

@@ -28,6 +28,7 @@ def explained(study: Config, name: str) -> str:
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": [] if problem is None else _variables(problem),
         "objective": [] if problem is None else [str(problem.objective)],
+        "own quantities": [] if problem is None else _own(problem),
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
         "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
@@ -69,9 +70,13 @@ def _variables(problem: Problem) -> list[str]:
     ]
 
 
+def _own(problem: Problem) -> list[str]:
+    return [f"{name} [{own.unit}] = {own.signature}" for name, own in problem.quantities.items()]
+
+
 def _limits(problem: Problem) -> list[str]:
     limits, mechanism = problem.limits, problem.mechanism
-    lines = limits.lines(mechanism.quantities)
+    lines = limits.lines(problem.catalogue)
     lines += [f"{name} ≤ {limit:g}, always" for name, limit in mechanism.always.items() if name not in limits.at_most]
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")

@@ -1,6 +1,7 @@
 """The ``[problem]`` section of a study: from TOML tables to a `Problem`."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
@@ -9,8 +10,9 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..tuning.cases import KINDS, Distribution, grid, sample
 from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
+from .own_quantities import named_quantities, own_quantities
 
-SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then")
+SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then", "quantities")
 SIDES = ("min", "max")  # of a two-sided limit
 SAMPLE = ("count", "seed", "scenario", "factors")
 
@@ -22,21 +24,25 @@ def read_problem(
     listed: tuple[Part, ...],
     duration: float | None,
     rtol: float,
+    folder: Path,
 ) -> Problem:
-    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces."""
+    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces;
+    ``folder``: the study's, beside which its Python files are."""
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
+    units = _units(table, mechanism)
     return Problem(
         design=design,
         scenarios=_cases(table, design, base, listed),
         variables=_variables(
             by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
         ),
-        objective=_objective(_table(table, "objective", {}), "objective", mechanism),
+        objective=_objective(_table(table, "objective", {}), "objective", units),
         limits=limits(table, mechanism),
-        then=_then(_table(table, "then", {}), mechanism) if "then" in table else None,
+        then=_then(_table(table, "then", {}), units) if "then" in table else None,
         duration=duration,
         rtol=rtol,
+        quantities=own_quantities(table, mechanism, folder),
     )
 
 
@@ -46,10 +52,17 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     mechanism = mechanism_of(design)
     _variables(by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design)
     _cases(table, design, base, ())
-    _objective(_table(table, "objective", {}), "objective", mechanism)
+    units = _units(table, mechanism)
+    _objective(_table(table, "objective", {}), "objective", units)
     limits(table, mechanism)
     if "then" in table:
-        _then(_table(table, "then", {}), mechanism)
+        _then(_table(table, "then", {}), units)
+
+
+def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
+    """The units of all quantities that objectives and limits may use, the study's own ones among them."""
+    own = {name: asked.unit for name, asked in named_quantities(table, mechanism).items()}
+    return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
 def _variables(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
@@ -130,23 +143,22 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
     )
 
 
-def _objective(table: Mapping[str, Any], where: str, mechanism: Mechanism) -> Objective:
+def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
     options = {name: table[name] for name in ("over", "level") if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
     for name, weight in weights.items():
-        _known({name: weight}, mechanism.tuned, f"problem.{where}")
-        unit = f"N/{mechanism.quantities[name].unit}"
-        check_number(f"problem.{where}.{name}", weight, unit, low=0.0, low_open=True)
+        _known({name: weight}, tuple(units), f"problem.{where}")
+        check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
 
 
-def _limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
-    _known(table, ("captured", "impacts", *mechanism.tuned), "problem.constraints")
+def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
+    _known(table, ("captured", "impacts", *units), "problem.constraints")
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
-        if name not in mechanism.tuned:
+        if name not in units:
             continue
-        where, symbol = f"problem.constraints.{name}", mechanism.quantities[name].unit
+        where, symbol = f"problem.constraints.{name}", units[name]
         sides = given if isinstance(given, dict) else {"max": given}
         _known(sides, SIDES, where)
         if not sides:
@@ -160,14 +172,14 @@ def _limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
     """The limits of a [problem], by default the mechanism's."""
-    return _limits(_table(table, "constraints", mechanism.defaults.limits), mechanism)
+    return _limits(_table(table, "constraints", mechanism.defaults.limits), _units(table, mechanism))
 
 
-def _then(table: Mapping[str, Any], mechanism: Mechanism) -> Then:
-    if not set(table) & set(mechanism.tuned):
-        raise InputError(f"problem.then names no quantity; choose some of {', '.join(mechanism.tuned)}")
+def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
+    if not set(table) & set(units):
+        raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}
-    return Then(_objective(objective, "then", mechanism), table.get("slack", Then.slack))
+    return Then(_objective(objective, "then", units), table.get("slack", Then.slack))
 
 
 def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:

@@ -36,7 +36,6 @@ def study_schema(mechanism: Mechanism) -> Schema:
         "options": _part(Options()),
         "tune": _part(Settings()),
         "problem": _problem(mechanism, design, scenario),
-        "quantities": {"type": "object", "description": "quantities of your own, by name"},
         "sweep": _by_path({path: _values(known) for path, known in fields.items()}),
         "sample": _sample(fields),
     }
@@ -134,9 +133,22 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
             "sample": {"type": "object"},
             "objective": _open(weights | over),
             "constraints": _open(_quantities(mechanism, mechanism.tuned, sides) | limits),
+            "quantities": {
+                "type": "object",
+                "description": "quantities of your own, by name: Python functions of those above",
+                "additionalProperties": _own(),
+            },
             "then": _open(weights | over | {"slack": {"type": "number", "exclusiveMinimum": 0, "maximum": 1}}),
         }
     )
+
+
+def _own() -> Schema:
+    """Of a study's own quantity."""
+    text: Schema = {"type": "string"}
+    file = text | {"pattern": r"\.py:\w+$", "description": "a file beside the study and a name: objectives.py:effort"}
+    unit = text | {"description": "of what the function returns, - for none"}
+    return _object({"function": file, "unit": unit, "description": text}, required=["function", "unit"])
 
 
 def _open(properties: Mapping[str, Schema]) -> Schema:

@@ -127,10 +127,7 @@ def _rows(goal: Goal, point: Evaluation) -> tuple[Float[np.ndarray, " rows"], Fl
     """The constraints g ≤ 0 at a design, and their slopes."""
     tangent, size = Tangent.of(point), len(point.scaled)
     rows = goal.rows(*tangent.after(np.zeros(size)))
-    slopes = []
-    for quantity, limit in goal.limited():
-        of_all = point.peaks_slope[:, 0] if quantity == 0 else point.rest_slope[:, quantity - 1]
-        slopes.append(of_all / limit)
+    slopes = [point.quantities_slope[:, quantity] / limit for quantity, limit in goal.limited()]
     if goal.must_succeed:
         slopes.append(-point.margin_slope)
     return rows, np.concatenate([*slopes, np.zeros((0, size))])

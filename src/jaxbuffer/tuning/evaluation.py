@@ -12,6 +12,7 @@ from ..fields import Part, get
 from ..mechanisms.run import Run
 from ..run.simulate import check_pair, simulate
 from ..sensitivities.gradients import gradients
+from .composed import check_start, composed
 from .problem import Case, Problem
 
 PEAKS = (
@@ -27,7 +28,8 @@ class Evaluation(NamedTuple):
     cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
     of that); ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts
     they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
-    the run succeeds; ``first`` [N]: the first impact's peak.
+    the run succeeds; ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest peak, ``by_peak``
+    [unit/N]: by that peak, zero for all but own quantities (see `composed`).
     """
 
     scaled: Float[np.ndarray, " variables"]
@@ -43,11 +45,18 @@ class Evaluation(NamedTuple):
     peaks_slope: Float[np.ndarray, "cases peaks variables"]
     rest_slope: Float[np.ndarray, "cases rest variables"]
     margin_slope: Float[np.ndarray, "cases variables"]
+    by_peak: Float[np.ndarray, "cases rest"]
 
     @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
         """The problem's quantities of each case."""
         return np.column_stack([self.peaks[:, 0], self.rest])
+
+    @property
+    def quantities_slope(self) -> Float[np.ndarray, "cases quantities variables"]:
+        """Their slopes, with that of the largest impact."""
+        top = self.peaks_slope[:, :1]
+        return np.concatenate([top, self.rest_slope + self.by_peak[:, :, None] * top], axis=1)
 
 
 class Evaluator:
@@ -97,7 +106,8 @@ def fitted(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case
 
 
 class Measured(NamedTuple):
-    """What one run tells the tuner (see `Evaluation`); slopes by the variables' own values."""
+    """What one run tells the tuner (see `Evaluation`); slopes by the variables' own values. ``rest`` has the problem's
+    measured quantities, without the own ones that are made of them."""
 
     code: int
     impacts: int
@@ -113,7 +123,7 @@ class Measured(NamedTuple):
     @staticmethod
     def lost(problem: Problem) -> "Measured":
         """Of a case whose design and scenario do not fit each other."""
-        rest, paths = len(problem.quantities) - 1, len(problem.paths)
+        rest, paths = len(problem.measured) - 1, len(problem.paths)
         code, peaks, unknown = int(problem.mechanism.outcomes["failed_input"]), np.full(PEAKS, np.nan), np.nan
         slopes = [np.full((*shape, paths), np.nan) for shape in ((PEAKS,), (rest,), ())]
         return Measured(code, 0, peaks, np.arange(PEAKS), np.full(rest, np.nan), unknown, unknown, *slopes)
@@ -123,7 +133,7 @@ def measure(
     problem: Problem, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
 ) -> Measured:
     """One run and, with ``slopes``, its derivatives by the problem's variables; else those are zero."""
-    catalogue, rest, paths = problem.mechanism.quantities, list(problem.quantities[1:]), problem.paths
+    catalogue, rest, paths = problem.mechanism.quantities, list(problem.measured[1:]), problem.paths
     margin = [] if problem.mechanism.margin is None else [problem.mechanism.margin]
     if slopes:
         found = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
@@ -163,40 +173,56 @@ def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndar
 
 
 def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Evaluation:
-    """The cases' numbers as arrays: unsolved ones without slopes, end times of those that ended otherwise than they
-    should at the duration."""
-    outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
+    """The cases' numbers as arrays, the own quantities among them. A case where one of these is not finite counts as
+    failed, and is an error at the problem's start."""
     factors = [dict(case.factors) for case in problem.cases]
     values = problem.values(scaled)
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
     )
     stacked = {name: np.stack([getattr(m, name) for m in found]) for name in Measured._fields}
-    code = stacked["code"]
-    slopes = {
-        "peaks_slope": stacked["peaks_slope"] * stretch[:, None, :],
-        "rest_slope": stacked["rest_slope"] * stretch[:, None, :],
-        "margin_slope": stacked["margin_slope"] * stretch,
-    }
-    lost = (code >= outcomes["failed_steps"]) | ~np.isfinite(stacked["margin"])
-    for slope in slopes.values():
-        lost |= ~np.all(np.isfinite(slope), axis=tuple(range(1, slope.ndim)))
-    code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)
-    values_of = {name: stacked[name].copy() for name in ("peaks", "rest", "margin", "first")} | slopes
-    for array in values_of.values():
-        array[lost] = 0.0
-    values_of["margin"][lost] = LOST
-    succeeded = ~lost if success is None else code == outcomes[success]
-    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
-    time = problem.quantities.index("end_time") - 1
-    values_of["rest"][ended_otherwise, time] = problem.duration
-    values_of["rest_slope"][ended_otherwise, time] = 0.0
+    for name in ("peaks_slope", "rest_slope"):
+        stacked[name] = stacked[name] * stretch[:, None, :]
+    stacked["margin_slope"] = stacked["margin_slope"] * stretch
+    lost = (stacked["code"] >= problem.mechanism.outcomes["failed_steps"]) | ~np.isfinite(stacked["margin"])
+    for name in ("peaks_slope", "rest_slope", "margin_slope"):
+        lost |= ~np.all(np.isfinite(stacked[name]), axis=tuple(range(1, stacked[name].ndim)))
+    run = _settled(problem, stacked, lost)
+    peak, rest = run["peaks"][:, 0], run["rest"]
+    own = composed(problem, peak, rest, run["rest_slope"])
+    if np.any(without := ~own.finite & ~lost):
+        if np.array_equal(scaled, problem.start()):
+            check_start(problem, peak, rest, int(np.argmax(without)))
+        run = _settled(problem, stacked, lost | without)
+    kept, others = run["solved"][:, None], len(problem.mechanism.tuned) - 1
     return Evaluation(
         scaled=scaled,
-        code=code,
-        solved=~lost,
-        succeeded=succeeded,
-        impacts=stacked["impacts"],
-        slots=stacked["slots"],
-        **values_of,
+        **run
+        | {
+            "rest": np.column_stack([run["rest"][:, :others], np.where(kept, own.values, 0.0)]),
+            "rest_slope": np.concatenate(
+                [run["rest_slope"][:, :others], np.where(kept[:, :, None], own.slopes, 0.0)], axis=1
+            ),
+            "by_peak": np.column_stack([np.zeros((len(found), others)), np.where(kept, own.by_peak, 0.0)]),
+        },
     )
+
+
+def _settled(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray) -> dict[str, np.ndarray]:
+    """The runs' numbers by the fields of `Evaluation`: ``lost`` ones without numbers and slopes, end times of those
+    that ended otherwise than they should at the duration."""
+    outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
+    code = stacked["code"]
+    code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)
+    numbers = ("peaks", "rest", "margin", "first", "peaks_slope", "rest_slope", "margin_slope")
+    run = {name: stacked[name].copy() for name in numbers}
+    for array in run.values():
+        array[lost] = 0.0
+    run["margin"][lost] = LOST
+    succeeded = ~lost if success is None else code == outcomes[success]
+    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
+    time = problem.measured.index("end_time") - 1
+    run["rest"][ended_otherwise, time] = problem.duration
+    run["rest_slope"][ended_otherwise, time] = 0.0
+    states = {"code": code, "solved": ~lost, "succeeded": succeeded}
+    return run | states | {name: stacked[name] for name in ("impacts", "slots")}

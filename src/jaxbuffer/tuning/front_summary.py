@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def front_table(front: "Front") -> str:
     """Each point's objectives, limits and certificate, and what is not on the front."""
-    catalogue = front.problem.mechanism.quantities
+    catalogue = front.problem.catalogue
     shown = table(f"Front of {' and '.join(front.objectives)}, worst over the scenarios ({len(front.problem.cases)})")
     shown.add_column("point", justify="right")
     for name in front.objectives:

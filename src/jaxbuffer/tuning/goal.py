@@ -21,10 +21,15 @@ class Ceiling:
     objective: Objective
     value: float
 
+    @property
+    def scale(self) -> float:
+        """By which its row is made relative [N]."""
+        return abs(self.value) or 1.0
+
 
 class Tangent(NamedTuple):
     """Quantities of every case to first order in a step of the scaled variables: at a step d, ``peaks + peaks_slope @
-    d`` …"""
+    d`` …; the rest changes with the largest peak too, by ``by_peak`` [unit/N]."""
 
     peaks: Float[np.ndarray, "cases peaks"]
     rest: Float[np.ndarray, "cases rest"]
@@ -32,6 +37,12 @@ class Tangent(NamedTuple):
     peaks_slope: Float[np.ndarray, "cases peaks variables"]
     rest_slope: Float[np.ndarray, "cases rest variables"]
     margin_slope: Float[np.ndarray, "cases variables"]
+    by_peak: Float[np.ndarray, "cases rest"]
+
+    @property
+    def largest(self) -> Float[np.ndarray, " cases"]:
+        """Each case's largest peak [N], 0 without an impact."""
+        return np.maximum(self.peaks[:, 0], 0.0)
 
     @staticmethod
     def of(evaluation: Evaluation) -> "Tangent":
@@ -42,7 +53,8 @@ class Tangent(NamedTuple):
     def after(self, step: Float[np.ndarray, " variables"]) -> tuple[np.ndarray, np.ndarray]:
         """The problem's quantities (cases, quantities) and margins (cases,) after a step."""
         peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
-        return np.column_stack([peak, self.rest + self.rest_slope @ step]), self.margin + self.margin_slope @ step
+        rest = self.rest + self.rest_slope @ step + self.by_peak * (peak - self.largest)[:, None]
+        return np.column_stack([peak, rest]), self.margin + self.margin_slope @ step
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +74,7 @@ class Goal:
 
     def weights(self, objective: Objective) -> Float[np.ndarray, " quantities"]:
         """An objective's weights of the problem's quantities."""
-        return objective.vector(self.problem.quantities)
+        return objective.vector(self.problem.names)
 
     def limited(self) -> list[tuple[int, float]]:
         """Index into the problem's quantities and limit of every limited one, a lower limit with a minus sign: then
@@ -70,7 +82,7 @@ class Goal:
         limits = self.problem.limits
         most, least = {**self.problem.mechanism.always, **limits.at_most}, limits.at_least
         signed = [*most.items(), *((name, -limit) for name, limit in least.items())]
-        return [(self.problem.quantities.index(name), float(limit)) for name, limit in signed]
+        return [(self.problem.names.index(name), float(limit)) for name, limit in signed]
 
     @property
     def must_succeed(self) -> bool:
@@ -85,7 +97,9 @@ class Goal:
         if self.must_succeed:
             parts.append(-margin)
         if self.ceiling is not None:
-            parts.append(np.array([self._value(self.ceiling.objective, quantities) / self.ceiling.value - 1.0]))
+            ceiling = self.ceiling
+            now = self._value(ceiling.objective, quantities)
+            parts.append(np.array([now / ceiling.scale - ceiling.value / ceiling.scale]))
         return np.concatenate([*parts, np.zeros(0)])
 
     def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
@@ -138,10 +152,11 @@ class Goal:
         found, limits, margin, mechanism = [], self.problem.limits, evaluation.margin[k], self.problem.mechanism
         outcome = mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
-            found.append("the simulation failed")
+            own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""
+            found.append(f"the simulation failed{own}")
         elif self.must_succeed and margin < 0.0:
             found.append(f"not {mechanism.success} (margin {margin:.3g})")
         if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
             found.append(outcome.reason)
-        values = dict(zip(self.problem.quantities, evaluation.quantities[k].tolist(), strict=True))
-        return found + limits.broken(values, int(evaluation.impacts[k]), mechanism.quantities)
+        values = dict(zip(self.problem.names, evaluation.quantities[k].tolist(), strict=True))
+        return found + limits.broken(values, int(evaluation.impacts[k]), self.problem.catalogue)

@@ -57,8 +57,7 @@ def objective_slope(
     goal: Goal, point: Evaluation, cases: Float[np.ndarray, " cases"]
 ) -> Float[np.ndarray, " variables"]:
     """The objective's slope by the scaled variables, with given weights of the cases."""
-    weights = goal.weights(goal.objective)
-    by_case = weights[0] * point.peaks_slope[:, 0] + np.einsum("q,cqn->cn", weights[1:], point.rest_slope)
+    by_case = np.einsum("q,cqn->cn", goal.weights(goal.objective), point.quantities_slope)
     return np.asarray(cases @ by_case)
 
 

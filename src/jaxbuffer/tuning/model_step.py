@@ -1,9 +1,10 @@
 """The best step of a stage's model: a linear programme, with the Lagrangian's curvature a quadratic one.
 
 Peaks, cases and constraints are first-order in the step, and their true maxima, not smoothed ones, become the rows of a
-programme in epigraph form. With ½ dᵀ B d added, B the Lagrangian's curvature, it is the subproblem of sequential
-quadratic programming with an exact penalty in a trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of
-its rows are the Lagrangian's multipliers.
+programme in epigraph form. A row that falls with the largest peak, a lower limit on it say, has the present largest
+impact instead: that bounds the row from above, where the maximum would make the programme non-convex. With ½ dᵀ B d
+added, B the Lagrangian's curvature, it is the subproblem of sequential quadratic programming with an exact penalty in a
+trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of its rows are the Lagrangian's multipliers.
 
 What the linear programme can still gain within a tenth of every range is the first-order (KKT) residual: zero exactly
 where weights on the active peaks, cases, limits and bounds balance the slopes (Fletcher, Practical Methods of
@@ -23,11 +24,11 @@ RESIDUAL_RADIUS = 0.1  # of each variable's range
 
 Step = Float[np.ndarray, " variables"]
 Source = tuple[str, int | tuple[int, int], np.ndarray | float]  # of a row: field of the tangent, where, coefficient
-Row = tuple[Entries, float, Source | None]
+Row = tuple[Entries, float, tuple[Source, ...]]
 
 
 class Multipliers(NamedTuple):
-    """The weight of each impact's peak, other quantity and margin in the Lagrangian."""
+    """The weight of each impact's peak, other quantity at a fixed largest peak, and margin in the Lagrangian."""
 
     peaks: Float[np.ndarray, "cases peaks"]
     rest: Float[np.ndarray, "cases rest"]
@@ -40,6 +41,13 @@ class Multipliers(NamedTuple):
             + np.einsum("cq,cqn->n", self.rest, tangent.rest_slope)
             + self.margin @ tangent.margin_slope
         )
+
+    def moved(self, change: Float[np.ndarray, "cases rest"]) -> "Multipliers":
+        """Those at another design, where the rest's derivatives by the largest peak are others by ``change`` [unit/N]:
+        the peaks' weights are made of them."""
+        through, total = np.sum(self.rest * change, axis=1), np.sum(self.peaks, axis=1)
+        factor = 1.0 + np.divide(through, total, out=np.zeros_like(total), where=total != 0.0)
+        return self._replace(peaks=self.peaks * factor[:, None])
 
 
 class ModelStep(NamedTuple):
@@ -65,17 +73,18 @@ class _Model:
 
     def __init__(self, goal: Goal, tangent: Tangent, box: tuple[Step, Step]) -> None:
         self.goal, self.tangent, self.cases = goal, tangent, range(len(tangent.margin))
-        self.programme, self.sources = Programme(), list[Source | None]()
+        self.programme, self.sources = Programme(), list[tuple[Source, ...]]()
         self.steps = [self.programme.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
         used = goal.weights(goal.objective)[0] > 0.0 or "peak_force" in goal.problem.limits.at_most
         used = used or (goal.ceiling is not None and goal.weights(goal.ceiling.objective)[0] > 0.0)
+        used = used or bool(np.any(tangent.by_peak))
         self.peak_scale = max(float(np.max(tangent.peaks)), 1.0)
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
 
-    def row(self, entries: Entries, right: float, source: Source | None = None) -> None:
+    def row(self, entries: Entries, right: float, sources: tuple[Source, ...] = ()) -> None:
         """Another row, and what of the tangent is on its left."""
         self.programme.row(entries, right)
-        self.sources.append(source)
+        self.sources.append(sources)
 
     def along(self, slope: np.ndarray) -> Entries:
         """A slope by the step as entries."""
@@ -90,21 +99,24 @@ class _Model:
             lowest = tangent.peaks[k, 0] - change[0]
             for i in np.flatnonzero((tangent.peaks[k] > 0.0) & (tangent.peaks[k] + change >= lowest)):
                 entries = [*self.along(tangent.peaks_slope[k, i] / scale), (column, -1.0)]
-                self.row(entries, -float(tangent.peaks[k, i]) / scale, ("peaks", (k, int(i)), 1.0 / scale))
+                self.row(entries, -float(tangent.peaks[k, i]) / scale, (("peaks", (k, int(i)), 1.0 / scale),))
         return columns
 
-    def weighted(self, k: int, weights: np.ndarray) -> tuple[Entries, float, Source]:
-        """A weighted sum of one case's quantities: entries and a constant."""
-        entries = self.along(weights[1:] @ self.tangent.rest_slope[k])
-        if weights[0] > 0.0:
-            entries.append((self.peaks[k], float(weights[0]) * self.peak_scale))
-        return entries, float(weights[1:] @ self.tangent.rest[k]), ("rest", k, weights[1:])
-
-    def largest(self, k: int, factor: float) -> tuple[Entries, float, Source]:
-        """One case's largest impact times a factor, for a lower limit: the largest peak is never below it, while the
-        column of `_peaks` may lie above every impact."""
-        entries = self.along(factor * self.tangent.peaks_slope[k, 0])
-        return entries, factor * float(self.tangent.peaks[k, 0]), ("peaks", (k, 0), factor)
+    def weighted(self, k: int, weights: np.ndarray) -> Row:
+        """A weighted sum of one case's quantities: entries and a constant. Where it rises with the largest peak it has
+        the column of `_peaks`; where it falls with it the present largest impact, which the largest peak is never
+        below, while the column may lie above every impact."""
+        tangent, rest = self.tangent, ("rest", k, weights[1:])
+        through = float(weights[1:] @ tangent.by_peak[k])
+        by_peak = float(weights[0]) + through
+        slope = weights[1:] @ tangent.rest_slope[k]
+        constant = float(weights[1:] @ tangent.rest[k])
+        if by_peak > 0.0:
+            entries = [*self.along(slope), (self.peaks[k], by_peak * self.peak_scale)]
+            return entries, constant - through * float(tangent.largest[k]), (rest,)
+        slope = slope + by_peak * tangent.peaks_slope[k, 0]
+        constant += float(weights[0]) * float(tangent.largest[k])
+        return self.along(slope), constant, (rest, ("peaks", (k, 0), by_peak))
 
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
         """min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; its entries."""
@@ -112,34 +124,33 @@ class _Model:
         base = self.programme.add(cost, -np.inf)
         above = [self.programme.add(cost * cap, 0.0) for _ in self.cases]
         for k in self.cases:
-            entries, constant, source = self.weighted(k, weights)
-            self.row([*entries, (base, -1.0), (above[k], -1.0)], -constant, source)
+            entries, constant, sources = self.weighted(k, weights)
+            self.row([*entries, (base, -1.0), (above[k], -1.0)], -constant, sources)
         return [(base, 1.0), *((column, cap) for column in above)]
 
     def constraints(self) -> list[Row]:
         """The rows of `Goal.rows` in their order."""
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
         for quantity, limit in goal.limited():
-            one = np.zeros(len(goal.problem.quantities))
+            one = np.zeros(len(goal.problem.names))
             one[quantity] = 1.0 / limit
             for k in self.cases:
-                of_largest = quantity == 0 and limit < 0.0
-                entries, constant, source = self.largest(k, 1.0 / limit) if of_largest else self.weighted(k, one)
-                rows.append((entries, float(np.sign(limit)) - constant, source))
+                entries, constant, sources = self.weighted(k, one)
+                rows.append((entries, float(np.sign(limit)) - constant, sources))
         if goal.must_succeed:
             for k in self.cases:
-                rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), ("margin", k, -1.0)))
+                rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), (("margin", k, -1.0),)))
         if goal.ceiling is not None:
-            rows.append((self.aggregate(goal.ceiling.objective, goal.ceiling.value, 0.0), 1.0, None))
+            scale = goal.ceiling.scale
+            rows.append((self.aggregate(goal.ceiling.objective, scale, 0.0), goal.ceiling.value / scale, ()))
         return rows
 
     def multipliers(self, duals: np.ndarray) -> Multipliers:
         """The rows' duals, gathered by what is on their left."""
         tangent = self.tangent
         found = Multipliers(*(np.zeros_like(values) for values in (tangent.peaks, tangent.rest, tangent.margin)))
-        for dual, source in zip(duals, self.sources, strict=True):
-            if source is not None:
-                name, where, coefficient = source
+        for dual, sources in zip(duals, self.sources, strict=True):
+            for name, where, coefficient in sources:
                 getattr(found, name)[where] += dual * coefficient
         return found
 
@@ -166,9 +177,9 @@ def best_step(
         model.row(model.along(normal), float(offset))
     model.aggregate(goal.objective, scale, 1.0)
     rows = model.constraints()
-    for (entries, right, source), given in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
+    for (entries, right, sources), given in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
         excess = model.programme.add(penalty, 0.0)
-        model.row([*entries, (excess, -1.0)], right - float(given), source)
+        model.row([*entries, (excess, -1.0)], right - float(given), sources)
     minimum = model.programme.solve(bend) or model.programme.solve(0.0 * bend)
     if minimum is None:
         return ModelStep(still, np.nan, model.multipliers(np.zeros(len(model.sources))))

@@ -26,7 +26,7 @@ class Objective:
     - ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value at risk).
     - ``level``: that share is 1 - ``level`` [-].
 
-    **Raises:** `InputError` for quantities that are unknown and numbers out of range.
+    **Raises:** `InputError` for numbers out of range; `Problem`, which knows the names, for unknown quantities.
 
     **Example:**
 
@@ -44,10 +44,10 @@ class Objective:
     def __post_init__(self) -> None:
         check_type("objective's weights", self.weights, Mapping, "Objective({'peak_force': 1.0})")
         if not self.weights:
-            raise InputError("objective: no quantity is given; name one of " + ", ".join(tunable()))
+            raise InputError("objective: no quantity is given; name one of " + ", ".join(_units()))
         for name, weight in self.weights.items():
-            unit = check_quantity("objective", name)
-            check_single(f"objective.{name}", weight, f"N/{unit}", ONE_LIMIT, low=0.0, low_open=True)
+            unit = f"N/{_units().get(name, 'unit')}"
+            check_single(f"objective.{name}", weight, unit, ONE_LIMIT, low=0.0, low_open=True)
         check_choice("objective.over", self.over, AGGREGATES)
         check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
 
@@ -91,8 +91,8 @@ class Limits:
     - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
       rejected, none is led back by it); None: any number.
 
-    **Raises:** `InputError` for quantities that are unknown, numbers out of range, and a lower limit that is not below
-    the upper one.
+    **Raises:** `InputError` for numbers out of range, and a lower limit that is not below the upper one; `Problem`,
+    which knows the names, for unknown quantities.
 
     **Example:** at most 25 mm of stroke, and a capture that takes half a second or more.
 
@@ -112,12 +112,12 @@ class Limits:
         check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
         check_type("constraints' at_least", self.at_least, Mapping, "Limits(at_least={'end_time': 0.5})")
         for name, limit in (*self.at_most.items(), *self.at_least.items()):
-            unit = check_quantity("constraints", name)
+            unit = _units().get(name, "-")
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True)
         for name in self.at_least:
             if name in self.at_most and not self.at_least[name] < self.at_most[name]:
-                low, high, unit = self.at_least[name], self.at_most[name], check_quantity("constraints", name)
-                raise InputError(f"constraints.{name}: at least {low:g} {unit} and at most {high:g} {unit} contradict")
+                low, high, unit = self.at_least[name], self.at_most[name], f" {_units().get(name, '')}".rstrip(" -")
+                raise InputError(f"constraints.{name}: at least {low:g}{unit} and at most {high:g}{unit} contradict")
         check_flag("constraints.captured", self.captured)
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
@@ -135,14 +135,21 @@ class Limits:
             found.append(f"{impacts} impacts, above {self.impacts}")
         return found
 
-    def broken_by(self, run: Run) -> list[str]:
-        """A line for each limit that one run does not keep to."""
+    def broken_by(self, run: Run, own: Catalogue | None = None) -> list[str]:
+        """A line for each limit that one run does not keep to; ``own``: quantities beside the mechanism's.
+
+        **Raises:** `InputError` for limited quantities that are unknown.
+        """
         mechanism, outcome = run.mechanism, run.outcome
+        catalogue = {**mechanism.quantities, **(own or {})}
         found = []
         if self.captured and mechanism.success is not None and outcome.name != mechanism.success:
             found.append(f"not {mechanism.success} ({outcome.reason})")
-        named = {name: float(mechanism.quantities[name].of(run)) for name in (*self.at_most, *self.at_least)}
-        return found + self.broken(named, int(run.impact_count), mechanism.quantities)
+        for name in (*self.at_most, *self.at_least):
+            if name not in catalogue:
+                raise InputError(f"constraints.{name} is unknown{suggest(name, catalogue)}")
+        named = {name: float(catalogue[name].of(run)) for name in (*self.at_most, *self.at_least)}
+        return found + self.broken(named, int(run.impact_count), catalogue)
 
     def lines(self, catalogue: Catalogue) -> list[str]:
         """Each limit on a quantity: "stroke ≤ 0.025 m"."""
@@ -182,14 +189,6 @@ class Then:
         check_number("then.slack", self.slack, "-", low=0.0, high=1.0, low_open=True)
 
 
-def tunable() -> dict[str, str]:
-    """All quantities that objectives and limits of some mechanism may use, with their units."""
+def _units() -> dict[str, str]:
+    """Units of all quantities that objectives and limits of some mechanism may use, by name."""
     return {name: m.quantities[name].unit for m in all_mechanisms() for name in m.tuned}
-
-
-def check_quantity(where: str, name: str) -> str:
-    """The unit of a quantity. **Raises:** `InputError` unless it is one of those in `tunable`."""
-    known = tunable()
-    if name not in known:
-        raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
-    return known[name]

@@ -49,7 +49,7 @@ class Front:
     @property
     def values(self) -> Float[np.ndarray, "points k"]:
         """Each objective's worst value over the cases, in its unit."""
-        columns = [self.problem.quantities.index(name) for name in self.objectives]
+        columns = [self.problem.names.index(name) for name in self.objectives]
         return np.array([point.after.quantities[:, columns].max(axis=0) for point in self.points])
 
     @property
@@ -207,7 +207,7 @@ class _Search:
     def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Part) -> Tuned:
         given = self.problem.limits
         tighter = {key: min(x, given.at_most.get(key, np.inf)) for key, x in limits.items()}
-        kept = Limits(given.captured, {**given.at_most, **tighter}, given.impacts)
+        kept = Limits(given.captured, {**given.at_most, **tighter}, given.impacts, given.at_least)
         problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=kept)
         folder = None if self.folder is None else self.folder / name
         begun = self.resume and folder is not None and (folder / LOG).exists()
@@ -215,7 +215,7 @@ class _Search:
 
 
 def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
-    columns = [tuned.problem.quantities.index(name) for name in names]
+    columns = [tuned.problem.names.index(name) for name in names]
     return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
 
 
@@ -223,10 +223,10 @@ def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int
     """How many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
-        if name not in problem.quantities:
-            raise InputError(f"objectives: {name} is unknown{suggest(name, problem.quantities)}")
+        if name not in problem.names:
+            raise InputError(f"objectives: {name} is unknown{suggest(name, problem.names)}")
     if len(names) < 2:
-        raise InputError(f"objectives = {names[0]}: a front needs two at least; known: {', '.join(problem.quantities)}")
+        raise InputError(f"objectives = {names[0]}: a front needs two at least; known: {', '.join(problem.names)}")
     check_whole("points", points, 2)
     total = points ** (len(names) - 1)
     if total > MOST:

@@ -19,8 +19,10 @@ from ..errors import (
 )
 from ..fields import Part, get, paths, replace, unit
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of, mechanism_of_scenario
 from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then
 
 SCALES = ("log", "linear")
@@ -125,6 +127,7 @@ class Problem:
     - ``limits``: what to keep to (default: captured in every case).
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
+    - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
 
     **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not hold the start.
 
@@ -147,9 +150,11 @@ class Problem:
     then: Then | None = None
     duration: float | None = None
     rtol: float = DEFAULT_TOLERANCE
+    quantities: Mapping[str, Derived] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         mechanism = mechanism_of(self.design)
+        object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.defaults.duration)
         self._check_parts(mechanism)
@@ -190,10 +195,10 @@ class Problem:
         asked |= {} if self.then is None else {"then": self.then.objective.weights}
         for where, names in asked.items():
             for name in names:
-                if name not in mechanism.tuned:
-                    raise InputError(f"{where}.{name} is unknown{suggest(name, mechanism.tuned)}")
+                if name not in self.names:
+                    raise InputError(f"{where}.{name} is unknown{suggest(name, self.names)}")
         for name, high in mechanism.always.items():
-            limit, unit = self.limits.at_most.get(name, high), mechanism.quantities[name].unit
+            limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 
     cases: tuple[Case, ...] = dataclasses.field(init=False, default=())
@@ -204,9 +209,22 @@ class Problem:
         return mechanism_of(self.design)
 
     @property
-    def quantities(self) -> tuple[str, ...]:
-        """Names of the quantities that objectives and limits may use; the first is made of every impact's peak."""
-        return self.mechanism.tuned
+    def names(self) -> tuple[str, ...]:
+        """The quantities that objectives and limits may use, the own ones last; the first is made of every impact's
+        peak."""
+        return (*self.mechanism.tuned, *self.quantities)
+
+    @property
+    def measured(self) -> tuple[str, ...]:
+        """The mechanism's quantities among `names`, then those that only the own ones are made of."""
+        asked = (name for derived in self.quantities.values() for name in derived.parameters)
+        return tuple(dict.fromkeys((*self.mechanism.tuned, *asked)))
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The mechanism's quantities and the own ones."""
+        own = {name: derived.as_quantity(name) for name, derived in self.quantities.items()}
+        return {**self.mechanism.quantities, **own}
 
     @property
     def scenarios_met(self) -> tuple[Part, ...]:
@@ -236,7 +254,9 @@ class Problem:
         for case in self.cases:
             listed.append(repr([getattr(case.scenario, name) for name in paths(case.scenario)]) + repr(case.factors))
         rest: tuple[Any, ...] = (self.variables, self.objective, self.limits, self.then, self.duration, self.rtol)
-        return hashlib.sha256("\n".join([*listed, *map(repr, rest)]).encode()).hexdigest()[:16]
+        listed += map(repr, rest)
+        listed += [f"{name} [{own.unit}] {own.parameters} {own.identity}" for name, own in self.quantities.items()]
+        return hashlib.sha256("\n".join(listed).encode()).hexdigest()[:16]
 
 
 def _check_variables(design: Part, variables: Sequence[Variable]) -> None:

@@ -36,5 +36,5 @@ def record(goal: Goal, point: Evaluation, number: int, stage: int, search: int, 
         "succeeded": [bool(met) for met in point.succeeded],
         "impacts": [int(count) for count in point.impacts],
         "margin": point.margin.tolist(),
-        **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.quantities)},
+        **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.names)},
     }

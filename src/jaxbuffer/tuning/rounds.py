@@ -118,8 +118,9 @@ class Rounds:
     def _second(self, progress: Progress, search: Search, best: Branch) -> Progress:
         """The second stage, from the first one's best design."""
         assert self.problem.then is not None
-        ceiling = (1.0 + self.problem.then.slack) * search.goal.value(best.best)
-        scale = Goal(self.problem, self.problem.then.objective).value(best.best)
+        lowest = search.goal.value(best.best)
+        ceiling = (1.0 + (self.problem.then.slack if lowest >= 0.0 else -self.problem.then.slack)) * lowest
+        scale = abs(Goal(self.problem, self.problem.then.objective).value(best.best)) or 1.0
         progress = progress._replace(stage=1, scale=scale, ceiling=ceiling, branches=())
         return progress._replace(branches=(self._search(progress).begin(best.best),))
 
@@ -167,8 +168,8 @@ def best_branch(search: Search, branches: tuple[Branch, ...]) -> Branch:
 
 
 def size(goal: Goal, points: list[Evaluation]) -> float:
-    """Size of the objective [N]: its first positive value among the starts, else 1."""
-    return next((value for value in map(goal.value, points) if value > 0.0), 1.0)
+    """Size of the objective [N]: the first of its values among the starts that is not zero, without sign; else 1."""
+    return next((abs(value) for value in map(goal.value, points) if value != 0.0), 1.0)
 
 
 def check_starts(problem: Problem, points: list[Evaluation]) -> None:

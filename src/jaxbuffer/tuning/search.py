@@ -191,7 +191,8 @@ class Search:
         if missing > 0.01 * np.sum(np.abs(multipliers.peaks)) or not np.all(trial.solved):
             return np.full(len(point.scaled), np.nan)
         after = Tangent.of(trial)._replace(peaks_slope=matched)
-        return multipliers.slope(after) - multipliers.slope(Tangent.of(point))
+        moved = multipliers.moved(trial.by_peak - point.by_peak)
+        return moved.slope(after) - multipliers.slope(Tangent.of(point))
 
 
 def _nearer(scaled: np.ndarray, cliffs: np.ndarray) -> Cuts:

@@ -56,9 +56,9 @@ class Standing(NamedTuple):
         earlier = _families(search, tuple(branch for branch in branches if branch.round < latest))
         return Standing(
             tuple(families),
-            families[1] / families[0] - 1.0 if len(families) > 1 else np.inf,
+            _above(families[1], families[0]) if len(families) > 1 else np.inf,
             any(bool(np.any(np.isfinite(branch.cliffs))) for branch in branches),
-            earlier[0] / families[0] - 1.0 if earlier else np.inf,
+            _above(earlier[0], families[0]) if earlier else np.inf,
         )
 
     def settled(self, stage: int) -> bool:
@@ -70,12 +70,19 @@ class Standing(NamedTuple):
         return (agree or len(self.families) == 1) if not self.cliffs else (agree and self.gain <= AGREE)
 
 
+def _above(value: float, lowest: float) -> float:
+    """By how much an objective is above the lowest, relative to that one's size [-]."""
+    if value == lowest:
+        return 0.0
+    return value / abs(lowest) - float(np.sign(lowest)) if lowest else np.inf
+
+
 def _families(search: Search, branches: tuple[Branch, ...]) -> list[float]:
     """The best of each family; of a search that was given up before its end, only what agrees with the best."""
     kept = [(search.goal.value(b.best), b) for b in branches if search.goal.feasible(b.best)]
     lowest = min((value for value, _ in kept), default=np.inf)
     best: dict[int, float] = {}
     for value, branch in kept:
-        if branch.status != BEHIND or value <= (1.0 + AGREE) * lowest:
+        if branch.status != BEHIND or _above(value, lowest) <= AGREE:
             best[branch.family] = min(best.get(branch.family, np.inf), value)
     return sorted(best.values())

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .tuned import Tuned
 
 SHOWN = 12  # scenarios in a table
+OWN = 3  # own quantities in that table, in place of the usual ones
 
 
 def tuned_table(tuned: "Tuned") -> str:
@@ -26,7 +27,8 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     summary_ = table("Objective and what limits it")
     for heading in ("", "before", "after"):
         summary_.add_column(heading, justify="left" if not heading else "right")
-    summary_.add_row(f"{problem.objective} [N]", f"{start:.6g}", f"{end:.6g} ({100.0 * (end / start - 1.0):+.2f} %)")
+    change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
+    summary_.add_row(f"{problem.objective} [N]", f"{start:.6g}", f"{end:.6g}{change}")
     if problem.then is not None and tuned.goal.ceiling is not None:
         then = [tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary_.add_row(f"then {problem.then.objective} [N]", *(f"{value:.6g}" for value in then))
@@ -77,15 +79,16 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
 
 
 def _tuned_cases(tuned: "Tuned") -> Table:
-    """The largest peak, the other quantities drawn of a sweep that are tuned, impacts and outcomes."""
+    """The largest peak, the own quantities or else those drawn of a sweep that are tuned, impacts and outcomes."""
     problem, before, after = tuned.problem, tuned.before, tuned.after
-    mechanism, count = problem.mechanism, len(problem.cases)
+    mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
     cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} worst of {count} scenarios")
     cases.add_column("scenario")
-    others = [name for name in mechanism.defaults.mapped[1:3] if name in problem.quantities]
+    usual = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names]
+    others = list(problem.quantities)[:OWN] or usual
     headings = ["peak force [N]", "change"]
     for name in others:
-        quantity = mechanism.quantities[name]
+        quantity = catalogue[name]
         headings.append(f"{quantity.title} [{(quantity.shown or (quantity.unit,))[0]}]")
     for heading in (*headings, "impacts", "before", "after"):
         cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
@@ -93,7 +96,7 @@ def _tuned_cases(tuned: "Tuned") -> Table:
     for k in sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN]):
         shown = []
         for name in others:
-            factor, q = (mechanism.quantities[name].shown or ("", 1.0))[1], problem.quantities.index(name)
+            factor, q = (catalogue[name].shown or ("", 1.0))[1], problem.names.index(name)
             shown.append(f"{factor * first[k, q]:.4g} → {factor * last[k, q]:.4g}")
         cases.add_row(
             problem.cases[k].label(problem.cases),

@@ -14,8 +14,8 @@ def tuning_history(tuned: "Tuned") -> tuple[list[str], list[Sequence[Any]]]:
     problem = tuned.problem
     plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
     numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
-    catalogue = problem.mechanism.quantities
-    worst = {name: catalogue[name].unit for name in problem.quantities}
+    catalogue = problem.catalogue
+    worst = {name: catalogue[name].unit for name in problem.names}
     header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
     header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]

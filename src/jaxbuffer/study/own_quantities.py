@@ -1,0 +1,119 @@
+"""The ``[problem.quantities]`` of a study: Python functions in a file beside it.
+
+Reading a study runs nothing of them; `own_quantities` does, for the commands that need their values.
+"""
+
+import inspect
+import types
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..errors import InputError, nearest, shown, suggest
+from ..fields.units import check_unit
+from ..mechanisms.mechanism import Mechanism
+from ..tuning.derived import Derived, check_derived, check_name, raised
+
+EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
+FIELDS = ("function", "unit", "description")
+
+
+class Named(NamedTuple):
+    """An own quantity as a study names it: the file and the function's name in it, its unit, and what it is."""
+
+    file: str
+    function: str
+    unit: str
+    description: str
+
+
+def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, Named]:
+    """Those of a ``[problem]``, whose files are not looked at. **Raises:** `InputError` for what names none."""
+    given = table.get("quantities", {})
+    if not isinstance(given, dict):
+        raise InputError(f"problem.quantities = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
+    return {name: _named(name, entry, mechanism) for name, entry in given.items()}
+
+
+def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
+    where = f"problem.quantities.{name}"
+    check_name(name, mechanism.quantities)
+    if not isinstance(entry, dict):
+        raise InputError(f"{where} = {shown(entry)} is not a table; write {name} = {EXAMPLE}")
+    for key in entry:
+        if key not in FIELDS:
+            raise InputError(f"{where}.{key} is unknown{suggest(key, FIELDS)}")
+    for key in FIELDS[:2]:
+        if key not in entry:
+            raise InputError(f"{where} has no {key}; write {name} = {EXAMPLE}")
+    for key, value in entry.items():
+        if not isinstance(value, str):
+            raise InputError(f"{where}.{key} = {shown(value)} is not a text; write {name} = {EXAMPLE}")
+    file, colon, function = entry["function"].rpartition(":")
+    if not (colon and file.endswith(".py") and function.isidentifier()):
+        told = "is not a file and a name in it, such as objectives.py:effort"
+        raise InputError(f"{where}.function = {shown(entry['function'])} {told}")
+    check_unit(f"{where}.unit", entry["unit"])
+    return Named(file, function, entry["unit"], entry.get("description", ""))
+
+
+def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
+    """The own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
+
+    **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
+    """
+    modules: dict[str, dict[str, Any]] = {}
+    found = {}
+    for name, asked in named_quantities(table, mechanism).items():
+        where = f"problem.quantities.{name}"
+        try:
+            if asked.file not in modules:
+                modules[asked.file] = _run(folder / asked.file, asked.file)
+            function = _function(modules[asked.file], asked)
+            found[name] = Derived(function, asked.unit, asked.description)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
+    try:
+        return check_derived(found, mechanism.quantities)
+    except InputError as error:
+        raise InputError(f"problem.{error}") from None
+
+
+def _run(path: Path, shown_as: str) -> dict[str, Any]:
+    """What a Python file defines; nothing is written beside it."""
+    try:
+        source = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    module = types.ModuleType(f"study {path.stem}")
+    module.__file__ = str(path)
+    try:
+        exec(compile(source, str(path), "exec"), module.__dict__)  # docs/security.md says when
+    except SyntaxError as error:
+        raise InputError(f"{shown_as}, line {error.lineno}: {error.msg}") from None
+    except (Exception, SystemExit) as error:
+        raise InputError(f"{shown_as}{_at(error, path)} {raised(error)}") from None
+    return vars(module)
+
+
+def _at(error: BaseException, path: Path) -> str:
+    """The file's last line on the way to an error, as text."""
+    line, at = "", error.__traceback__
+    while at is not None:
+        if at.tb_frame.f_code.co_filename == str(path):
+            line = f", line {at.tb_lineno},"
+        at = at.tb_next
+    return line
+
+
+def _function(defined: Mapping[str, Any], asked: Named) -> Callable[..., Any]:
+    """The function of that name."""
+    if asked.function in defined:
+        found: Callable[..., Any] = defined[asked.function]
+        return found
+    functions = [name for name, value in defined.items() if inspect.isfunction(value)]
+    near = nearest(asked.function, functions)
+    told = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
+    raise InputError(f"{asked.file} has no function {asked.function}{told}")

@@ -1,0 +1,211 @@
+"""A quantity of one's own: a Python function of a run's quantities, differentiated by JAX."""
+
+import dataclasses
+import functools
+import hashlib
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..compiling.identity import fingerprint, lasting
+from ..errors import InputError, shown, suggest
+from ..fields.units import check_unit
+from ..mechanisms.quantity import Catalogue, Quantity
+
+if TYPE_CHECKING:
+    from ..mechanisms.run import Run
+
+EXAMPLE = "Derived(lambda peak_force, stroke: peak_force * stroke, 'N m')"
+RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
+    [
+        *("captured", "impacts", "over", "level", "slack", "evaluation", "stage", "search", "step", "accepted"),
+        *("objective", "feasible", "excess", "radius", "residual", "status", "captures", "values", "outcome"),
+        *("succeeded", "margin", "first_peak"),
+    ]
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Derived:
+    """A quantity of your own, for objectives and limits: a function of those in the mechanism's catalogue.
+
+    JAX differentiates the function, and the chain rule does the rest with the gradients that a run has anyway.
+
+    **Arguments:**
+
+    - ``function``: of quantities, which its parameters name (`jaxbuffer fields KIND` lists them), each a number in its
+      unit; it returns one number, computed with ``jax.numpy`` and without chance.
+    - ``unit``: of what it returns, "-" for none.
+    - ``description``: what it is, in a line.
+
+    **Raises:** `InputError` for a function that JAX can't trace, that returns something else than one real number, that
+    changes from call to call or whose derivative by one of its parameters is zero everywhere, and for unknown units.
+
+    **Example:** force times stroke; a capture's tuning then lowers it.
+
+    >>> effort = jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
+    >>> scenarios, variables = [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)]
+    >>> problem = jb.Problem(
+    ...     jb.table2(), scenarios, variables, jb.Objective({"effort": 1.0}), quantities={"effort": effort}
+    ... )
+    >>> effort.parameters, problem.names[-1]
+    (('peak_force', 'stroke'), 'effort')
+    """
+
+    function: Callable[..., Any]
+    unit: str
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        if not callable(self.function):
+            raise InputError(f"derived function = {shown(self.function)} is not a function; write {EXAMPLE}")
+        check_unit(f"unit of {self.label}", self.unit)
+        if not isinstance(self.description, str):
+            raise InputError(f"description of {self.label} = {shown(self.description)} is not a text")
+        if not self.parameters:
+            raise InputError(f"{self.label} has no parameter; name quantities: {EXAMPLE}")
+        for parameter in inspect.signature(self.function).parameters.values():
+            if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
+                raise InputError(f"{self.label}: its parameter {parameter} names no quantity; write {EXAMPLE}")
+            if parameter.default is not parameter.empty:
+                told = "each parameter is a quantity of the run; write constants into the function"
+                raise InputError(f"{self.label}: its parameter {parameter.name} has a default value; {told}")
+        check_traced(self)
+
+    @functools.cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the quantities that it is made of."""
+        try:
+            return tuple(inspect.signature(self.function).parameters)
+        except (TypeError, ValueError):
+            raise InputError(f"{self.label}: its parameters are not known; write it with def or lambda") from None
+
+    @property
+    def label(self) -> str:
+        """What messages call it: "effort(peak_force, stroke)"."""
+        name = getattr(self.function, "__name__", type(self.function).__name__)
+        return name if name == "<lambda>" else f"function {name}"
+
+    @property
+    def signature(self) -> str:
+        """What it is made of: "effort(peak_force, stroke)"."""
+        return f"{self.label.removeprefix('function ')}({', '.join(self.parameters)})"
+
+    def value(self, values: Sequence[Any]) -> Float[Array, ""]:
+        """Its value from those of its parameters, in their order, each in its unit."""
+        found = self.function(**dict(zip(self.parameters, values, strict=True)))
+        if not isinstance(found, (int, float, np.number, np.ndarray, jax.Array)) or isinstance(found, bool):
+            raise InputError(f"{self.label} returns {shown(found)}, not a number")
+        if jnp.shape(found) != ():
+            raise InputError(f"{self.label} returns an array of the shape {jnp.shape(found)}, not one number")
+        if not jnp.issubdtype(jnp.result_type(found), jnp.number) or jnp.iscomplexobj(found):
+            raise InputError(f"{self.label} returns a number of the type {jnp.result_type(found)}, not a real one")
+        return jnp.asarray(found, float)
+
+    @functools.cached_property
+    def linearised(self) -> Callable[[Array], tuple[Array, Array]]:
+        """From values (n, parameters) to what it returns (n,) and its derivatives (n, parameters): compiled once."""
+
+        def one(values: Float[Array, " parameters"]) -> tuple[Array, Array]:
+            return self.value(list(values)), jax.jacfwd(lambda given: self.value(list(given)))(values)
+
+        return jax.jit(jax.vmap(one))
+
+    def as_quantity(self, name: str) -> Quantity:
+        """An entry of a catalogue."""
+
+        def of(run: "Run") -> Float[Array, ""]:
+            catalogue = run.mechanism.quantities
+            return self.value([jnp.asarray(catalogue[parameter].of(run)) for parameter in self.parameters])
+
+        told = self.description or self.signature
+        return Quantity(self.unit, of, told, name.replace("_", " "), signed=True, tuned=True)
+
+    @property
+    def identity(self) -> str | None:
+        """The same in every process for the same code and the values that it reads; None where that can't be told."""
+        described = fingerprint(self.function)
+        return hashlib.sha256(repr(described).encode()).hexdigest()[:16] if lasting(described) else None
+
+
+def check_traced(derived: Derived) -> None:
+    """Raise `InputError` for a function that JAX can't trace or differentiate, or that is another one at each call."""
+    jaxpr = _traced(derived)
+    again = _traced(derived)
+    consts = zip(jaxpr.consts, again.consts, strict=False)
+    if str(jaxpr) != str(again) or not all(np.array_equal(a, b, equal_nan=True) for a, b in consts):
+        raise InputError(f"{derived.label} is another one at each call; it must not depend on chance, time or a state")
+    count = len(derived.parameters)
+    reached: dict[int, frozenset[int]] = {id(v): frozenset([k]) for k, v in enumerate(jaxpr.jaxpr.invars[count:])}
+    for equation in jaxpr.jaxpr.eqns:
+        through = frozenset().union(*(reached.get(id(v), frozenset()) for v in equation.invars))
+        reached |= {id(v): through for v in equation.outvars}
+    by = reached.get(id(jaxpr.jaxpr.outvars[1]), frozenset())
+    lost = [name for k, name in enumerate(derived.parameters) if k not in by]
+    if lost:
+        told = "it is not used, or only rounded, compared or behind stop_gradient"
+        raise InputError(f"{derived.label}: its derivative by {lost[0]} is zero everywhere: {told}")
+
+
+def _traced(derived: Derived) -> Any:
+    """The function and its derivative as JAX sees them."""
+    numbers = [jax.ShapeDtypeStruct((), jnp.result_type(float))] * len(derived.parameters)
+
+    def both(values: list[Array], changes: list[Array]) -> tuple[Array, Array]:
+        found: tuple[Array, Array] = jax.jvp(lambda *given: derived.value(given), values, changes)
+        return found
+
+    try:
+        return jax.make_jaxpr(both)(numbers, numbers)
+    except InputError:
+        raise
+    except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
+        told = "float(), int(), if, math and numpy do; write jax.numpy and jax.numpy.where"
+        raise InputError(f"{derived.label} takes a number out of JAX{_line(derived, error)}: {told}") from None
+    except Exception as error:  # the user's own code
+        raise InputError(f"{derived.label} {raised(error)}{_line(derived, error)}") from None
+
+
+def raised(error: BaseException) -> str:
+    """What an error in somebody's code says: "raises KeyError: 'a'"."""
+    first = next(iter(str(error).splitlines()), "")
+    return f"raises {type(error).__name__}{f': {first}' if first else ''}"[:200]
+
+
+def _line(derived: Derived, error: BaseException) -> str:
+    """Where in the function's file an error came about, as text."""
+    code = getattr(inspect.unwrap(derived.function), "__code__", None)
+    found, at = "", error.__traceback__
+    while at is not None:
+        if code is not None and at.tb_frame.f_code.co_filename == code.co_filename:
+            found = f" in line {at.tb_lineno}"
+        at = at.tb_next
+    return found
+
+
+def check_derived(given: Any, catalogue: Catalogue) -> dict[str, Derived]:
+    """The own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"quantities = {shown(given)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
+    for name, derived in given.items():
+        check_name(name, catalogue)
+        if not isinstance(derived, Derived):
+            raise InputError(f"quantities.{name} = {shown(derived)} is not a Derived; write {EXAMPLE}")
+        for parameter in derived.parameters:
+            if parameter not in catalogue:
+                told = suggest(parameter, catalogue)
+                raise InputError(f"quantities.{name}: {derived.label} asks for {parameter}, which is unknown{told}")
+    return dict(given)
+
+
+def check_name(name: Any, catalogue: Catalogue) -> None:
+    """Raise `InputError` for what is no name for a quantity, or one that is taken."""
+    if not isinstance(name, str) or not name.isidentifier():
+        raise InputError(f"quantities: {shown(name)} is no name; write letters, digits and _, effort say")
+    if name in catalogue or name in RESERVED:
+        raise InputError(f"quantities.{name}: the name is taken; choose another one")
