@@ -44,7 +44,7 @@ def make(app: Sphinx) -> None:
     intro = "Each figure is made by the build of these pages, by the code beneath it."
     shown = "".join(f'<a class="card" href="{n}.html"><img src="{n}.png" alt=""><span>{t}</span></a>' for n, t in cards)
     (target / "index.md").write_text(
-        f"# Gallery\n\n{intro}\n\n```{{raw}} html\n<div class=\"cards\">{shown}</div>\n```\n\n"
+        f'# Gallery\n\n{intro}\n\n```{{raw}} html\n<div class="cards">{shown}</div>\n```\n\n'
         f"```{{toctree}}\n:hidden:\n\n{names}\n```\n",
         encoding="utf-8",
     )

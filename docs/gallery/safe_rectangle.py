@@ -1,7 +1,7 @@
 """# Where it is safe: a sweep and its largest rectangle
 
-Captures over speed and misalignment. A run is safe if it is captured and keeps the limit on its stroke; the rectangle is
-the largest one that holds safe runs only, the border between safe and unsafe is drawn around all of them.
+Captures over speed and misalignment. A run is safe if it is captured and keeps the limit on its stroke. The rectangle
+is the largest one that holds safe runs only; the border is drawn around all of them.
 """
 
 import jaxbuffer as jb

@@ -4,9 +4,10 @@ A slider-crank with play: where the piston pin's centre goes in its bush during 
 touches; beyond it the contact is pressed in.
 """
 
-import jaxbuffer as jb
 import numpy as np
 from matplotlib.figure import Figure
+
+import jaxbuffer as jb
 
 jb.configure()
 run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), history=True)
