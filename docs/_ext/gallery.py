@@ -12,11 +12,6 @@ from pathlib import Path
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-CARD = """:::{{card}} {name}.md
-:image: {name}.png
-{title}
-:::
-"""
 PAGE = """{heading}
 
 ![{title}]({name}.png)
@@ -42,10 +37,9 @@ def make(app: Sphinx) -> None:
     cards = [_page(script, target) for script in scripts]
     names = "\n".join(script.stem for script in scripts)
     intro = "Each figure is made by the build of these pages, by the code beneath it."
-    shown = "".join(f'<a class="card" href="{n}.html"><img src="{n}.png" alt=""><span>{t}</span></a>' for n, t in cards)
+    shown = "\n\n".join(f"[![{title}]({name}.png) {title}]({name}.md)" for name, title in cards)
     (target / "index.md").write_text(
-        f'# Gallery\n\n{intro}\n\n```{{raw}} html\n<div class="cards">{shown}</div>\n```\n\n'
-        f"```{{toctree}}\n:hidden:\n\n{names}\n```\n",
+        f"# Gallery\n\n{intro}\n\n```{{container}} cards\n{shown}\n```\n\n```{{toctree}}\n:hidden:\n\n{names}\n```\n",
         encoding="utf-8",
     )
 

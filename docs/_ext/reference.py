@@ -10,6 +10,8 @@ import jaxbuffer
 
 CODE = re.compile(r"(?<!`)`([^`]+)`(?!`)(\w?)")  # `simulate`, `Case`s
 PAGE = re.compile(r"\bdocs/([a-z_]+)\.md\b")  # docs/tuning.md
+IN_TEXT = re.compile(r"(?<![\[(/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")
+FENCE = re.compile(r"(^```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
 def docstring(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
@@ -31,6 +33,14 @@ def _code(found: re.Match[str]) -> str:
     name, letter = found[1], found[2]
     said = f":py:obj:`~jaxbuffer.{name}`" if name in jaxbuffer.__all__ else f"``{name}``"
     return said + (rf"\ {letter}" if letter else "")
+
+
+def links(app: Sphinx, page: str, source: list[str]) -> None:
+    """Where a page names another one, docs/NAME.md, it links to it; code stays as it is."""
+    if not page.startswith(("generated/", "notebook/")):
+        parts = FENCE.split(source[0])
+        parts[::2] = [IN_TEXT.sub(r"[docs/\1.md](/\1.md)", part) for part in parts[::2]]
+        source[0] = "".join(parts)
 
 
 def signature(app: Sphinx, what: str, name: str, obj: Any, options: Any, shown: str, returned: str) -> Any:
@@ -63,6 +73,7 @@ def _help(command: str, text: str) -> str:
 def setup(app: Sphinx) -> dict[str, bool]:
     """Sphinx calls this."""
     app.connect("autodoc-process-docstring", docstring)
+    app.connect("source-read", links)
     app.connect("autodoc-process-signature", signature)
     app.connect("builder-inited", commands)
     return {"parallel_read_safe": True}
