@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify clean
+.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -42,6 +42,9 @@ bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchma
 verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md
 	$(BIN)/python -m verify
 
+docs: $(READY)  ## these pages as a site, docs/_build/html/index.html; a warning is an error
+	$(BIN)/python -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
+
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(INSTALL) ".[dev]"
@@ -52,4 +55,4 @@ $(PEERS): $(READY)
 	touch $@
 
 clean:
-	rm -rf $(VENV) results .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) results docs/_build docs/generated .pytest_cache .mypy_cache .ruff_cache

@@ -1,6 +1,8 @@
-"""Every Python example of the documents runs: README, docs and the docstrings of all public names."""
+"""Every example of the documents runs: Python of README, docs and docstrings, commands of the guides."""
 
 import doctest
+import json
+import os
 import re
 import subprocess
 import sys
@@ -22,7 +24,15 @@ def blocks(page: Path) -> str:
     return "\n".join(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
 
 
-PAGES = [page for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))) if blocks(page)]
+def commands(page: Path) -> str:
+    """A page's shell examples, one after the other, but for those that a comment above marks as not run."""
+    parts = re.findall(r"(<!-- not run.*?-->\n)?```bash\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    return "\n".join(text for comment, text in parts if not comment)
+
+
+DOCS = ROOT / "docs"
+GUIDES = [DOCS / "quickstart.md", *sorted((DOCS / "howto").glob("*.md"))]
+PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *GUIDES[1:]) if blocks(page)]
 
 
 def docstring(name: str) -> str:
@@ -62,6 +72,36 @@ def test_examples_of_a_page_run(page, tmp_path, programs):
     command = [sys.executable, "-W", "error", "-c", kept + blocks(page)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [page for page in GUIDES if commands(page)], ids=lambda page: page.name)
+def test_commands_of_a_guide_run(page, tmp_path, programs):
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for name, words in (("jaxbuffer", " -m jaxbuffer"), ("python", "")):
+        script = folder / name
+        script.write_text(f'#!/bin/sh\nexec "{sys.executable}"{words} "$@"\n')
+        script.chmod(0o755)
+    names = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}", "JAXBUFFER_CACHE": str(programs)}
+    command = ["bash", "-e", "-u", "-o", "pipefail", "-c", commands(page)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, env=names)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+def test_the_reference_has_every_public_name_once():
+    entries = [
+        name
+        for page in (DOCS / "api").glob("*.md")
+        for name in re.findall(r"^\.\. auto\w+:: jaxbuffer\.(\w+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    ]
+    assert sorted(entries) == sorted(jaxbuffer.__all__)
+
+
+@pytest.mark.parametrize("file", sorted(DOCS.glob("notebook/*.ipynb")), ids=lambda file: file.name)
+def test_a_notebook_is_kept_without_outputs(file):  # `make docs` runs it
+    code = [cell for cell in json.loads(file.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+    assert code and not any(cell["outputs"] or cell["execution_count"] for cell in code)
 
 
 @pytest.mark.parametrize("name", jaxbuffer.__all__)

@@ -1,0 +1,12 @@
+"""# A bar drops on a plate
+
+The second mechanism of the house: a bar on a hinge falls on a plate, as in an experiment with a force sensor under the
+plate.
+"""
+
+import jaxbuffer as jb
+from jaxbuffer.output.figures import run_figure
+
+jb.configure()
+drop = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), history=True)  # m
+figure = run_figure(drop)
