@@ -5,12 +5,12 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from jaxbuffer.report.folder import results
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
 from jaxbuffer.output.results import run_files, sensitivity_files
-from jaxbuffer.report.folder import results
 from jaxbuffer.report.page import Cell, Table, shown
 from jaxbuffer.report.review import review
 

@@ -11,8 +11,9 @@ import numpy as np
 from ..fields import get
 from ..fields.record import record
 from ..mechanisms.history_table import history_columns
-from ..mechanisms.quantity import unit_of
+from ..mechanisms.quantity import unit_of, value_of
 from ..mechanisms.run import Run
+from ..sensitivities.advice import advice
 from ..sensitivities.dataset import sensitivity_rows
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
@@ -20,13 +21,14 @@ from ..version import version
 if TYPE_CHECKING:
     from ..sensitivities.sensitivity import Sensitivity
     from ..tuning.evaluation import Evaluation
+    from ..tuning.objective import Limits
     from ..tuning.tuned import Tuned
 
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run) -> dict[str, Any]:
-    """Everything but the history. Impacts count from 1."""
+def run_record(run: Run, limits: "Limits | None" = None) -> dict[str, Any]:
+    """Everything but the history. Impacts count from 1. ``limits``: those of the run's study."""
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
@@ -34,8 +36,12 @@ def run_record(run: Run) -> dict[str, Any]:
         "kind": mechanism.name,
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
+        "limits": {} if limits is None else dict(limits.at_most),
+        "lower_limits": {} if limits is None else dict(limits.at_least),
+        "most_impacts": None if limits is None else limits.impacts,
+        "limited": {name: _number(value_of(run, name)) for name in _limited(limits)},
         "outside_validity": mechanism.warnings(run),
-        "diagnosis": [" ".join(line.split()) for line in run.diagnosis],
+        "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
@@ -65,6 +71,10 @@ def run_record(run: Run) -> dict[str, Any]:
     }
 
 
+def _limited(limits: "Limits | None") -> list[str]:
+    return [] if limits is None else list(dict.fromkeys([*limits.at_most, *limits.at_least]))
+
+
 def run_history(run: Run) -> Table:
     """The history, a row for each accepted step."""
     columns = history_columns(run)
@@ -82,6 +92,7 @@ def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
         **{f"{n} [{u}]": _number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
+        "advice": [" ".join(line.split()) for line in advice(result)],
         "design": record(run.design),
         "scenario": record(run.scenario),
         "jaxbuffer": version(),
@@ -166,6 +177,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         ],
         "limits": dict(problem.limits.at_most),
         "lower_limits": dict(problem.limits.at_least),
+        "most_impacts": problem.limits.impacts,
         "scenarios": [
             {
                 **record(case.scenario),
