@@ -5,11 +5,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from jaxbuffer.report.folder import results
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
+from jaxbuffer.output.folder import load
 from jaxbuffer.output.results import run_files, sensitivity_files
 from jaxbuffer.report.page import Cell, Table, shown
 from jaxbuffer.report.review import review
@@ -67,7 +67,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def page(folder):
-    return Outline(review([results(folder)]).html())
+    return Outline(review([load(folder)]).html())
 
 
 def test_the_page_needs_nothing_else(page):
@@ -94,7 +94,7 @@ def test_it_says_what_the_records_hold(page, folder):
 
 def test_a_run_moves_as_its_history_does(folder):
     """Frames at the first and the last instant are those of the history's first and last step."""
-    motion = results(folder).motion
+    motion = load(folder).motion
     header, *rows = (folder / "history.csv").read_text().splitlines()
     columns = header.split(",")
     wanted = [k for k, name in enumerate(columns) if " position " in name]
@@ -137,7 +137,7 @@ def tuned_record(worst, feasible):
 @pytest.mark.parametrize(("worst", "verdict"), [(0.02, "kept"), (0.03, "broken")])
 def test_limits_are_judged(tmp_path, worst, verdict):
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(worst, verdict == "kept")))
-    page = Outline(review([results(tmp_path)]).html())
+    page = Outline(review([load(tmp_path)]).html())
     text = " ".join(" ".join(page.text).split())
     assert f"{100 * (1 - worst / 0.025):.3g} % {verdict}" in text
     assert "at the lower" in text

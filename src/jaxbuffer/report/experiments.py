@@ -27,7 +27,7 @@ def sweep(found: Results) -> Section | None:
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
     figures = figure(found, "envelope", "Which runs are safe, and the largest rectangle of them")
     figures += figure(found, "sweep", "The sweep's quantities over the swept numbers")
-    return Section("Envelope", text, figures, [_outcomes(found.mechanism, outcomes)])
+    return Section("Sweep" if envelope is None else "Envelope", text, figures, [_outcomes(found.mechanism, outcomes)])
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
@@ -129,10 +129,10 @@ def front(found: Results) -> Section | None:
         values = [shown(value) for name, value in point.items() if name not in ("point", "standing", "converged")]
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
     names = [name for name in points[0] if name not in ("point", "standing", "converged")]
+    objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
     text = [
-        f"{kept} of {len(points)} points are on the front of {' and '.join(map(words, record['objectives']))}, the"
-        f" worst over {record['scenarios']} scenario{'s' if record['scenarios'] > 1 else ''}: none of them is better than"
-        " another in every objective.",
+        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {count}"
+        f" scenario{'s' if count > 1 else ''}: none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
     table = Table("Points of the front", ("point", *map(words, names), "standing"), rows)

@@ -20,12 +20,14 @@ def figure(found: Results, stem: str, caption: str) -> list[Figure]:
 
 
 def _inline(svg: str, prefix: str) -> str:
-    """An SVG file as part of a page: without its head and fixed size, its identifiers made its own."""
+    """An SVG file as part of a page: without its head, no larger than it was drawn, its identifiers made its
+    own."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
     svg = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", svg)
+    width = re.search(r'<svg\b[^>]*? width="([\d.]+)pt"', svg)
     for size in ("width", "height"):
         svg = re.sub(rf'(<svg\b[^>]*?) {size}="[^"]*"', r"\1", svg, count=1)
-    return svg
+    return svg if width is None else svg.replace("<svg", f'<svg style="--natural: {width[1]}pt"', 1)

@@ -53,7 +53,9 @@ def differing(results: Sequence[tuple[str, Record]]) -> list[str]:
 
 
 def _commands(results: Sequence[tuple[str, Record]]) -> Table:
-    rows = [[name, _made(record).get("command", UNRECORDED)] for name, record in results]
+    rows: list[list[str | Cell]] = [
+        [name, Cell(_made(record).get("command", UNRECORDED), "code")] for name, record in results
+    ]
     return Table("Commands, as typed", ("result", "command"), rows)
 
 

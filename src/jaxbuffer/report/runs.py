@@ -1,6 +1,6 @@
 """What a page says of a run, of what held it back, and of its sensitivities."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..output.folder import Record, Results
@@ -26,7 +26,14 @@ def run(found: Results, first: Results) -> Section | None:
     ]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
-        tables.append(Table(f"{len(hits)} impacts", [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
+        tables.append(
+            Table(
+                f"{len(hits)} impact{'s' if len(hits) > 1 else ''}",
+                [words(name) for name in hits[0]],
+                rows,
+                folded=len(hits) > MANY,
+            )
+        )
     scenario = scenario_of(mechanism, record["scenario"])
     text = [f"{words(record['outcome']).capitalize()}; {mechanism.label(scenario)}."]
     return Section(
@@ -87,6 +94,8 @@ def sensitivity(found: Results, first: Results) -> Section | None:
         of_quantity.setdefault(row["quantity"], []).append(row)
     rows: list[list[str | Cell]] = []
     for name, derivatives in of_quantity.items():
+        if _signed(derivatives):
+            continue
         verdict = derivatives[0]["verdict"] or "not certified"
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
@@ -97,5 +106,22 @@ def sensitivity(found: Results, first: Results) -> Section | None:
     text, certificate = other_design(found, first, record), record["certificate"]
     if certificate is not None:
         text.append(f"Certificate: {certificate['verdict']}; {certificate['reason']}.")
-    table = Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)
-    return Section("Sensitivity", text, tables=[table])
+    tables = [Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)] if rows else []
+    signed = {name: found for name, found in of_quantity.items() if _signed(found)}
+    return Section("Sensitivity", text, tables=[*tables, *_slopes(signed)])
+
+
+def _signed(rows: Sequence[Record]) -> bool:
+    """Whether a quantity has no elasticities, as it can change sign."""
+    return all(row["elasticity [-]"] is None for row in rows)
+
+
+def _slopes(signed: Mapping[str, Sequence[Record]]) -> list[Table]:
+    """Derivatives of quantities that have no elasticities."""
+    rows = [
+        [words(name), row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
+        for name, found in signed.items()
+        for row in found
+    ]
+    headings = ("quantity", "by", "derivative", "unit", "verdict")
+    return [Table("Derivatives of what can change sign", headings, rows)] if rows else []

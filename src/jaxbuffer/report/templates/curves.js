@@ -1,7 +1,7 @@
 "use strict";
 /* Forces over time to be read off: a slider or the pointer sets the time, buttons show less of it or more. */
 {
-const NAMESPACE = "http://www.w3.org/2000/svg", HEIGHT = 300, LEFT = 56, RIGHT = 12, TOP = 12, BOTTOM = 44, ZOOM = 4, PAD = 8;
+const NAMESPACE = "http://www.w3.org/2000/svg", HEIGHT = 300, LEFT = 56, RIGHT = 12, TOP = 28, BOTTOM = 36, ZOOM = 4, PAD = 8;
 const ROOM = 70; // pixels for a label of the time axis
 
 function ticks(low, high, count) {
@@ -84,8 +84,8 @@ class Curves {
       this.add(this.svg, "line", { class: "grid", x1: x, x2: x, y1: TOP, y2: TOP + tall });
       this.add(this.svg, "text", { x, y: TOP + tall + 16, "text-anchor": "middle" }, text);
     }
-    this.add(this.svg, "text", { x: LEFT + inner, y: HEIGHT - 6, "text-anchor": "end" }, "time [s]");
-    this.add(this.svg, "text", { x: 0, y: HEIGHT - 6 }, "force [N]");
+    this.add(this.svg, "text", { x: LEFT + inner, y: HEIGHT - 4, "text-anchor": "end" }, "time [s]");
+    this.add(this.svg, "text", { x: 0, y: 14 }, "force [N]");
     const field = this.add(this.svg, "svg", { x: LEFT, y: TOP, width: inner, height: tall, overflow: "hidden" });
     this.curves.forEach(({ times, forces }, n) => {
       const points = [];
