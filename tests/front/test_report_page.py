@@ -94,7 +94,7 @@ def test_it_says_what_the_records_hold(page, folder):
 
 def test_a_run_moves_as_its_history_does(folder):
     """Frames at the first and the last instant are those of the history's first and last step."""
-    motion = load(folder).motion
+    motion = load(folder).records["motion"]
     header, *rows = (folder / "history.csv").read_text().splitlines()
     columns = header.split(",")
     wanted = [k for k, name in enumerate(columns) if " position " in name]
