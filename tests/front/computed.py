@@ -38,7 +38,10 @@ class Computed:
             report(record)
         return tuned
 
-    def sweep(self, design, scenario, duration, *, over, progress, **options):
+    def sweep(self, design, scenario, duration, *, over=None, progress, **options):
+        if over is None:  # of a sample: designs and scenarios are batches already
+            self._note("sweep", design=design, scenarios=scenario, duration=duration, **options)
+            return made_up_sweep(design, scenario, self.outcomes)
         asked = grid(over, design, scenario)
         designs, scenarios = asked.applied(design, scenario)
         self._note("sweep", design=designs, scenarios=scenarios, duration=duration, **options)
@@ -72,6 +75,7 @@ def stand_in(monkeypatch):
     for module in ("run.simulate", "sensitivities.sensitivity", "sweeps.sweep", "tuning.tune", "tuning.pareto"):
         function = module.rsplit(".", 1)[-1]
         monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(computed, function))
+    monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", computed.sweep)
     monkeypatch.setattr(
         "jaxbuffer.compiling.process.configure", lambda **options: computed.calls.append(("configure", options))
     )
