@@ -125,7 +125,7 @@ def test_everything_is_reached_by_keyboard_and_seen(browser, page, width):
         if number < 0 or number in reached:
             break
         assert seen, element
-        assert left >= 0, element
+        assert left > -1.0, element  # a pixel: scrolling rounds
         reached.add(number)
     assert wanted <= reached
 
@@ -158,7 +158,8 @@ def test_forces_are_read_off_by_keyboard(browser, pages):
     said = float(again.split(" · ")[1].rpartition(": ")[2].removesuffix(" N"))
     assert said == pytest.approx(known, rel=2e-3, abs=1e-3 * highest)
     browser.run("document.querySelector('.curves .closer').focus()")
-    browser.press("Enter")
+    for _ in range(3):  # 4³ times closer: less than the pulse of 3 ms in 40 ms
+        browser.press("Enter")
     length = "(() => { const it = document.querySelector('.curves polyline'); return it.points.length; })()"
     assert 0 < browser.run(length) < len(curve["force [N]"])
     assert not [event for event in browser.events if event[0] == "Runtime.exceptionThrown"]

@@ -35,9 +35,12 @@ def review(every: Sequence[Results], title: str = "") -> Page:
 def distinct(parts: Parts) -> list[Section]:
     """The sections; those of equal titles get their folder's name added."""
     titles = Counter(section.title for _, section in parts)
+    folders = {found.folder for found, _ in parts}
+    short = len({folder.name for folder in folders}) == len(folders)
+    named = lambda folder: folder.name if short else str(folder)  # noqa: E731
     return [
-        dataclasses.replace(section, title=f"{section.title}: {found.folder}") if titles[section.title] > 1 else section
-        for found, section in parts
+        dataclasses.replace(part, title=f"{part.title}: {named(found.folder)}") if titles[part.title] > 1 else part
+        for found, part in parts
     ]
 
 
