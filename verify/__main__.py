@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from jaxbuffer.papers import PAPERS
+from jaxbuffer.report.verification import FILE
 
 from . import report, run
 from .breakages import BREAKAGES
+from .packaged import packaged
 
 PARTS = ("tests", "breakages", "paper")
 PAGE = run.ROOT / "docs" / "verification.md"
@@ -51,6 +53,9 @@ def main() -> int:
         {paper: _read(folder / paper / "studies.json", {"claims": []})["claims"] for paper in PAPERS},
     )
     options.page.write_text(page)
+    counted = packaged(_read(folder / "evidence.json", []), folder / "tests.xml", broken)
+    if counted is not None and not options.quick and set(options.only) == set(PARTS):
+        FILE.write_text(json.dumps(counted, indent=2) + "\n")
     print(page)
     print(f"wrote {options.page}", *unnoticed, sep="\n")
     return int(bool(status or unnoticed))

@@ -28,9 +28,9 @@ from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
 SIMULATED = ("capture.json", "history.csv", "motion.json", "capture.txt", "capture.png", "capture.svg", "motion.png")
-SIMULATED += ("motion.svg", "capture.nc")
+SIMULATED += ("motion.svg", "capture.nc", "force.json")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
-TUNED = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt")
+TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"
 
 

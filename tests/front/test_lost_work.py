@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from determinism import computed_part
 
 import jaxbuffer
 from jaxbuffer.cli import streams
@@ -29,11 +30,12 @@ FILES = {
         "motion.json",
         "capture.txt",
         "capture.nc",
+        "force.json",
     },
     "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
-    "tune": {"design.toml", "tuned.json", "history.csv", "tune.png", "tune.svg", "tune.txt"},
+    "tune": {"design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt"},
     "sweep": {
-        *("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc"),
+        *("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc", "sweep.json"),
         *("envelope.png", "envelope.svg", "envelope.txt"),
     },
 }
@@ -176,8 +178,8 @@ def test_arrays_that_do_not_belong_together_are_refused(computed, capsys, tmp_pa
 
 def test_the_same_sweep_makes_the_same_bytes(computed, tmp_path):
     assert run(["sweep", *SPEEDS, "--output", "one"]) == 0 and run(["sweep", *SPEEDS, "--output", "two"]) == 0
-    for name in ("sweep.csv", "sweep.npz"):
-        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    for name in ("sweep.csv", "sweep.npz", "sweep.json"):
+        assert computed_part(tmp_path / "one" / name) == computed_part(tmp_path / "two" / name)
     assert len(read(tmp_path / "one" / "sweep.npz").done) == 5
 
 

@@ -1,18 +1,27 @@
 """The page of a design review: whole in itself, true to the records, readable by everyone."""
 
 import json
+import platform
+from datetime import datetime, timedelta
 from html.parser import HTMLParser
+from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
+from made_up import END, PULSE, STEPS
+from report_folders import COMMANDS, STUDY, every_kind
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
+from jaxbuffer.output.folder import load
+from jaxbuffer.output.provenance import made
 from jaxbuffer.output.results import run_files, sensitivity_files
-from jaxbuffer.report.folder import results
+from jaxbuffer.report.compare import comparison
 from jaxbuffer.report.page import Cell, Table, shown
 from jaxbuffer.report.review import review
+from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
 
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 
@@ -67,7 +76,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture
 def page(folder):
-    return Outline(review([results(folder)]).html())
+    return Outline(review([load(folder)]).html())
 
 
 def test_the_page_needs_nothing_else(page):
@@ -94,7 +103,7 @@ def test_it_says_what_the_records_hold(page, folder):
 
 def test_a_run_moves_as_its_history_does(folder):
     """Frames at the first and the last instant are those of the history's first and last step."""
-    motion = results(folder).motion
+    motion = load(folder).records["motion"]
     header, *rows = (folder / "history.csv").read_text().splitlines()
     columns = header.split(",")
     wanted = [k for k, name in enumerate(columns) if " position " in name]
@@ -137,7 +146,7 @@ def tuned_record(worst, feasible):
 @pytest.mark.parametrize(("worst", "verdict"), [(0.02, "kept"), (0.03, "broken")])
 def test_limits_are_judged(tmp_path, worst, verdict):
     (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(worst, verdict == "kept")))
-    page = Outline(review([results(tmp_path)]).html())
+    page = Outline(review([load(tmp_path)]).html())
     text = " ".join(" ".join(page.text).split())
     assert f"{100 * (1 - worst / 0.025):.3g} % {verdict}" in text
     assert "at the lower" in text
@@ -197,3 +206,146 @@ def test_numbers_stand_to_the_right():
 )
 def test_numbers_as_they_are_shown(value, text):
     assert shown(value) == text
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """Results of every kind, made up."""
+    return every_kind(tmp_path_factory.mktemp("every"))
+
+
+def section_text(page, title):
+    (section,) = [section for section in page.sections if section.title == title]
+    rows = [[getattr(cell, "text", cell) for cell in row] for table in section.tables for row in table.rows]
+    return section, [*section.text, *section.warnings], rows
+
+
+def test_a_section_for_every_kind_of_result(folders):
+    page = review([load(folder) for name, folder in folders.items() if name not in ("other", "missed")])
+    titles = [section.title for section in page.sections]
+    assert titles[0] == "Design" and titles[-2:] == ["Where the numbers come from", "Verification"]
+    assert {"Scenarios", "Capture", "Sensitivity", "Tuning", "Envelope", "Sample", "Front"} <= set(titles)
+    Outline(page.html())
+
+
+def test_the_safe_rectangle_in_words(folders):
+    record = json.loads((folders["sweep"] / "sweep.json").read_text())["envelope"]
+    section, text, _ = section_text(review([load(folders["sweep"])]), "Envelope")
+    told = " ".join(text)
+    assert f"{record['safe_runs']} of {record['runs']} runs are" in told
+    for part in record["rectangle"]:
+        assert f"{part['path']} from {shown(part['low'])} to {shown(part['high'])}" in told
+    assert len(section.figures) == 2
+
+
+def test_indices_and_surfaces_are_those_of_the_table(folders):
+    _, _, rows = section_text(review([load(folders["sample"])]), "Sample")
+    lines = (folders["sample"] / "indices.csv").read_text().splitlines()[1:]
+    for line in lines:
+        quantity, path, first, _, _, total, *_ = line.split(",")
+        assert quantity == "peak_force"
+        assert any(
+            row[0] == path and row[1] == f"{float(first):.3f}" and row[3] == f"{float(total):.3f}" for row in rows
+        )
+    assert any("trusted" in row[-1] for row in rows)
+
+
+def test_the_points_of_a_front(folders):
+    _, text, rows = section_text(review([load(folders["front"])]), "Front")
+    lines = (folders["front"] / "pareto.csv").read_text().splitlines()
+    assert [row[0] for row in rows] == [line.split(",")[0] for line in lines[1:]]
+    assert rows[0][1] == shown(float(lines[1].split(",")[1]))
+    assert "are on the front" in text[0]
+
+
+def test_a_run_is_held_against_its_studys_limits(folders):
+    """Made up: 250 N and 7.5 mm of stroke, limits 300 N and 25 mm; the missed one does not end captured."""
+    title = "Limits"
+    _, _, rows = section_text(review([load(folders["run"])]), title)
+    assert ["peak contact force", "N", "250", "≤ 300", "16.7 %", "kept"] in rows
+    assert ["buffer stroke", "mm", "7.5", "≤ 25", "70 %", "kept"] in rows
+    _, _, rows = section_text(review([load(folders["missed"])]), title)
+    assert ["captures that end captured", "-", "0", "of 1", "–", "broken"] in rows
+
+
+@pytest.mark.parametrize(("value", "verdict", "margin"), [(0.6, "kept", "20 %"), (0.4, "broken", "-20 %")])
+def test_lower_limits_have_margins_too(tmp_path, value, verdict, margin):
+    record = tuned_record(0.02, True)
+    record["lower_limits"] = {"end_time": 0.5}
+    record["scenarios"][0]["after"]["end_time [s]"] = value
+    record["scenarios"][0]["before"]["end_time [s]"] = value
+    (tmp_path / "tuned.json").write_text(json.dumps(record))
+    _, _, rows = section_text(review([load(tmp_path)]), "Limits")
+    assert ["end time", "s", shown(value), "≥ 0.5", margin, verdict] in rows
+
+
+def test_what_held_a_run_back(folders, tmp_path):
+    """The record's own words, and the advice of the sensitivities of the same run instead of the command to ask it."""
+    record = json.loads((folders["missed"] / "capture.json").read_text())
+    record["diagnosis"] = {"way left": "12 mm", "what to change first": "'jaxbuffer sensitivity' says it"}
+    (tmp_path / "capture.json").write_text(json.dumps(record))
+    _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
+    assert rows == [["way left", "12 mm"], ["what to change first", "'jaxbuffer sensitivity' says it"]]
+    derived = json.loads((folders["sensitivity"] / "sensitivity.json").read_text())
+    derived |= {"scenario": record["scenario"], "design": record["design"], "advice": ["What, so that x:", "k_A +3 %"]}
+    (tmp_path / "sensitivity.json").write_text(json.dumps(derived))
+    _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
+    assert rows[1][1].startswith("k_A +3 %")
+    derived["scenario"]["approach_speed [m/s]"] *= 1.01
+    (tmp_path / "sensitivity.json").write_text(json.dumps(derived))
+    _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
+    assert rows[1][1] == "'jaxbuffer sensitivity' says it"
+
+
+def test_records_say_how_they_came_about(folders):
+    files = {"run": "capture", "sensitivity": "sensitivity", "tuned": "tuned", "sweep": "sweep", "sample": "sample"}
+    for name, stem in {**files, "front": "pareto"}.items():
+        made = json.loads((folders[name] / f"{stem}.json").read_text())["made"]
+        assert made["command"].startswith(f"jaxbuffer {COMMANDS[name][0]} ")
+        assert made["study"] == STUDY and made["wall_time [s]"] > 0.0
+        assert made["settings"] == {"solver": "automatic", "rtol [-]": 1e-6, "duration [s]": 8.0}
+        assert datetime.fromisoformat(made["finished"]).utcoffset() == timedelta(0)
+        assert made["versions"]["JAX"] == jax.__version__
+        assert set(made["machine"]) == {"processor", "cores", "system"}
+        assert platform.node() not in json.dumps(made["machine"])
+
+
+def test_no_user_is_named():
+    told = made(["simulate", f"{Path.home()}/study.toml"], None, {}, 1.0)
+    assert (
+        told["command"] == "jaxbuffer simulate '~/study.toml'" or told["command"] == "jaxbuffer simulate ~/study.toml"
+    )
+
+
+def test_different_versions_are_warned_of(folders, tmp_path):
+    record = json.loads((folders["run"] / "capture.json").read_text())
+    record["made"]["versions"]["JAX"] = "0.0.1"
+    (tmp_path / "capture.json").write_text(json.dumps(record))
+    _, text, _ = section_text(review([load(tmp_path), load(folders["sweep"])]), "Where the numbers come from")
+    assert any(line.startswith("Made by different versions of JAX: 0.0.1 (") for line in text)
+    _, text, _ = section_text(review([load(folders["run"]), load(folders["sweep"])]), "Where the numbers come from")
+    assert text == []
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_verification_is_told_as_it_is(tmp_path, same):
+    file = tmp_path / "verified.json"
+    assert verified(file) is None and lines(None) == [UNKNOWN]
+    counted = {name: [3, 4] for name in ("claims", "tests", "breakages")}
+    about = {"jaxbuffer": "0.1.0", "date": "2026-11-23", "sources": sources() if same else "another"}
+    file.write_text(json.dumps({**about, **counted}))
+    told = " ".join(lines(verified(file)))
+    assert "3 of 4 measured errors" in told
+    assert ("this very program" in told) is same and ("need not hold" in told) is not same
+
+
+def test_forces_of_compared_runs_are_in_one_figure(folders):
+    page = comparison([load(folders["run"]), load(folders["other"])])
+    (forces,) = [section for section in page.sections if section.title == "Forces"]
+    (chart,) = forces.curves
+    beside = 0.5 * END / (STEPS - 1)  # the made-up pulse's middle lies between two of its steps
+    highest = 250.0 * np.cos(np.pi * beside / PULSE)
+    assert [max(curve["force [N]"]) for curve in chart["curves"]] == pytest.approx([highest, highest], rel=1e-5)
+    _, _, rows = section_text(page, "Designs where they differ")
+    assert rows == [["buffer.k_A", "N/m", "500", "750 (+50 %)"]]
+    assert sum("Limits" in section.title for section in page.sections) == 2

@@ -16,7 +16,17 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
-FILES = ("sweep.csv", "sweep.npz", "sweep.png", "sweep.svg", "sweep.nc", "envelope.png", "envelope.svg", "envelope.txt")
+FILES = (
+    "sweep.csv",
+    "sweep.npz",
+    "sweep.png",
+    "sweep.svg",
+    "sweep.nc",
+    "sweep.json",
+    "envelope.png",
+    "envelope.svg",
+    "envelope.txt",
+)
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 

@@ -75,7 +75,8 @@ def test_files_of_a_front(tmp_path, monkeypatch, capsys):
     command = ["pareto", "study.toml", "--objectives", "peak_force,penetration", "--points", "2", "--output", "out"]
     assert run(command) == 0
     names = {path.name for path in (tmp_path / "out").iterdir() if path.is_file()}
-    assert names == {"pareto.csv", "pareto.png", "pareto.txt", "design-1.toml", "design-2.toml"}
+    written = {f"pareto.{kind}" for kind in ("csv", "png", "svg", "txt", "json")}
+    assert names == {*written, "design-1.toml", "design-2.toml"}
     assert "2 of 2 points are on the front" in capsys.readouterr().out
     assert run(command) == 2
     assert "--resume goes on" in capsys.readouterr().err

@@ -92,7 +92,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
       history.csv   forces, gaps, motion and energies at each step
       capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
       motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
-      motion.json   the same over time, for the page of jaxbuffer report
+      motion.json, force.json  the same and the force over time, for the page of jaxbuffer report
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 
@@ -102,7 +102,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     study = request.one_scenario(scenario_number)
     limits, name = asked_limits(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
-    files = request.files(*named, "history.csv", "motion.json", "motion.png")
+    files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
     from ..run.simulate import simulate as compute
     from .progress import working
 
@@ -128,7 +128,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
         note(f"the history holds the first {kept} steps only")
     from ..output.results import run_files
 
-    files.save_and_show(lambda: run_files(run), run, lambda: str(run_files(run)[f"{name}.json"]()))
+    contents = run_files(run, request.made(study), limits)
+    files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
     return keeps_limits(limits, run)
 
 
@@ -198,8 +199,8 @@ def sensitivity(
         return fail(result.run.outcome.reason)
     from ..output.results import sensitivity_files
 
-    record = lambda: str(sensitivity_files(result)["sensitivity.json"]())  # noqa: E731
-    files.save_and_show(lambda: sensitivity_files(result), result, record)
+    contents = sensitivity_files(result, request.made(study))
+    files.save_and_show(lambda: contents, result, lambda: str(contents["sensitivity.json"]()))
     return keeps_limits(limits, result.run)
 
 
@@ -221,6 +222,7 @@ def tune(
       design.toml  the tuned design, a study for the other commands
       tuned.json   result, floor, evidence, every scenario before and after
       history.csv  objective, worst values and variables of each evaluation
+      force.json   force over time in the worst scenario, before and after
       tune.png, .svg  the worst scenario before and after, every scenario, variables, search
       tune.txt     the tables
       log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
@@ -238,7 +240,7 @@ def tune(
     study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
-    names = ("design.toml", "tuned.json", "history.csv", "tune.png", "tune.txt")
+    names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     from ..tuning.tune import tune as compute
     from .progress import tuning
@@ -252,7 +254,8 @@ def tune(
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
 
-    files.save_and_show(lambda: tuned_files(tuned), tuned, lambda: str(tuned_files(tuned)["tuned.json"]()))
+    contents = tuned_files(tuned, request.made(study, resume))
+    files.save_and_show(lambda: contents, tuned, lambda: str(contents["tuned.json"]()))
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 

@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line; errors become one line on stderr and an exit code."""
     try:
-        code = app(list(arguments), prog_name="jaxbuffer", standalone_mode=False)
+        code = app(list(arguments), prog_name="jaxbuffer", standalone_mode=False, obj=tuple(arguments))
     except InputError as error:
         return fail(error, BAD_INPUT)
     except OSError as error:

@@ -38,6 +38,7 @@ def pareto(
       pareto.csv  objectives, limits, certificate and variables of each point
       pareto.png, .svg  the front
       pareto.txt  the table
+      pareto.json  the same and how it came about, for jaxbuffer report
       design-1.toml, …  each point's design, a study for the other commands
       least-…, point-…  folders, kept up while running; --resume needs them
 
@@ -61,7 +62,9 @@ def pareto(
     total = check_front(problem, names, number)
     designs = [f"design-{k + 1}.toml" for k in range(total)]
     folders = [f"least-{name}" for name in names] + [f"point-{k + 1}" for k in range(1, total)]
-    files = request.files("pareto.csv", "pareto.png", "pareto.txt", *designs, resumable=folders, resume=resume)
+    files = request.files(
+        "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
+    )
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     try:
         front = tuning(
@@ -77,7 +80,8 @@ def pareto(
         return INTERRUPTED
     from ..output.front_files import front_files, front_json
 
-    files.save_and_show(lambda: front_files(front), front, lambda: front_json(front))
+    made = request.made(study, resume)
+    files.save_and_show(lambda: front_files(front, made), front, lambda: front_json(front))
     return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
 
 

@@ -25,19 +25,19 @@ def report(
 ) -> int:
     """Make a page for a design review of the results in DIR, and print their summaries again.
 
-    The page, report.html, is one file that needs no network: the design, limits, scenarios, figures, elasticities, the
-    search, the envelope, and where the numbers come from. Several folders make one page: of a tuning, of a run of the
-    tuned design, of its sensitivities, of a sweep.
+    The page, report.html, is one file that needs no network: the design, limits, scenarios, forces over time, why a
+    run did not succeed, elasticities, the search, the envelope, samples, fronts, and where the numbers come from.
+    Several folders make one page: of a tuning, of a run of the tuned design, of its sensitivities, of a sweep.
 
     \b
     Examples:
       jaxbuffer report results/table2
       jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
-    from ..report.folder import results
+    from ..output.folder import load
     from ..report.review import review
 
-    page = review([results(folder) for folder in folders], title)
+    page = review([load(folder) for folder in folders], title)
     file = _saved(html or folders[0] / "report.html", page.html())
     for folder in folders:
         _print(folder)
@@ -46,17 +46,18 @@ def report(
 
 
 def compare(folders: Folders, html: Html = None) -> int:
-    """Put the designs of several folders side by side: where they differ, what they reach, their figures.
+    """Put the designs of several folders side by side: where they differ, what they reach, which limits they keep,
+    their forces over time.
 
     \b
     Example: jaxbuffer compare results/before results/after
     """
+    from ..output.folder import load
     from ..report.compare import compared, comparison
-    from ..report.folder import results
 
     if len(folders) < 2:
         raise InputError("compare needs two folders at least")
-    every = [results(folder) for folder in folders]
+    every = [load(folder) for folder in folders]
     page = comparison(every)
     file = _saved(html or folders[0] / "compare.html", page.html())
     for one in compared(every):

@@ -3,6 +3,7 @@
 import dataclasses
 import inspect
 import os
+import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -36,7 +37,8 @@ SHARED = {
 
 @dataclasses.dataclass(frozen=True)
 class Request:
-    """One call of a command, options as typed. ``fields``: design and scenario fields by dotted path."""
+    """One call of a command, options as typed. ``fields``: design and scenario fields by dotted path; ``words``: all
+    that was typed after the program's name; ``begun``: when, of the clock `time.perf_counter` [s]."""
 
     fields: dict[str, str]
     config: Path | None = None
@@ -46,6 +48,8 @@ class Request:
     output: Path | None = None
     force: bool = False
     as_json: bool = False
+    words: tuple[str, ...] = ()
+    begun: float = dataclasses.field(default_factory=time.perf_counter)
 
     def study(self) -> "Config":
         """The study with everything the command line overrides; JAX is set up on the way."""
@@ -67,6 +71,17 @@ class Request:
         if note:
             typer.echo(f"note: {note}", err=True)
         return study
+
+    def made(self, study: "Config", resumed: bool = False) -> dict[str, Any]:
+        """How the result came about that is known by now, for its record."""
+        from ..output.provenance import made
+
+        options, read = study.options, None
+        if self.config is not None and self.config.is_file():
+            read = self.config.read_text(encoding="utf-8", errors="replace")
+        duration = options.duration if options.duration is not None else study.mechanism.defaults.duration
+        settings = {"solver": options.solver, "rtol [-]": float(options.rtol), "duration [s]": float(duration)}
+        return made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
 
     def files(self, *names: str, resumable: Sequence[str] = (), resume: bool = False) -> "Output":
         """Files to write later; everything that can go wrong with it is found now, before computing them.
@@ -108,7 +123,8 @@ def verb(
         context = inspect.Parameter("ctx", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context)
 
         def command(ctx: typer.Context, **options: Any) -> int:
-            request = Request(ctx.obj, **{name: options.pop(name) for name in shared})
+            typed = ctx.find_root().obj or ()
+            request = Request(ctx.obj, words=typed, **{name: options.pop(name) for name in shared})
             return function(request, **options)
 
         first, *others = shared.values()

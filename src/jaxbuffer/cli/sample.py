@@ -1,5 +1,6 @@
 """`jaxbuffer sample`: runs spread over ranges, and what can be read off them."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -65,6 +66,7 @@ def sample(
       sample.csv   a row for each run: its values, outcome and results, units in the header
       sample.png, .svg  the quantities over each field
       sample.txt   the summary
+      sample.json  indices, surfaces and how the sample came about, for jaxbuffer report
       sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
       indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
       surface.csv, .png, .svg  of --surface: predicted against computed
@@ -92,10 +94,11 @@ def sample(
     found, interrupted = _computed(request, study, points, resume)
     if found is None:
         return INTERRUPTED
+    made = request.made(study, resume)
     if interrupted:
-        files.save_and_show(lambda: sample_files(found), found, lambda: swept_json(found))
+        files.save_and_show(lambda: sample_files(found, made=made), found, lambda: swept_json(found))
         return INTERRUPTED
-    return _told(found, names, indices, surface, files)
+    return _told(found, names, (indices, surface), files, made)
 
 
 def _points(
@@ -143,13 +146,16 @@ def _computed(request: Request, study: "Config", points: "Points", resume: bool)
         return (stop.found if stop.done.any() else None), True
 
 
-def _told(found: "Sample", names: tuple[str, ...], indices: bool, surface: bool, files: "Output") -> int:
-    """Indices and surfaces, saved and printed; where one cannot be had, the sample is saved and it is said why."""
+def _told(
+    found: "Sample", names: tuple[str, ...], asked: tuple[bool, bool], files: "Output", made: Mapping[str, Any]
+) -> int:
+    """Indices and surfaces, if ``asked`` for, saved and printed; where one cannot be had, the sample is saved and it is
+    said why."""
     from ..output.results import swept_json
     from ..output.sample_files import Told, sample_files
     from .progress import working
 
-    told, refused = Told(), None
+    (indices, surface), told, refused = asked, Told(), None
     try:
         if surface:
             from ..experiments.surface import response_surface
@@ -164,7 +170,7 @@ def _told(found: "Sample", names: tuple[str, ...], indices: bool, surface: bool,
     except InputError as error:
         refused = error
     shown = "\n\n".join(map(repr, [found, *([told.indices] if told.indices else []), *told.surfaces]))
-    files.save_and_show(lambda: sample_files(found, told, shown), shown, lambda: swept_json(found))
+    files.save_and_show(lambda: sample_files(found, told, shown, made), shown, lambda: swept_json(found))
     if refused is not None:
         raise refused
     return any_solved(found)

@@ -48,6 +48,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
       envelope.png, .svg, .txt  over two fields: which runs keep every limit, and the largest rectangle of them
+      sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.chunks  kept up while running; --resume needs it
 
@@ -59,7 +60,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     """
     from ..output.formats import ARRAYS, ENVELOPE
     from ..output.results import swept_files, swept_json
-    from ..output.sweep_files import FIGURE, LABELLED, TABLE
+    from ..output.sweep_files import FIGURE, LABELLED, RECORD, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
     from ..sweeps.store import STORE
@@ -71,7 +72,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     grid.batches(study.design, study.scenario)  # checks that the values go together
     limits = _limits(study, grid)
     drawn = () if limits is None else ENVELOPE
-    files = request.files(*drawn, TABLE, ARRAYS, FIGURE, LABELLED, resumable=(STORE,), resume=resume)
+    files = request.files(*drawn, TABLE, ARRAYS, FIGURE, LABELLED, RECORD, resumable=(STORE,), resume=resume)
     from ..sweeps.sweep import SweepInterrupted
     from ..sweeps.sweep import sweep as compute
     from .progress import sweeping
@@ -106,7 +107,8 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
 
         envelope = safe_rectangle(swept, limits)
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
-    files.save_and_show(lambda: swept_files(swept, envelope), shown, lambda: swept_json(swept))
+    about = request.made(study, resume)
+    files.save_and_show(lambda: swept_files(swept, envelope, about), shown, lambda: swept_json(swept))
     return INTERRUPTED if interrupted else any_solved(swept)
 
 

@@ -107,7 +107,7 @@ class Mechanism:
       by name; ``notes``: lines below a table of a run's sensitivities;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
       peak forces [N] and penetrations [m];
-    - ``diagnosis``: of a run that did not end in ``success``, what held it back, a line each;
+    - ``diagnosis``: of a run that did not end in ``success``, what held it back, a text by heading;
     - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
     - for tuning ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError`
       where a problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``:
@@ -134,7 +134,7 @@ class Mechanism:
     warnings: Callable[[Any], list[str]] = lambda run: []
     validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
     notes: Callable[[Any], list[str]] = lambda run: []
-    diagnosis: Callable[[Any], list[str]] = lambda run: []
+    diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
     panels: Callable[[Any], list[Panel]] = lambda run: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}

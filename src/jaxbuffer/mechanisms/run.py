@@ -146,7 +146,9 @@ class Run(eqx.Module):
         """What held the run back, a line each; nothing of one that succeeded or failed."""
         mechanism, outcome = self.mechanism, self.outcome
         succeeded = mechanism.success is None or outcome.name == mechanism.success
-        return [] if succeeded or outcome.failed else mechanism.diagnosis(self)
+        if succeeded or outcome.failed or not (told := mechanism.diagnosis(self)):
+            return []
+        return [f"why it was not {mechanism.success}", *(f"  {heading:20} {text}" for heading, text in told.items())]
 
     @property
     def log(self) -> Log:

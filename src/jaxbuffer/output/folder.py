@@ -11,6 +11,8 @@ from ..fields import Part, paths
 from ..fields.record import from_json
 from ..labelled.netcdf import SUFFIX, read
 from ..mechanisms import all_mechanisms, mechanism_named
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
 from .formats import ARRAYS
 from .sweep_files import LABELLED
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DESIGN = "design.toml"
+Record = Mapping[str, Any]
+RECORDS = {"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json", "front": "pareto.json"}
+COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
+BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,14 +35,14 @@ class Results:
     - ``folder``: where it is.
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
     - ``sweep``: of `jaxbuffer sweep`, as `Swept.to_xarray` made it.
-    - ``tuned``: of `jaxbuffer tune`, the record of tuned.json.
-    - ``sensitivity``: of `jaxbuffer sensitivity`, the record of sensitivity.json.
-    - ``design``: the tuned one, or else that of the run or the sweep.
+    - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front";
+      "motion" and "force" over time of a run, or "force" of a tuning.
+    - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.
 
     **Example:**
 
     >>> import pathlib
-    >>> found = jb.Results(pathlib.Path("results"), tuned={"message": "no reduction is left"})
+    >>> found = jb.Results(pathlib.Path("results"), records={"tuned": {"message": "no reduction is left"}})
     >>> found.run is None, found.tuned["message"]
     (True, 'no reduction is left')
     """
@@ -44,9 +50,25 @@ class Results:
     folder: Path
     run: "xr.Dataset | None" = None
     sweep: "xr.Dataset | None" = None
-    tuned: Mapping[str, Any] | None = None
-    sensitivity: Mapping[str, Any] | None = None
+    records: Mapping[str, Record] = dataclasses.field(default_factory=dict)
     design: Part | None = None
+
+    @property
+    def tuned(self) -> Record | None:
+        """Of `jaxbuffer tune`, the record of tuned.json."""
+        return self.records.get("tuned")
+
+    @property
+    def sensitivity(self) -> Record | None:
+        """Of `jaxbuffer sensitivity`, the record of sensitivity.json."""
+        return self.records.get("sensitivity")
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Whose results they are."""
+        kinds = [record["kind"] for record in self.records.values() if "kind" in record]
+        kinds += [found.attrs["kind"] for found in (self.run, self.sweep) if found is not None]
+        return mechanism_named(kinds[0]) if kinds else mechanism_of(self.design)
 
     def __repr__(self) -> str:
         return "\n".join(
@@ -72,6 +94,10 @@ class Results:
         if self.sensitivity is not None:
             pairs = self.sensitivity.get("derivatives", ())
             told["sensitivity"] = f"{len(pairs)} derivatives"
+        for name, what in (("sample", "runs"), ("front", "points")):
+            if (record := self.records.get(name)) is not None:
+                count = record[what] if isinstance(record[what], int) else len(record[what])
+                told[name] = f"{count} {what}"
         if self.design is not None:
             told["design"] = f"{type(self.design).__name__} with {len(list(paths(self.design)))} fields"
         return told
@@ -82,7 +108,8 @@ def load(folder: str | Path) -> Results:
 
     **Arguments:**
 
-    - ``folder``: a folder of `jaxbuffer simulate`, `sweep`, `sensitivity` or `tune`, or of several of them.
+    - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample` or `pareto`, or of
+      several of them.
 
     **Returns:** `Results`.
 
@@ -99,15 +126,27 @@ def load(folder: str | Path) -> Results:
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
-    run, sweep = _run(folder), _sweep(folder)
-    tuned, sensitivity = _record(folder / "tuned.json"), _record(folder / "sensitivity.json")
+    run, sweep, records = _run(folder), _sweep(folder), _records(folder)
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
-    if run is None and sweep is None and tuned is None and sensitivity is None and design is None:
-        raise InputError(f"{folder} holds no results of simulate, sensitivity, sweep, sample, tune or pareto")
+    if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
+        raise InputError(f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}")
     for found in (run, sweep):
         if design is None and found is not None:
-            design = _design(folder, found)
-    return Results(folder, run, sweep, tuned, sensitivity, design)
+            design = _design(folder, found.attrs["kind"], found.attrs["design"])
+    for name in ("tuned", "run", "sensitivity", "sample", "front"):
+        if design is None and name in records:
+            design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
+    return Results(folder, run, sweep, records, design)
+
+
+def _records(folder: Path) -> dict[str, Record]:
+    """Every JSON record there is; a run's is named after what its mechanism calls it."""
+    found = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
+    for mechanism in all_mechanisms():
+        run = _record(folder / f"{mechanism.run_name}.json")
+        if run is not None and run.get("kind") == mechanism.name:
+            found["run"] = run
+    return {name: record for name, record in found.items() if record is not None}
 
 
 def _run(folder: Path) -> "xr.Dataset | None":
@@ -125,7 +164,7 @@ def _sweep(folder: Path) -> "xr.Dataset | None":
     return read_arrays(folder / ARRAYS).to_xarray() if (folder / ARRAYS).is_file() else None
 
 
-def _record(file: Path) -> Mapping[str, Any] | None:
+def _record(file: Path) -> Record | None:
     if not file.is_file():
         return None
     try:
@@ -137,8 +176,8 @@ def _record(file: Path) -> Mapping[str, Any] | None:
     return record
 
 
-def _design(folder: Path, found: "xr.Dataset") -> Part:
+def _design(folder: Path, kind: str, design: str) -> Part:
     try:
-        return from_json(mechanism_named(found.attrs["kind"]).design(), found.attrs["design"])
+        return from_json(mechanism_named(kind).design(), design)
     except (KeyError, ValueError, AttributeError) as error:
-        raise InputError(f"{folder}: the design of its dataset is damaged or of another release: {error}") from None
+        raise InputError(f"{folder}: the design of its results is damaged or of another release: {error}") from None

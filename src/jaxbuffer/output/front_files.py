@@ -8,7 +8,7 @@ import numpy as np
 from ..fields import get, unit
 from ..study.config import design_toml
 from ..tuning.front_summary import standing
-from .formats import Contents, csv_text, table_json
+from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
 from .style import BLUE, GREY, both, label, panels, styled
 
@@ -21,13 +21,16 @@ if TYPE_CHECKING:
 PANELS = 4  # pairs of objectives that are drawn
 
 
-def front_files(front: "Front") -> Contents:
-    """Of `jaxbuffer pareto`."""
+def front_files(front: "Front", made: Made = None) -> Contents:
+    """Of `jaxbuffer pareto`. ``made``: how it came about."""
+    from .experiment_records import front_record
+
     files: dict[str, Callable[[], str | bytes]] = {
         f"design-{k + 1}.toml": _design(point) for k, point in enumerate(front.points)
     }
     return files | {
         "pareto.csv": lambda: csv_text(*front_rows(front)),
+        "pareto.json": lambda: json_text(front_record(front, front_rows(front), made)),
         "pareto.txt": lambda: f"{front!r}\n",
         **both("pareto", lambda: front_figure(front)),
     }

@@ -1,10 +1,11 @@
 """A run moving, as a record: what a page needs to draw it."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from ..mechanisms.drawing import Drawing, Rod, Spot, Spring
+from ..mechanisms.drawing import Detail, Rod, Spot, Spring
 from ..mechanisms.run import Run
 from .animation import frames_of, speed_in_words
 from .motion import Scene, scene
@@ -29,8 +30,8 @@ def motion_record(run: Run) -> dict[str, Any]:
         "largest": max(at.peak, 1e-12),
         "contacts": [*run.mechanism.names(run.design).contacts],
         "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),
-        "shapes": _shapes(at.drawing, at.frames.shape[1]),
-        "detail": None if at.drawing.detail is None else _detail(at.drawing.detail),
+        "shapes": _shapes(at.drawing.shapes, at.frames.shape[1]),
+        "detail": None if at.drawing.detail is None else _detail(at.drawing.detail, at.frames.shape[1]),
     }
 
 
@@ -44,11 +45,11 @@ def _forces(at: Scene, k: int) -> list[list[float]]:
     return found
 
 
-def _shapes(drawing: Drawing, bodies: int) -> list[dict[str, Any]]:
+def _shapes(shapes: Iterable[Any], bodies: int) -> list[dict[str, Any]]:
     """Corners in the axes of the one frame that a shape goes with, or the two spots between which it lies."""
     made: list[dict[str, Any]] = []
     colour, rest = -1, np.zeros((bodies, 3))
-    for shape in drawing.shapes:
+    for shape in shapes:
         filled = is_filled(shape)
         colour += filled and bool(shape.part)
         look = {
@@ -66,8 +67,10 @@ def _shapes(drawing: Drawing, bodies: int) -> list[dict[str, Any]]:
     return made
 
 
-def _detail(detail: Any) -> dict[str, Any]:
-    return {**_spot(detail.centre), "half": detail.half}
+def _detail(detail: Detail, bodies: int) -> dict[str, Any]:
+    """Where to look closer, and what is drawn there instead of the whole mechanism, if anything."""
+    shapes = _shapes(detail.shapes, bodies)
+    return {**_spot(detail.centre), "half": detail.half, "title": detail.title, "shapes": shapes}
 
 
 def _spot(spot: Spot) -> dict[str, Any]:

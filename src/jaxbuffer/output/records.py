@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -13,20 +13,23 @@ from ..fields.record import record
 from ..mechanisms.history_table import history_columns
 from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run
+from ..sensitivities.advice import advice
 from ..sensitivities.dataset import sensitivity_rows
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
 
 if TYPE_CHECKING:
     from ..sensitivities.sensitivity import Sensitivity
+    from ..tuning.asked import Asked
+    from ..tuning.derived import Derived
     from ..tuning.evaluation import Evaluation
     from ..tuning.tuned import Tuned
 
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run) -> dict[str, Any]:
-    """Everything but the history. Impacts count from 1."""
+def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
+    """Everything but the history. Impacts count from 1. ``asked``: by the run's study."""
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
@@ -34,8 +37,9 @@ def run_record(run: Run) -> dict[str, Any]:
         "kind": mechanism.name,
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
+        **_asked_record(run, asked),
         "outside_validity": mechanism.warnings(run),
-        "diagnosis": [" ".join(line.split()) for line in run.diagnosis],
+        "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
@@ -65,6 +69,25 @@ def run_record(run: Run) -> dict[str, Any]:
     }
 
 
+def _asked_record(run: Run, asked: "Asked | None") -> dict[str, Any]:
+    if asked is None:
+        return {"limits": {}, "lower_limits": {}, "most_impacts": None, "quantities": {}, "limited": {}}
+    return {
+        "limits": dict(asked.limits.at_most),
+        "lower_limits": dict(asked.limits.at_least),
+        "most_impacts": asked.limits.impacts,
+        "quantities": own_record(asked.own),
+        "limited": {name: _number(value) for name, value in asked.values(run).items()},
+    }
+
+
+def own_record(own: Mapping[str, "Derived"]) -> dict[str, Any]:
+    """What own quantities are."""
+    return {
+        name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()
+    }
+
+
 def run_history(run: Run) -> Table:
     """The history, a row for each accepted step."""
     columns = history_columns(run)
@@ -82,6 +105,7 @@ def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
         **{f"{n} [{u}]": _number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
+        "advice": [" ".join(line.split()) for line in advice(result)],
         "design": record(run.design),
         "scenario": record(run.scenario),
         "jaxbuffer": version(),
@@ -166,10 +190,8 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         ],
         "limits": dict(problem.limits.at_most),
         "lower_limits": dict(problem.limits.at_least),
-        "quantities": {
-            name: {"unit": own.unit, "function": own.signature, "description": own.description}
-            for name, own in problem.quantities.items()
-        },
+        "most_impacts": problem.limits.impacts,
+        "quantities": own_record(problem.quantities),
         "scenarios": [
             {
                 **record(case.scenario),

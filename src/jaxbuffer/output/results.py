@@ -1,9 +1,11 @@
 """The files of each command: names, and what makes their contents, in the order in which they are saved."""
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from .formats import ARRAYS, ENVELOPE, Contents, compact_json, csv_text, json_text, table_json
+from .formats import ARRAYS, ENVELOPE, Contents, Made, compact_json, csv_text, json_text, table_json
+from .provenance import MADE
 
 if TYPE_CHECKING:
     from ..experiments.rectangle import SafeRectangle
@@ -11,21 +13,27 @@ if TYPE_CHECKING:
     from ..sensitivities.sensitivity import Sensitivity
     from ..sweeps.computed import Computed
     from ..sweeps.swept import Swept
+    from ..tuning.asked import Asked
     from ..tuning.tuned import Tuned
 
 
-def run_files(run: "Run") -> Contents:
-    """Of `jaxbuffer simulate`, named after what the mechanism calls a run."""
+def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None) -> Contents:
+    """Of `jaxbuffer simulate`, named after what the mechanism calls a run.
+
+    **Arguments:** ``run``: with its history; ``made``: how it came about; ``asked``: by its study.
+    """
     from ..labelled.netcdf import SUFFIX, content
     from .figures import run_figure
+    from .force_record import force_record
     from .motion import motion_figure
     from .motion_record import motion_record
     from .records import run_history, run_record
     from .style import both
 
-    name = run.mechanism.run_name
+    name, label = run.mechanism.run_name, run.mechanism.label(run.scenario)
     return {
-        f"{name}.json": lambda: json_text(run_record(run)),
+        f"{name}.json": lambda: json_text(_told(run_record(run, asked), made)),
+        "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
         f"{name}.txt": lambda: f"{run!r}\n",
@@ -35,30 +43,33 @@ def run_files(run: "Run") -> Contents:
     }
 
 
-def sensitivity_files(result: "Sensitivity") -> Contents:
-    """Of `jaxbuffer sensitivity`."""
+def sensitivity_files(result: "Sensitivity", made: Made = None) -> Contents:
+    """Of `jaxbuffer sensitivity`. ``made``: how it came about."""
     from ..sensitivities.dataset import sensitivity_rows
     from .records import sensitivity_record
 
     return {
-        "sensitivity.json": lambda: json_text(sensitivity_record(result)),
+        "sensitivity.json": lambda: json_text(_told(sensitivity_record(result), made)),
         "sensitivity.csv": lambda: csv_text(*sensitivity_rows(result)),
         "sensitivity.txt": lambda: f"{result!r}\n",
     }
 
 
-def tuned_files(tuned: "Tuned") -> Contents:
-    """Of `jaxbuffer tune`."""
+def tuned_files(tuned: "Tuned", made: Made = None) -> Contents:
+    """Of `jaxbuffer tune`. ``made``: how it came about."""
     from ..run.simulate import simulate
     from ..study.config import design_toml
     from ..tuning.table import tuning_history
+    from .force_record import force_record
     from .records import tuned_comment, tuned_record
     from .style import both
     from .tune_figure import tune_figure, worst_case
 
+    problem, case = tuned.problem, tuned.problem.cases[worst_case(tuned)]
+
+    @functools.cache
     def worst_runs() -> list[Any]:
         """The worst scenario before and after, with histories."""
-        problem, case = tuned.problem, tuned.problem.cases[worst_case(tuned)]
         return [
             simulate(case.of(design), case.scenario, problem.duration, history=True)
             for design in (problem.design, tuned.design)
@@ -66,8 +77,11 @@ def tuned_files(tuned: "Tuned") -> Contents:
 
     return {
         "design.toml": lambda: design_toml(tuned.design, tuned.problem.scenarios_met, tuned_comment(tuned)),
-        "tuned.json": lambda: json_text(tuned_record(tuned)),
+        "tuned.json": lambda: json_text(_told(tuned_record(tuned), made)),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
+        "force.json": lambda: compact_json(
+            force_record(dict(zip(("before", "after"), worst_runs(), strict=True)), case.label(problem.cases))
+        ),
         "tune.txt": lambda: f"{tuned!r}\n",
         **both("tune", lambda: tune_figure(tuned, worst_runs())),
     }
@@ -80,19 +94,21 @@ def swept_json(swept: "Computed") -> str:
     return table_json("runs", *swept_rows(swept))
 
 
-def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None) -> Contents:
-    """Of `jaxbuffer sweep`. ``envelope``: what is safe of a sweep over two fields."""
+def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None, made: Made = None) -> Contents:
+    """Of `jaxbuffer sweep`. ``envelope``: what is safe of a sweep over two fields; ``made``: how it came about."""
     from ..labelled.netcdf import content
     from ..sweeps.dataset import swept_rows
+    from .experiment_records import sweep_record
     from .style import both
     from .sweep_figures import sweep_figure
-    from .sweep_files import FIGURE, LABELLED, TABLE, arrays
+    from .sweep_files import FIGURE, LABELLED, RECORD, TABLE, arrays
 
     files: dict[str, Callable[[], str | bytes]] = {
         ARRAYS: lambda: arrays(swept),
         TABLE: lambda: csv_text(*swept_rows(swept)),
         **both(FIGURE.removesuffix(".png"), lambda: sweep_figure(swept)),
         LABELLED: lambda: content(swept.to_xarray()),
+        RECORD: lambda: json_text(sweep_record(swept, envelope, made)),
     }
     if envelope is not None:
         from .envelope_figure import envelope_figure
@@ -101,3 +117,8 @@ def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None) -> Cont
         files |= both(figure.removesuffix(".png"), lambda: envelope_figure(envelope))
         files[words] = lambda: f"{envelope!r}\n"
     return files
+
+
+def _told(record: Mapping[str, Any], made: Made) -> dict[str, Any]:
+    """A record with how it came about at its end, where that is known."""
+    return dict(record) if made is None else {**record, MADE: made}

@@ -4,14 +4,14 @@ import dataclasses
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .formats import Contents, csv_text
+from .formats import Contents, Made, csv_text, json_text
 
 if TYPE_CHECKING:
     from ..experiments.indices import Indices
     from ..experiments.sample import Sample
     from ..experiments.surface import Surface
 
-SAMPLE = ("sample.csv", "sample.png", "sample.txt", "sample.nc")
+SAMPLE = ("sample.csv", "sample.png", "sample.txt", "sample.nc", "sample.json")
 INDICES = ("indices.csv", "indices.png")
 SURFACE = ("surface.csv", "surface.png")
 
@@ -24,16 +24,19 @@ class Told:
     surfaces: "list[Surface]" = dataclasses.field(default_factory=list)
 
 
-def sample_files(sample: "Sample", told: Told | None = None, text: str = "") -> Contents:
-    """Of `jaxbuffer sample`. ``told``: what was read off it; ``text``: the summary, the sample's own by default."""
+def sample_files(sample: "Sample", told: Told | None = None, text: str = "", made: Made = None) -> Contents:
+    """Of `jaxbuffer sample`. ``told``: what was read off it; ``text``: the summary, the sample's own by default;
+    ``made``: how it came about."""
     from ..labelled.netcdf import content
     from ..sweeps.dataset import swept_rows
+    from .experiment_records import sample_record
     from .sample_figures import indices_figure, sample_figure, surfaces_figure
     from .style import both
 
     told = Told() if told is None else told
     files: dict[str, Callable[[], str | bytes]] = {
         "sample.csv": lambda: csv_text(*swept_rows(sample)),
+        "sample.json": lambda: json_text(sample_record(sample, told.indices, told.surfaces, made)),
         "sample.txt": lambda: f"{text or repr(sample)}\n",
         **both("sample", lambda: sample_figure(sample)),
         "sample.nc": lambda: content(sample.to_xarray()),

@@ -16,7 +16,7 @@ from ..sweeps.grid import Axis, Grid
 from ..sweeps.swept import Swept
 from ..version import version
 
-TABLE, FIGURE, LABELLED = "sweep.csv", "sweep.png", "sweep.nc"
+TABLE, FIGURE, LABELLED, RECORD = "sweep.csv", "sweep.png", "sweep.nc", "sweep.json"
 INDEX = "sweep"  # key of the arrays' description
 
 

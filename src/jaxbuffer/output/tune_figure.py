@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..fields import get, unit
+from .force_record import force_over_time
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 PEAK = 0  # the column of a case's peak force among its quantities
 ROW = 0.2  # inch a scenario
-TIMES = 2000  # drawn of a force over time
 
 
 @styled
@@ -80,13 +80,8 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
     """Contact force over time in the worst scenario."""
-    from ..run.instants import at_times
-
     for (name, colour, _), run in zip(POINTS, worst, strict=True):
-        assert run.history is not None
-        known = np.asarray(run.history.time)
-        time = np.unique(np.concatenate([known, np.linspace(known[0], known[-1], TIMES)]))
-        force = np.max(np.asarray(at_times(run, time).contact_force), axis=1)
+        time, force = force_over_time(run)
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {float(run.peak_force):.4g} N")
     problem = tuned.problem
     named = problem.cases[worst_case(tuned)].label(problem.cases)

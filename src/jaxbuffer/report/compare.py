@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..fields import paths, unit
-from .folder import Record, Results
-from .page import Cell, Page, Section, Table, shown
-from .records import by_name, ended, same, scenario_of
-from .review import verdicts
-from .runs import origin
+from ..fields import get, paths, unit
+from ..output.folder import Record, Results
+from .figures import figure
+from .limits import limits
+from .origin import origin
+from .page import Cell, Figure, Page, Section, Table, shown
+from .records import ROUNDING, ended, in_figures, same, scenario_of, words
+from .review import distinct, verdicts
 
 
 def comparison(every: Sequence[Results]) -> Page:
@@ -22,26 +24,36 @@ def comparison(every: Sequence[Results]) -> Page:
     if not tables:
         raise InputError("nothing to compare: the folders need results of simulate or of tune, all of the same command")
     names = ", ".join(str(found.folder) for found in every)
-    told = [
-        Cell(f"{found.folder.name}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found])
-    ]
-    figures = [
-        figure
-        for found in every
-        for stem in (found.mechanism.run_name, "tune")
-        for figure in found.figure(stem, f"{found.folder}: {'the search' if stem == 'tune' else stem}")
-    ]
+    told = [Cell(f"{found.folder}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found])]
     parts = [Section(table.caption, tables=[table]) for table in tables]
-    parts += [Section("Figures", figures=figures)] if figures else []
+    kept = [(found, section) for found in every if (section := limits(found)) is not None]
+    parts += distinct(kept)
+    if curves := _forces(every):
+        caption = "Contact force over time, each curve by its folder"
+        parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
+    if figures := [one for found in every for one in _figures(found)]:
+        parts.append(Section("Figures", figures=figures))
     return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)])
+
+
+def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
+    """The force of each folder's run, or of its tuning's worst scenario with the tuned design."""
+    records = [(found, found.records["force"]) for found in every if "force" in found.records]
+    named = [(found, record["scenario"], record["curves"][-1]) for found, record in records]
+    return [{**curve, "name": f"{found.folder} ({scenario})"} for found, scenario, curve in named]
+
+
+def _figures(found: Results) -> list[Figure]:
+    run, tune = found.mechanism.run_name, "tune"
+    return figure(found, run, f"{found.folder}: {run}") + figure(found, tune, f"{found.folder}: the search")
 
 
 def compared(every: Sequence[Results]) -> list[Table]:
     """Where the designs differ, and what their runs or tunings found, with a column for each folder."""
     folders = [str(found.folder) for found in every]
-    tables = [_designs(every, folders)] if all(found.records for found in every) else []
-    if all(found.run is not None for found in every):
-        tables.append(_runs(every, folders))
+    tables = [_designs(every, folders)] if all(found.design is not None for found in every) else []
+    if all("run" in found.records for found in every):
+        tables += _runs(every, folders)
     if all(found.tuned is not None for found in every):
         tables.append(_scenarios(every, folders))
     return tables[1:] and tables
@@ -49,41 +61,67 @@ def compared(every: Sequence[Results]) -> list[Table]:
 
 def _designs(every: Sequence[Results], folders: Sequence[str]) -> Table:
     usual = every[0].mechanism.design()
-    records = [by_name(found.design or {}) for found in every]
-    differ = [path for path in paths(usual) if any(not same(r.get(path), records[0].get(path)) for r in records[1:])]
-    rows = [[path, unit(usual, path), *(shown(record.get(path)) for record in records)] for path in differ]
+    designs = [found.design for found in every if found.design is not None]
+    first = designs[0]
+    differ = [path for path in paths(usual) if any(not same(get(d, path), get(first, path)) for d in designs[1:])]
+    rows: list[list[str | Cell]] = [
+        [path, unit(usual, path), *_beside([get(d, path) for d in designs])] for path in differ
+    ]
     return Table("Designs where they differ" if rows else "The designs are the same", ("field", "unit", *folders), rows)
 
 
-def _runs(every: Sequence[Results], folders: Sequence[str]) -> Table:
+def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     mechanism = every[0].mechanism
-    records = [found.run for found in every if found.run is not None]
-    rows: list[list[Any]] = [["outcome", "", *(ended(mechanism, record["outcome"]) for record in records)]]
+    records = [found.records["run"] for found in every]
+    met = [scenario_of(mechanism, record["scenario"]) for record in records]
+    ends: list[list[Any]] = [["scenario", *_marked([mechanism.label(scenario, met) for scenario in met])]]
+    ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
+    rows: list[list[Any]] = []
     for name in mechanism.swept:
-        symbol = mechanism.quantities[name].unit
-        values = [record.get(f"{name} [{symbol}]") for record in records]
-        rows.append([name.replace("_", " "), symbol, *map(shown, values)])
-    rows.append(["impacts", "-", *(str(len(record["impacts"])) for record in records)])
-    return Table("Runs", ("quantity", "unit", *folders), rows)
+        title, symbol, factor = in_figures(mechanism, name)
+        values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
+        rows.append([title, symbol, *_beside([None if value is None else factor * value for value in values])])
+    rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records])])
+    return [Table("How they ended", ("of", *folders), ends), Table("Runs", ("quantity", "unit", *folders), rows)]
+
+
+def _beside(values: Sequence[Any]) -> list[Cell]:
+    """Values in a row; those that differ from the first are marked, numbers with the relative difference."""
+    first, cells = values[0], [Cell(shown(values[0]))]
+    for value in values[1:]:
+        if same(value, first) or shown(value) == shown(first) == "0":
+            cells.append(Cell(shown(value)))
+            continue
+        numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
+        told = f" ({100 * (value / first - 1.0):+.3g} %)" if numbers and abs(first) > ROUNDING else ""
+        cells.append(Cell(f"{shown(value)}{told}", "changed"))
+    return cells
+
+
+def _marked(texts: Sequence[str]) -> list[Cell]:
+    return [Cell(text, "" if text == texts[0] else "changed") for text in texts]
 
 
 def _scenarios(every: Sequence[Results], folders: Sequence[str]) -> Table:
-    """The largest force of each scenario, the lowest one of a row marked."""
+    """The largest force of each scenario that any folder has met, the lowest one of a row marked."""
     mechanism = every[0].mechanism
-    met = [scenario_of(mechanism, case) for case in _cases(every[0])]
-    rows: list[list[Any]] = [
-        [mechanism.label(scenario, met), *(_force(found, k) for found in every)] for k, scenario in enumerate(met)
-    ]
-    for row in rows:
-        values = [value for value in row[1:] if value is not None]
-        row[1:] = [Cell(shown(x), "good" if values and x == min(values) else "") for x in row[1:]]
-    return Table("Peak force [N] after tuning, by scenario", ("scenario", *folders), rows)
+    forces = [{_case(mechanism, record): record["after"]["peak_force [N]"] for record in _cases(it)} for it in every]
+    rows: list[list[Any]] = []
+    for label in dict.fromkeys(label for known in forces for label in known):
+        values = [known.get(label) for known in forces]
+        known = [value for value in values if value is not None]
+        least = min(known) if len(known) > 1 else None
+        rows.append([label, *(Cell(shown(x), "good" if x is not None and x == least else "") for x in values)])
+    return Table("Peak force [N] after tuning, by scenario (the lowest in green)", ("scenario", *folders), rows)
 
 
 def _cases(found: Results) -> list[Record]:
     return [] if found.tuned is None else list(found.tuned["scenarios"])
 
 
-def _force(found: Results, k: int) -> float | None:
-    cases = _cases(found)
-    return cases[k]["after"]["peak_force [N]"] if k < len(cases) else None
+def _case(mechanism: Any, record: Record) -> str:
+    """All fields of a scenario, and where the built mechanism differs from the drawn one: the same text for the same
+    case."""
+    scenario = scenario_of(mechanism, record)
+    fields = [f"{words(name)} {shown(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
+    return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])

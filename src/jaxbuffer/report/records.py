@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from ..fields import paths
 from ..mechanisms.mechanism import Mechanism
-from .folder import Record
+from ..output.folder import Record
 from .page import Cell, shown
 
 UNIT = re.compile(r"^(.*) \[(.*)\]$")
@@ -43,7 +44,20 @@ def ended(mechanism: Mechanism, outcome: str) -> Cell:
 
 def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list[str]:
     """A quantity's title, its unit in figures, and its value in that unit."""
+    title, symbol, factor = in_figures(mechanism, name)
+    value = values.get(name)
+    return [title, symbol, shown(None if value is None else factor * value)]
+
+
+def in_figures(
+    mechanism: Mechanism, name: str, own: Mapping[str, Any] = MappingProxyType({})
+) -> tuple[str, str, float]:
+    """A quantity's title, its unit in figures, and how many of those its own unit is.
+
+    ``own``: the record of a study's own quantities, by name.
+    """
+    if name in own:
+        return words(name), str(own[name]["unit"]), 1.0
     known = mechanism.quantities[name]
     symbol, factor = known.shown or (known.unit, 1.0)
-    value = values.get(name)
-    return [known.title or words(name), symbol, shown(None if value is None else factor * value)]
+    return known.title or words(name), symbol, factor

@@ -1,42 +1,85 @@
 """The page for a design review, from folders of results."""
 
+import dataclasses
+from collections import Counter
 from collections.abc import Sequence
 
+from ..output.folder import Results
 from .designs import design
-from .folder import Results
+from .experiments import STANDING, front, sample, sweep
+from .limits import limits
+from .origin import origin, verification
 from .page import Cell, Page, Section
-from .records import ended
-from .runs import MARKS, origin, run, sensitivity, sweep
-from .tunings import limits, scenarios, search
+from .records import ended, words
+from .runs import MARKS, diagnosis, run, sensitivity
+from .tunings import scenarios, search
+
+Parts = list[tuple[Results, Section]]
 
 
 def review(every: Sequence[Results], title: str = "") -> Page:
     """One page of all folders together: the first one's design, then what each of them holds."""
     first = next((found for found in every if found.tuned), next((f for f in every if f.records), every[0]))
-    parts: list[Section | None] = [design(first)]
-    parts += [make(found) for make in (limits, scenarios) for found in every]
-    parts += [make(found, first) for make in (run, sensitivity) for found in every]
-    parts += [make(found) for make in (search, sweep) for found in every]
-    parts.append(origin(every))
+    made = [(first, design(first))]
+    made += [(found, make(found)) for make in (limits, scenarios) for found in every]
+    for found in every:
+        made += [(found, run(found, first)), (found, diagnosis(found, every))]
+    made += [(found, sensitivity(found, first)) for found in every]
+    made += [(found, make(found)) for make in (search, sweep, sample, front) for found in every]
+    parts = distinct([(found, section) for found, section in made if section is not None])
     subtitle = f"{first.mechanism.title} · {', '.join(str(found.folder) for found in every)}"
     title = title or f"{first.mechanism.title}: design review"
-    return Page(title, subtitle, verdicts(every), [part for part in parts if part is not None])
+    return Page(title, subtitle, verdicts(every), [*parts, origin(every), verification()])
+
+
+def distinct(parts: Parts) -> list[Section]:
+    """The sections; those of equal titles get their folder's name added."""
+    titles = Counter(section.title for _, section in parts)
+    folders = {found.folder for found, _ in parts}
+    short = len({folder.name for folder in folders}) == len(folders)
+    named = lambda folder: folder.name if short else str(folder)  # noqa: E731
+    return [
+        dataclasses.replace(part, title=f"{part.title}: {named(found.folder)}") if titles[part.title] > 1 else part
+        for found, part in parts
+    ]
 
 
 def verdicts(every: Sequence[Results]) -> list[Cell]:
     """What one asks first."""
-    found: list[Cell] = []
-    for results in every:
-        tuned, record, derived = results.tuned, results.run, results.sensitivity
-        if tuned is not None:
-            before, after = tuned["objective_before [N]"], tuned["objective_after [N]"]
-            told = f"{tuned['objective']}: {before:.4g} → {after:.4g} N ({100 * (after / before - 1):+.2g} %)"
-            found.append(Cell("all limits kept", "good") if tuned["feasible"] else Cell("limits broken", "bad"))
-            found.append(Cell(told, "good" if after <= before else "bad"))
-        if record is not None:
-            told = f"{record['outcome']}, peak force {record['peak_force [N]']:.4g} N"
-            found.append(Cell(told, ended(results.mechanism, record["outcome"]).mark))
-        if derived is not None and derived["certificate"] is not None:
-            verdict = derived["certificate"]["verdict"]
-            found.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
-    return found
+    return [verdict for found in every for verdict in (*_of_tuning(found), *_of_run(found), *_of_many(found))]
+
+
+def _of_tuning(found: Results) -> list[Cell]:
+    tuned = found.tuned
+    if tuned is None:
+        return []
+    before, after = tuned["objective_before [N]"], tuned["objective_after [N]"]
+    told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} N ({100 * (after / before - 1):+.2g} %)"
+    kept = Cell("all limits kept", "good") if tuned["feasible"] else Cell("limits broken", "bad")
+    return [kept, Cell(told, "good" if after <= before else "bad")]
+
+
+def _of_run(found: Results) -> list[Cell]:
+    record, derived, told = found.records.get("run"), found.sensitivity, []
+    if record is not None:
+        text = f"{words(record['outcome'])}, peak force {record['peak_force [N]']:.4g} N"
+        told.append(Cell(text, ended(found.mechanism, record["outcome"]).mark))
+    if derived is not None and derived["certificate"] is not None:
+        verdict = derived["certificate"]["verdict"]
+        told.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
+    return told
+
+
+def _of_many(found: Results) -> list[Cell]:
+    told, points = [], found.records.get("front", {}).get("points")
+    if envelope := found.records.get("sweep", {}).get("envelope"):
+        safe, runs = envelope["safe_runs"], envelope["runs"]
+        told.append(Cell(f"{safe} of {runs} runs of the sweep are safe", "good" if safe == runs else "unsure"))
+    for surface in found.records.get("sample", {}).get("surfaces", ()):
+        error = surface["cross_validated"][surface["kind"]]["relative"]
+        text = f"surface of {words(surface['quantity'])}: misses {100 * error:.2g} %"
+        told.append(Cell(text, "good" if surface["trusted"] else "bad"))
+    if points:
+        kept = sum(point["standing"] in STANDING for point in points)
+        told.append(Cell(f"front of {kept} points", "good" if kept else "bad"))
+    return told

@@ -1,20 +1,23 @@
-"""What a page says of a run, its sensitivities, a sweep, and where the numbers come from."""
+"""What a page says of a run, of what held it back, and of its sensitivities."""
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
+from ..output.folder import Record, Results
 from .designs import other_design
-from .folder import Results
+from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import by_name, ended, quantity, scenario_of, words
+from .records import by_name, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
+FIRST = "what to change first"
+HELPING = 3  # lines of advice that are shown
 
 
 def run(found: Results, first: Results) -> Section | None:
     """One run's quantities and impacts."""
-    record, mechanism = found.run, found.mechanism
+    record, mechanism = found.records.get("run"), found.mechanism
     if record is None:
         return None
     values, hits = by_name(record), record["impacts"]
@@ -23,12 +26,62 @@ def run(found: Results, first: Results) -> Section | None:
     ]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
-        tables.append(Table(f"{len(hits)} impacts", [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
+        tables.append(
+            Table(
+                f"{len(hits)} impact{'s' if len(hits) > 1 else ''}",
+                [words(name) for name in hits[0]],
+                rows,
+                folded=len(hits) > MANY,
+            )
+        )
     scenario = scenario_of(mechanism, record["scenario"])
-    text = [f"{record['outcome'].capitalize()}; {mechanism.label(scenario)}.", *other_design(found, first, record)]
-    text += [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]]
-    figures = found.figure(mechanism.run_name, f"The {mechanism.run_name} over time")
-    return Section(mechanism.run_name.capitalize(), text, figures, tables, found.motion)
+    text = [f"{words(record['outcome']).capitalize()}; {mechanism.label(scenario)}."]
+    return Section(
+        mechanism.run_name.capitalize(),
+        [*text, *other_design(found, first, record)],
+        figure(found, mechanism.run_name, f"The {mechanism.run_name} over time"),
+        tables,
+        found.records.get("motion"),
+        forces(found, f"Contact force, {mechanism.label(scenario)}"),
+        [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]],
+    )
+
+
+def forces(found: Results, caption: str) -> list[dict[str, Any]]:
+    """The force over time of a folder, to be read off, if it has it."""
+    record = found.records.get("force")
+    return [] if record is None else [{"caption": caption, "curves": record["curves"]}]
+
+
+def diagnosis(found: Results, every: Sequence[Results]) -> Section | None:
+    """Why a run did not end as it should: way and energy left, where the rest went, the impact that turned it.
+
+    **Arguments:** ``every``: all folders of the page; sensitivities of the same run say what to change first.
+    """
+    record, mechanism = found.records.get("run"), found.mechanism
+    if record is None or not record.get("diagnosis"):
+        return None
+    told = {**record["diagnosis"], FIRST: what_to_change(found, every) or record["diagnosis"].get(FIRST, "–")}
+    rows = [[heading, text] for heading, text in told.items()]
+    title = f"Why not {mechanism.success}"
+    return Section(title, tables=[Table("What held the run back", ("of", "what is known"), rows)])
+
+
+def what_to_change(found: Results, every: Sequence[Results]) -> str:
+    """The numbers whose relative change moves the mechanism's margin most, to first order; "" where no sensitivities of
+    the margin at this run are among the folders."""
+    for other in every:
+        record = other.sensitivity
+        if record is not None and record.get("advice") and _same_run(record, found.records["run"]):
+            heading, *lines = record["advice"]
+            asked = heading.removeprefix("What to change first, ").rstrip(":")
+            return f"{'; or '.join(lines[:HELPING])}; {asked}"
+    return ""
+
+
+def _same_run(one: Record, other: Record) -> bool:
+    parts = ("design", "scenario")
+    return all(same(one[part].get(name), value) for part in parts for name, value in other[part].items())
 
 
 def sensitivity(found: Results, first: Results) -> Section | None:
@@ -36,11 +89,13 @@ def sensitivity(found: Results, first: Results) -> Section | None:
     record = found.sensitivity
     if record is None:
         return None
-    of_quantity: dict[str, list[dict]] = {}
+    of_quantity: dict[str, list[Record]] = {}
     for row in record["derivatives"]:
         of_quantity.setdefault(row["quantity"], []).append(row)
     rows: list[list[str | Cell]] = []
     for name, derivatives in of_quantity.items():
+        if _signed(derivatives):
+            continue
         verdict = derivatives[0]["verdict"] or "not certified"
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
@@ -51,33 +106,22 @@ def sensitivity(found: Results, first: Results) -> Section | None:
     text, certificate = other_design(found, first, record), record["certificate"]
     if certificate is not None:
         text.append(f"Certificate: {certificate['verdict']}; {certificate['reason']}.")
-    table = Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)
-    return Section("Sensitivity", text, tables=[table])
+    tables = [Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)] if rows else []
+    signed = {name: found for name, found in of_quantity.items() if _signed(found)}
+    return Section("Sensitivity", text, tables=[*tables, *_slopes(signed)])
 
 
-def sweep(found: Results) -> Section | None:
-    """What a sweep covers, how its runs ended, and its maps."""
-    if found.sweep is None:
-        return None
-    covered = repr(found.sweep).strip().splitlines()[0]
-    counts = Counter(outcome.name for outcome in found.sweep.found.outcomes)
-    rows: list[list[str | Cell]] = [[ended(found.mechanism, name), str(count)] for name, count in counts.items()]
-    figures = found.figure("sweep", "The sweep's quantities over the swept numbers")
-    return Section("Envelope", [covered], figures, [Table("How the runs ended", ("outcome", "runs"), rows)])
+def _signed(rows: Sequence[Record]) -> bool:
+    """Whether a quantity has no elasticities, as it can change sign."""
+    return all(row["elasticity [-]"] is None for row in rows)
 
 
-def origin(every: Sequence[Results]) -> Section:
-    """Where the numbers come from, and how exact the runs were."""
-    rows: list[list[str]] = []
-    for found in every:
-        for record in found.records:
-            told = [(words(name), shown(value)) for name, value in record.get("provenance", {}).items()]
-            balance = record.get("numerical_balance", {})
-            told += [(f"numerical error: {words(n)}", "–" if v is None else f"{v:.1e}") for n, v in balance.items()]
-            rows += [[str(found.folder), *pair] for pair in [*told, ("jaxbuffer", record["jaxbuffer"])]]
-    text = (
-        "Verification: equations, events and gradients are checked against closed forms, published numbers and"
-        " independent programs; docs/verification.md of this version has what was measured.",
-    )
-    unique = [list(row) for row in dict.fromkeys(map(tuple, rows))]
-    return Section("Provenance", text, tables=[Table("Origin of the numbers", ("folder", "what", "value"), unique)])
+def _slopes(signed: Mapping[str, Sequence[Record]]) -> list[Table]:
+    """Derivatives of quantities that have no elasticities."""
+    rows = [
+        [words(name), row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
+        for name, found in signed.items()
+        for row in found
+    ]
+    headings = ("quantity", "by", "derivative", "unit", "verdict")
+    return [Table("Derivatives of what can change sign", headings, rows)] if rows else []

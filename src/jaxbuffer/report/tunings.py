@@ -1,28 +1,14 @@
-"""What a page says of a tuning: limits, scenarios before and after, the search."""
+"""What a page says of a tuning: scenarios before and after, the search."""
+
+from typing import Any
 
 from ..fields import unit
-from .folder import Record, Results
+from ..output.folder import Record, Results
+from .figures import figure
+from .limits import broken
 from .page import Cell, Section, Table, shown
-from .records import ROUNDING, by_name, ended, same, scenario_of, words
-
-
-def limits(found: Results) -> Section | None:
-    """The worst value of each limited quantity with its margin."""
-    tuned, mechanism = found.tuned, found.mechanism
-    if tuned is None:
-        return None
-    rows: list[list[str | Cell]] = []
-    for name, limit in tuned["limits"].items():
-        worst = max(by_name(case["after"])[name] for case in tuned["scenarios"])
-        symbol, margin = _unit(found, name), f"{100 * (1 - worst / limit):.3g} %"
-        rows.append([words(name), symbol, shown(worst), shown(limit), margin, _kept(not _broken(worst, limit))])
-    if mechanism.success is not None:
-        count = sum(case["after"]["outcome"] == mechanism.success for case in tuned["scenarios"])
-        every = len(tuned["scenarios"])
-        rows.append([f"scenarios {mechanism.success}", "", str(count), str(every), "", _kept(count == every)])
-    table = Table("Worst over all scenarios", ("quantity", "unit", "worst", "limit", "margin", "verdict"), rows)
-    said = [f"{line[:1].upper()}{line[1:]}." for line in tuned["outside_validity"]]
-    return Section("Limits", [*(f"Broken: {line}." for line in tuned["broken"]), *said], tables=[table])
+from .records import by_name, ended, in_figures, same, scenario_of
+from .runs import forces
 
 
 def scenarios(found: Results) -> Section | None:
@@ -31,27 +17,35 @@ def scenarios(found: Results) -> Section | None:
     if tuned is None:
         return None
     met = [scenario_of(mechanism, record) for record in tuned["scenarios"]]
-    names = ["peak_force", *(name for name in tuned["limits"] if name != "peak_force")]
+    lower, own = tuned.get("lower_limits", {}), tuned.get("quantities", {})
+    names = list(dict.fromkeys(["peak_force", *tuned["limits"], *lower]))
     rows = []
     for record, scenario in zip(tuned["scenarios"], met, strict=True):
         before, after = by_name(record["before"]), by_name(record["after"])
-        row: list[str | Cell] = [mechanism.label(scenario, met)]
+        row: list[str | Cell] = [_label(mechanism, scenario, met, record)]
         row += [ended(mechanism, values["outcome"]) for values in (before, after)]
         for name in names:
-            limit = tuned["limits"].get(name)
-            row += [Cell(shown(v[name]), "bad" if _broken(v[name], limit) else "") for v in (before, after)]
+            factor, sides = in_figures(mechanism, name, own)[2], (tuned["limits"].get(name), lower.get(name))
+            row += [_value(values[name], factor, *sides) for values in (before, after)]
         rows.append(row)
     headings = ["scenario", "outcome before", "after"]
     for name in names:
-        headings += [f"{words(name)} [{_unit(found, name)}] before", "after"]
-    figures = found.figure("force", "Contact force of the worst scenario, before and after")
-    return Section("Scenarios", figures=figures, tables=[Table("Before and after tuning", headings, rows)])
+        title, symbol, _ = in_figures(mechanism, name, own)
+        headings += [f"{title} [{symbol}] before", "after"]
+    worst = found.records.get("force", {}).get("scenario", "")
+    curves = forces(found, f"Contact force of the worst scenario ({worst}), before and after tuning")
+    return Section("Scenarios", curves=curves, tables=[Table("Before and after tuning", headings, rows)])
 
 
-def _unit(found: Results, name: str) -> str:
-    """Of a limited quantity, the mechanism's or an own one, which the record describes."""
-    own = (found.tuned or {}).get("quantities", {})
-    return str(own[name]["unit"]) if name in own else found.mechanism.quantities[name].unit
+def _label(mechanism: Any, scenario: Any, among: list[Any], record: Record) -> str:
+    """The scenario in words, and where the built mechanism differs from the drawn one."""
+    factors = record.get("factors", {}).items()
+    return mechanism.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)
+
+
+def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:
+    beyond = broken(value, high) or broken(value, low, lowest=True)
+    return Cell(shown(None if value is None else factor * value), "bad" if beyond else "")
 
 
 def search(found: Results) -> Section | None:
@@ -70,18 +64,10 @@ def search(found: Results) -> Section | None:
     ]
     if (above := tuned.get("above_floor [-]")) is not None:
         facts.append(f"The largest force is {100 * above:.3g} % above the first impact's, which no buffer softens.")
-    figures = found.figure("tune", "The search: objective, limits and variables over its evaluations")
+    figures = figure(found, "tune", "The search: objective, limits and variables over its evaluations")
     return Section("Tuning", facts, figures, [table])
 
 
 def _bound(variable: Record) -> str:
     low, high, value = (variable[name] for name in ("low", "high", "value"))
     return "at the lower" if same(value, low) else "at the upper" if same(value, high) else ""
-
-
-def _broken(value: float | None, limit: float | None) -> bool:
-    return limit is not None and (value is None or value > limit * (1.0 + ROUNDING))
-
-
-def _kept(good: bool) -> Cell:
-    return Cell("kept", "good") if good else Cell("broken", "bad")

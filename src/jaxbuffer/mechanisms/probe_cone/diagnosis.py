@@ -82,22 +82,21 @@ def turned_round(capture: "Capture", seen: Course) -> Turn | None:
     return Turn(number, int(which[at]), float(time[at]), float(approach[at]), float(approach[parted]))
 
 
-def diagnosis(capture: "Capture") -> list[str]:
-    """What held a run back that did not end captured, a line each; nothing of others."""
+def diagnosis(capture: "Capture") -> dict[str, str]:
+    """What held a run back that did not end captured, by heading; nothing of others."""
     log = capture._located
     if capture.outcome == Outcome.captured or capture.outcome.failed or not int(log.count):
-        return []
+        return {}
     parameters = (capture.design, capture.scenario, capture.stabilisation)
     seen = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0]))
     last = int(log.count) - 1
-    told = {
+    return {
         "way left": _way(capture, seen, last),
         "energy left": _energy(capture, seen, last),
         "where it went": _lost(capture, seen, last),
         "turned round": _turn(capture, seen),
         "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
     }
-    return ["why it was not captured", *(f"  {heading:20} {text}" for heading, text in told.items())]
 
 
 def _way(capture: "Capture", seen: Course, last: int) -> str:

@@ -1,4 +1,5 @@
 "use strict";
+{
 /* A run drawn moving. Shapes are given in the axes of frames [x, y, angle] that move; lengths in m, forces in N. */
 const SVG = "http://www.w3.org/2000/svg";
 const FILLS = ["#a6d8f5", "#f3cf80", "#80cfb9", "#c4c4c4", "#e5bcd3", "#80b9d9"];
@@ -23,11 +24,11 @@ function corners(shape, frames) {
 }
 
 class View {
-  constructor(svg, data, width) {
+  constructor(svg, data, shapes) {
     this.svg = svg;
     this.data = data;
-    this.width = width;
-    this.shapes = data.shapes.map(shape => {
+    this.drawn = shapes;
+    this.shapes = shapes.map(shape => {
       const element = this.add(shape.filled ? "polygon" : "polyline");
       element.setAttribute("fill", shape.filled ? FILLS[shape.colour % FILLS.length] : "none");
       element.setAttribute("stroke", shape.dashed ? "#888888" : "#222222");
@@ -54,7 +55,7 @@ class View {
   show(k, [[left, low], [right, high]]) {
     const frames = this.data.frames[k], flipped = points => points.map(([x, y]) => `${x},${-y}`).join(" ");
     this.svg.setAttribute("viewBox", `${left} ${-high} ${right - left} ${high - low}`);
-    this.data.shapes.forEach((shape, n) => this.shapes[n].setAttribute("points", flipped(corners(shape, frames))));
+    this.drawn.forEach((shape, n) => this.shapes[n].setAttribute("points", flipped(corners(shape, frames))));
     const reach = 0.2 * (right - left);
     this.data.forces[k].forEach(([x, y, forceX, forceY], n) => {
       const scale = reach / this.data.largest, tip = [x + scale * forceX, y + scale * forceY];
@@ -72,9 +73,10 @@ class View {
 class Motion {
   constructor(root) {
     this.data = JSON.parse(root.querySelector("script").textContent);
-    this.whole = new View(root.querySelector(".whole"), this.data);
+    this.whole = new View(root.querySelector(".whole"), this.data, this.data.shapes);
     const closer = root.querySelector(".closer");
-    if (this.data.detail) this.closer = new View(closer, this.data); else closer.remove();
+    const detail = this.data.detail, own = detail && detail.shapes && detail.shapes.length ? detail.shapes : this.data.shapes;
+    if (detail) this.closer = new View(closer, this.data, own); else closer.remove();
     this.button = root.querySelector(".play");
     this.slider = root.querySelector(".time");
     this.clock = root.querySelector(".clock");
@@ -114,3 +116,4 @@ class Motion {
 }
 
 document.querySelectorAll(".motion").forEach(root => new Motion(root));
+}

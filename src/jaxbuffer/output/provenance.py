@@ -1,0 +1,60 @@
+"""How a result came about: command, study, settings, versions, time and machine."""
+
+import os
+import platform
+import shlex
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from ..version import version
+
+MADE = "made"  # a record's key for it
+CPUINFO = Path("/proc/cpuinfo")
+
+
+def made(
+    command: Sequence[str], study: str | None, settings: Mapping[str, Any], seconds: float, resumed: bool = False
+) -> dict[str, Any]:
+    """Everything that another person needs to compute a result again, and to judge where numbers differ.
+
+    Two runs of the same command differ in nothing else than this part of their records.
+
+    **Arguments:**
+
+    - ``command``: the words as typed, without the program's name; the home folder becomes "~", which names no user.
+    - ``study``: the text of the study (TOML), None where there was none.
+    - ``settings``: of the solver, each number's unit in its name.
+    - ``seconds``: from the command's start to the result [s], compilation included.
+    - ``resumed``: whether the command went on with an earlier run, whose time is not in ``seconds``.
+
+    **Example:**
+
+    >>> from jaxbuffer.output.provenance import made
+    >>> told = made(["simulate", "--buffer.k_A", "800"], None, {"rtol [-]": 1e-6}, 2.5)
+    >>> told["command"], told["wall_time [s]"]
+    ('jaxbuffer simulate --buffer.k_A 800', 2.5)
+    """
+    return {
+        "command": shlex.join(["jaxbuffer", *command]).replace(str(Path.home()), "~"),
+        "study": study,
+        "settings": dict(settings),
+        "wall_time [s]": round(seconds, 3),
+        "resumed": resumed,
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "versions": {"jaxbuffer": version(), "Python": platform.python_version(), "JAX": metadata.version("jax")},
+        "machine": {"processor": processor(), "cores": os.cpu_count(), "system": _system()},
+    }
+
+
+def processor() -> str:
+    """The processor's name as the system tells it, its architecture where it tells none."""
+    lines = CPUINFO.read_text(errors="replace").splitlines() if CPUINFO.is_file() else []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, "") or platform.processor() or platform.machine() or "unknown"
+
+
+def _system() -> str:
+    return f"{platform.system()} {platform.release()}, {platform.machine()}"

@@ -1,0 +1,146 @@
+"""What a page says of many runs: a sweep with its envelope, a sample, a front of objectives."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..mechanisms.mechanism import Mechanism
+from ..output.folder import Record, Results
+from .figures import figure
+from .page import Cell, Section, Table, shown
+from .records import ended, in_figures, words
+
+OPEN = "not computed"  # of a run that an interrupted sweep has not reached
+STANDING = {"front": "good", "front, not converged": "unsure"}
+
+
+def sweep(found: Results) -> Section | None:
+    """What a sweep covers, how its runs ended, its maps, and where it is safe."""
+    if found.sweep is None:
+        return None
+    sizes = " × ".join(f"{count} {path}" for path, count in found.sweep.sizes.items())
+    names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
+    outcomes = dict(zip(map(str, names), map(int, counts), strict=True))
+    record = found.records.get("sweep", {})
+    envelope = record.get("envelope")
+    text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
+    figures = figure(found, "envelope", "Which runs are safe, and the largest rectangle of them")
+    figures += figure(found, "sweep", "The sweep's quantities over the swept numbers")
+    return Section("Sweep" if envelope is None else "Envelope", text, figures, [_outcomes(found.mechanism, outcomes)])
+
+
+def envelope_in_words(envelope: Record) -> list[str]:
+    """How many runs are safe, and the ranges of the largest rectangle of them."""
+    told = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
+    if not envelope["rectangle"]:
+        return [*told, "No run is safe, so there is no safe rectangle."]
+    ranges = " by ".join(
+        f"{part['path']} from {_ends(part['low'], part['high'], part['unit'])}" for part in envelope["rectangle"]
+    )
+    told.append(
+        f"Every run of the largest safe rectangle, {envelope['runs_in_rectangle']} of them, is safe: {ranges}."
+        " Between the runs nothing was computed."
+    )
+    reasons = ", ".join(f"{reason} ({count})" for reason, count in envelope["reasons"].items())
+    return [*told, f"Why the others are not: {reasons}."] if reasons else told
+
+
+def _ends(low: float, high: float, unit: str) -> str:
+    told = f"{shown(low)} to {shown(high)} {unit}".rstrip(" -")
+    return f"{told} ({math.degrees(low):+.3g}° to {math.degrees(high):+.3g}°)" if unit == "rad" else told
+
+
+def sample(found: Results) -> Section | None:
+    """Ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
+    record = found.records.get("sample")
+    if record is None:
+        return None
+    ranges = [[r["path"], r["unit"], shown(r["low"]), shown(r["high"]), r["scale"]] for r in record["ranges"]]
+    tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
+    tables.append(_outcomes(found.mechanism, record["outcomes"]))
+    tables += [_indices(found.mechanism, name, rows) for name, rows in _by_quantity(record["indices"]).items()]
+    if record["surfaces"]:
+        tables.append(_surfaces(found.mechanism, record))
+    warnings = [
+        f"Do not trust the surface of {words(it['quantity'])}: it explains less than 90 % of the variance of runs it"
+        " has not seen."
+        for it in record["surfaces"]
+        if not it["trusted"]
+    ]
+    text = [f"{record['done']} of {record['runs']} runs, {words(record['method'])}, seed {record['seed']}."]
+    figures = figure(found, "indices", "First-order and total index of each number, with intervals")
+    figures += figure(found, "surface", "What a surface says of runs it has not seen, against what was computed")
+    figures += figure(found, "sample", "The quantities over each sampled number")
+    return Section("Sample", text, figures, tables, warnings=warnings)
+
+
+def _by_quantity(rows: list[Record]) -> dict[str, list[Record]]:
+    found: dict[str, list[Record]] = {}
+    for row in sorted(rows, key=lambda row: -row["total [-]"]):
+        found.setdefault(row["quantity"], []).append(row)
+    return found
+
+
+def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
+    """The number that matters most first."""
+    source, first = rows[0]["from"], rows[0]
+    of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['rows_asked']} rows"
+    caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
+    caption += f", {100 * first['confidence [-]']:g} % intervals)"
+    interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731
+    cells = [
+        [
+            row["number"],
+            f"{row['first_order [-]']:.3f}",
+            interval(row["first_order_interval [-]"]),
+            f"{row['total [-]']:.3f}",
+            interval(row["total_interval [-]"]),
+        ]
+        for row in rows
+    ]
+    return Table(caption, ("number", "alone", "interval", "with all others", "interval"), cells)
+
+
+def _surfaces(mechanism: Mechanism, record: Record) -> Table:
+    rows: list[list[str | Cell]] = []
+    for surface in record["surfaces"]:
+        for kind, error in surface["cross_validated"].items():
+            taken = kind == surface["kind"]
+            mark = ("good" if surface["trusted"] else "bad") if taken else ""
+            told = [f"{shown(error['rms'])} {surface['unit']}".rstrip(" -"), f"{100 * error['relative']:.3g} %"]
+            told.append(f"{100 * error['explained']:.4g} %")
+            verdict = ("trusted" if surface["trusted"] else "not to be trusted") if taken else "not taken"
+            rows.append([in_figures(mechanism, surface["quantity"])[0], words(kind), *told, Cell(verdict, mark)])
+    caption = "Response surfaces: their errors at runs they were not fitted to (cross-validated)"
+    return Table(caption, ("quantity", "kind", "error, rms", "of a value", "variance explained", "verdict"), rows)
+
+
+def front(found: Results) -> Section | None:
+    """The points of a front: objectives, how sure they are, and their designs."""
+    record = found.records.get("front")
+    if record is None:
+        return None
+    points = record["points"]
+    kept = sum(point["standing"] in STANDING for point in points)
+    rows: list[list[str | Cell]] = []
+    for point in points:
+        mark = STANDING.get(point["standing"], "bad")
+        values = [shown(value) for name, value in point.items() if name not in ("point", "standing", "converged")]
+        rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
+    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
+    objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
+    text = [
+        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {count}"
+        f" scenario{'s' if count > 1 else ''}: none of them is better than another in every objective.",
+        "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
+    ]
+    table = Table("Points of the front", ("point", *map(words, names), "standing"), rows)
+    return Section("Front", text, figure(found, "pareto", "The front; crosses: another point is better"), [table])
+
+
+def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:
+    rows: list[list[str | Cell]] = [
+        [Cell(OPEN, "unsure") if name == OPEN else ended(mechanism, name), str(count)] for name, count in counts.items()
+    ]
+    return Table("How the runs ended", ("outcome", f"{mechanism.run_name}s"), rows)

@@ -1,0 +1,120 @@
+"""Where a page's numbers come from: commands, studies, versions, machines, numerical errors, verification."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ..output.folder import BESIDE, RECORDS, Record, Results
+from ..output.provenance import MADE
+from .page import Cell, Section, Table, shown
+from .records import words
+from .verification import lines, verified
+
+TITLE = "Where the numbers come from"
+UNRECORDED = "not recorded"
+FILES = {**RECORDS, **BESIDE}
+MINUTE = 120.0  # s from which a time is told in minutes
+
+
+def origin(every: Sequence[Results]) -> Section:
+    """How each result came about, and how exact the runs were."""
+    results = [(str(found.folder / name), record) for found in every for name, record in _results(found)]
+    tables = [_commands(results), _settings(results), _computers(results)]
+    if errors := _errors(results):
+        tables.append(errors)
+    missing = [name for name, record in results if not record.get(MADE)]
+    warnings = differing(results)
+    if missing:
+        warnings.append(f"Nothing is recorded of how these came about: {', '.join(missing)}.")
+    return Section(TITLE, tables=tables, warnings=warnings, listings=_studies(results))
+
+
+def verification() -> Section:
+    """What is known of the program's own correctness."""
+    found = verified()
+    told = lines(found)
+    return Section("Verification", [] if found is None else told, warnings=told if found is None else [])
+
+
+def _results(found: Results) -> Iterator[tuple[str, Record]]:
+    """Every record that says which version made it."""
+    for name, record in found.records.items():
+        if "jaxbuffer" in record or MADE in record:
+            yield f"{found.mechanism.run_name}.json" if name == "run" else FILES[name], record
+
+
+def differing(results: Sequence[tuple[str, Record]]) -> list[str]:
+    """A warning for each program of which not all results were made by the same version."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for name, record in results:
+        versions = {"jaxbuffer": record.get("jaxbuffer", UNRECORDED), **record.get(MADE, {}).get("versions", {})}
+        for program, version in versions.items():
+            found.setdefault(program, {}).setdefault(version, []).append(name)
+    told = lambda of: "; ".join(f"{version} ({', '.join(names)})" for version, names in of.items())  # noqa: E731
+    return [f"Made by different versions of {program}: {told(of)}." for program, of in found.items() if len(of) > 1]
+
+
+def _commands(results: Sequence[tuple[str, Record]]) -> Table:
+    rows: list[list[str | Cell]] = [
+        [name, Cell(_made(record).get("command", UNRECORDED), "code")] for name, record in results
+    ]
+    return Table("Commands, as typed", ("result", "command"), rows)
+
+
+def _settings(results: Sequence[tuple[str, Record]]) -> Table:
+    names = list(dict.fromkeys(name for _, record in results for name in _made(record).get("settings", {})))
+    rows: list[list[str | Cell]] = []
+    for result, record in results:
+        made = _made(record)
+        settings = made.get("settings", {})
+        time = _time(made["wall_time [s]"]) if made else UNRECORDED
+        time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
+        finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
+        rows.append([result, finished, time, *(shown(settings.get(name)) for name in names)])
+    return Table("When, how long, how exactly", ("result", "finished (UTC)", "wall time", *names), rows)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.1f} s" if seconds < MINUTE else f"{seconds / 60.0:.1f} min"
+
+
+def _computers(results: Sequence[tuple[str, Record]]) -> Table:
+    """Each set of versions on each machine once, with the results it has made."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for name, record in results:
+        made = _made(record)
+        versions, machine = made.get("versions", {}), made.get("machine", {})
+        told = (
+            versions.get("jaxbuffer", record.get("jaxbuffer", UNRECORDED)),
+            *(versions.get(program, UNRECORDED) for program in ("Python", "JAX")),
+            machine.get("processor", UNRECORDED),
+            shown(machine.get("cores")),
+            machine.get("system", UNRECORDED),
+        )
+        found.setdefault(told, []).append(name)
+    rows = [[", ".join(names), *told] for told, names in found.items()]
+    headings = ("results", "jaxbuffer", "Python", "JAX", "processor", "cores", "system")
+    return Table("Versions and machines", headings, rows)
+
+
+def _errors(results: Sequence[tuple[str, Record]]) -> Table | None:
+    balances = [(name, record["numerical_balance"]) for name, record in results if "numerical_balance" in record]
+    if not balances:
+        return None
+    names = list(balances[0][1])
+    rows = [
+        [result, *("–" if balance.get(name) is None else f"{balance[name]:.1e}" for name in names)]
+        for result, balance in balances
+    ]
+    return Table("Numerical errors of what is conserved", ("result", *map(words, names)), rows)
+
+
+def _studies(results: Sequence[tuple[str, Record]]) -> dict[str, str]:
+    """The text of each study once, by the results it belongs to."""
+    found: dict[str, list[str]] = {}
+    for name, record in results:
+        if text := _made(record).get("study"):
+            found.setdefault(text, []).append(name)
+    return {f"The study of {', '.join(names)}": text for text, names in found.items()}
+
+
+def _made(record: Record) -> Mapping:
+    return record.get(MADE) or {}

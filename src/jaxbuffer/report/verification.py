@@ -1,0 +1,53 @@
+"""What is known of how far this version's numbers can be trusted: a small file that `python -m verify` makes."""
+
+import functools
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..version import version
+
+PACKAGE = Path(__file__).parent.parent
+FILE = Path(__file__).parent / "verified.json"
+UNKNOWN = "Nothing is known of how this version was verified: it was packaged without the results of python -m verify."
+
+
+@functools.cache
+def sources() -> str:
+    """A digest of the package's own program text, by which a state of it is known again."""
+    found = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        found.update(f"{path.relative_to(PACKAGE).as_posix()}\n".encode() + path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def verified(file: Path = FILE) -> Mapping[str, Any] | None:
+    """What the last verification counted, None where that is not known."""
+    if not file.is_file():
+        return None
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def lines(found: Mapping[str, Any] | None) -> list[str]:
+    """The same in a few sentences. ``found``: as of `verified`."""
+    if found is None:
+        return [UNKNOWN]
+    same = found["sources"] == sources()
+    which = "this very program" if same else "an earlier or later state of the program than this one"
+    told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}: {which}."]
+    if not same:
+        told.append(f"What follows need not hold for the installed jaxbuffer {version()}.")
+    count = lambda name: f"{found[name][0]} of {found[name][1]}"  # noqa: E731
+    told.append(
+        f"{count('claims')} measured errors against closed forms, published numbers and independent programs are within"
+        f" their tolerances; {count('tests')} tests passed; {count('breakages')} deliberate breakages of the equations"
+        " were noticed."
+    )
+    told.append("What each claim is, and where no evidence exists: docs/verification.md.")
+    return told
