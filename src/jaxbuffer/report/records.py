@@ -11,6 +11,7 @@ from ..output.folder import Record
 from .page import Cell, shown
 
 UNIT = re.compile(r"^(.*) \[(.*)\]$")
+NONE: Mapping[str, Any] = MappingProxyType({})
 ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
 
 
