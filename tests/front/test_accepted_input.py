@@ -70,11 +70,11 @@ def test_which_of_several_scenarios_is_run(computed, capsys, tmp_path, command):
     (tmp_path / "study.toml").write_text(FORTY)
     assert run([command, "study.toml"]) == 0
     shown = capsys.readouterr()
-    assert "note: running the first of 40 scenarios, 0.1 m/s, 0.573°; --scenario-number N takes another" in shown.err
+    assert "note: running the first of 40 scenarios, 0.1 m/s, +0.573°; --scenario-number N takes another" in shown.err
     assert computed.calls[-1][1]["scenario"].approach_speed == 0.1
     assert run([command, "study.toml", "--scenario-number", "40"]) == 0
     shown = capsys.readouterr()
-    assert "note" not in shown.err and "0.1975 m/s, 0.573°" in shown.out
+    assert "note" not in shown.err and "0.1975 m/s, +0.573°" in shown.out
     assert computed.calls[-1][1]["scenario"].approach_speed == 0.1975
 
 

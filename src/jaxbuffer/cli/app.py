@@ -251,7 +251,7 @@ def tune(
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
 
-    files.save_and_show(lambda: tuned_files(tuned), tuned, lambda: str(tuned_files(tuned)["tuned.json"]()))
+    files.save_and_show(lambda: tuned_files(tuned, note), tuned, lambda: str(tuned_files(tuned)["tuned.json"]()))
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 
 

@@ -96,6 +96,7 @@ def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
         name = f"{contact} {kind}" if contact != kind else contact
         force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
     force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
+    force.locator_params(axis="x", nbins=6)
     label(force, "Contact force", f"time [{window.unit}]", f"contact force [{unit}]")
     _pulse(zoom, run, factor)
     zoom.plot(0.0, factor * peak, "o", color=RED, markersize=4)
@@ -126,6 +127,8 @@ def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
         axes.set_aspect("equal", "datalim")
     legend = bool(axes.get_legend_handles_labels()[0])
     across = panel.path or f"time [{window.unit}]"
+    if not panel.path:
+        axes.locator_params(axis="x", nbins=6)
     label(axes, panel.title, across, panel.axis, legend, columns=2 if panel.stacked else 1)
 
 

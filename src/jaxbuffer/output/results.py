@@ -47,8 +47,9 @@ def sensitivity_files(result: "Sensitivity") -> Contents:
     }
 
 
-def tuned_files(tuned: "Tuned") -> Contents:
-    """Of `jaxbuffer tune`."""
+def tuned_files(tuned: "Tuned", report: Callable[[str], None] = lambda line: None) -> Contents:
+    """Of `jaxbuffer tune`. ``report``: takes a line on what the figure lacks because a run failed."""
+    from ..errors import InputError
     from ..run.simulate import simulate
     from ..study.config import design_toml
     from ..tuning.table import tuning_history
@@ -57,12 +58,22 @@ def tuned_files(tuned: "Tuned") -> Contents:
     from .tune_figure import tune_figure, worst_case
 
     def worst_runs() -> list[Any]:
-        """The worst scenario before and after, with histories."""
+        """The worst scenario before and after, with histories; none where one of them fails."""
         problem, case = tuned.problem, tuned.problem.cases[worst_case(tuned)]
-        return [
-            simulate(case.of(design), case.scenario, problem.duration, history=True)
-            for design in (problem.design, tuned.design)
-        ]
+        try:
+            runs = [
+                simulate(case.of(design), case.scenario, problem.duration, history=True)
+                for design in (problem.design, tuned.design)
+            ]
+        except (InputError, RuntimeError) as error:
+            return left_out(str(error))
+        failed = [run.outcome.name for run in runs if run.outcome.failed]
+        return left_out(failed[0]) if failed else runs
+
+    def left_out(why: str) -> list[Any]:
+        first = why.strip().splitlines()[0] if why.strip() else "the run failed"
+        report(f"the force over time is missing in tune.png and tune.svg: the worst scenario could not be run: {first}")
+        return []
 
     return {
         "design.toml": lambda: design_toml(tuned.design, tuned.problem.scenarios_met, tuned_comment(tuned)),

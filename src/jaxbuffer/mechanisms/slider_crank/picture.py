@@ -42,8 +42,8 @@ def _path(run: "Run", pin: str) -> Panel:
     edge = 1e3 * float(part.clearance) * _outline(part.by_components)
     title = f"{pin.replace('_', ' ').capitalize()} in its bush"
     curves = (
-        Curve("the pin's centre", across, along=along),
-        Curve("where it touches", edge[1], dashed=True, along=edge[0]),
+        Curve("path", across, along=along),
+        Curve("play", edge[1], dashed=True, along=edge[0]),
     )
     return Panel(title, "across [mm]", curves, path="along the slider's line [mm]")
 
