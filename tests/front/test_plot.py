@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from made_up import PULSE, made_up_capture, made_up_tuning
 
-from jaxbuffer import InputError, Scenario
+from jaxbuffer import InputError, Outcome, Scenario
 from jaxbuffer.output.figures import run_figure
+from jaxbuffer.output.results import tuned_files
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config
@@ -108,3 +109,18 @@ def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match=r"pip install matplotlib"):
         run_figure(made_up_capture())
+
+
+@pytest.mark.parametrize("fails", ["an outcome", "an error"])
+def test_a_worst_scenario_that_fails_leaves_the_other_panels(monkeypatch, fails):
+    def simulate(*given, **options):
+        if fails == "an error":
+            raise InputError("the design is out of its range")
+        return made_up_capture(outcome=Outcome.failed_steps)
+
+    monkeypatch.setattr("jaxbuffer.run.simulate.simulate", simulate)
+    lines = []
+    files = tuned_files(made_up_tuning(Config().problem()), lines.append)
+    assert files["tune.png"]().startswith(b"\x89PNG") and files["tuned.json"]()
+    (line,) = lines
+    assert line.startswith("the force over time is missing in tune.png and tune.svg")
