@@ -37,8 +37,6 @@ FILES = {
 FAILURES = [OSError(28, "No space left on device"), UnicodeEncodeError("ascii", "×", 0, 1, "ordinal not in range")]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
 
-pytestmark = pytest.mark.usefixtures("no_figures")
-
 
 @pytest.mark.parametrize("command", FILES)
 @pytest.mark.parametrize(
