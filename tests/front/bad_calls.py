@@ -190,7 +190,7 @@ PYTHON = [
     call(lambda: stated(rtol=None), "rtol: None is not a number; expected [1e-13, 0.01]"),
     call(
         lambda: stated(scenarios=[Scenario(), Scenario(approach_speed=0.2, misalignment=0.8)]),
-        "scenario 2 (0.2 m/s, 45.84°): scenario.misalignment = 0.8 rad is out of range",
+        "scenario 2 (0.2 m/s, +45.84°): scenario.misalignment = 0.8 rad is out of range",
     ),
     call(lambda: Case(0.1), "case's scenario = 0.1 is not a scenario of a mechanism"),
     call(lambda: Case(Scenario(), (("buffer.k_A", "1.1"),)), "factor on buffer.k_A: '1.1' is not a number"),

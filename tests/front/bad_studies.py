@@ -77,7 +77,7 @@ STUDIES = [
     toml("[[scenarios]]\n[[scenarios]]\napproach_speed = 0", "scenarios[2].approach_speed = 0 m/s", "(0, inf) m/s"),
     toml(
         "[[scenarios]]\n[[scenarios]]\napproach_speed = 0.2\nmisalignment = 0.8",
-        "[[scenarios]] number 2 (0.2 m/s, 45.84°): scenario.misalignment = 0.8 rad",
+        "[[scenarios]] number 2 (0.2 m/s, +45.84°): scenario.misalignment = 0.8 rad",
         "(-0.785398, 0.785398) rad",
     ),
     toml("[[scenarios]]\n[problem.grid]\napproach_speed = [0.1]", "[[scenarios]] and [problem.grid]", "keep one"),

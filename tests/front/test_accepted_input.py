@@ -59,7 +59,7 @@ def test_only_close_names_are_advised(typed, known, meant):
 
 def test_scenarios_are_told_apart_by_their_values():
     slow, fast = Scenario(approach_speed=0.1), Scenario(approach_speed=0.2, misalignment=np.radians(3.0))
-    assert (scenario_label(slow), scenario_label(fast)) == ("0.1 m/s, 0°", "0.2 m/s, 3°")
+    assert (scenario_label(slow), scenario_label(fast)) == ("0.1 m/s, 0°", "0.2 m/s, +3°")
     turning = Scenario(passive_rate=0.05)
     assert scenario_label(turning, (slow, turning)) == "0.1 m/s, 0°, passive rate 0.05 rad/s"
     assert scenario_label(Scenario(misalignment=-0.0)) == "0.1 m/s, 0°"
@@ -70,11 +70,11 @@ def test_which_of_several_scenarios_is_run(computed, capsys, tmp_path, command):
     (tmp_path / "study.toml").write_text(FORTY)
     assert run([command, "study.toml"]) == 0
     shown = capsys.readouterr()
-    assert "note: running the first of 40 scenarios, 0.1 m/s, 0.573°; --scenario-number N takes another" in shown.err
+    assert "note: running the first of 40 scenarios, 0.1 m/s, +0.573°; --scenario-number N takes another" in shown.err
     assert computed.calls[-1][1]["scenario"].approach_speed == 0.1
     assert run([command, "study.toml", "--scenario-number", "40"]) == 0
     shown = capsys.readouterr()
-    assert "note" not in shown.err and "0.1975 m/s, 0.573°" in shown.out
+    assert "note" not in shown.err and "0.1975 m/s, +0.573°" in shown.out
     assert computed.calls[-1][1]["scenario"].approach_speed == 0.1975
 
 
@@ -87,7 +87,7 @@ def test_a_scenario_of_its_own_comes_before_the_list(computed, capsys, tmp_path)
 def test_the_summary_says_which_scenario_it_is_of(computed, capsys):
     assert run(["simulate", "--scenario.approach_speed", "0.2", "--scenario.misalignment", "0.05235987755982988"]) == 0
     shown = capsys.readouterr()
-    assert "scenario             0.2 m/s, 3°" in shown.out and "note" not in shown.err
+    assert "scenario             0.2 m/s, +3°" in shown.out and "note" not in shown.err
 
 
 @pytest.fixture

@@ -193,6 +193,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
     assert (tmp_path / "out" / "tune.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_resuming_takes_the_folder_as_it_is(computed, tmp_path):
     (tmp_path / "out").mkdir()
     for name in ("log.jsonl", "state.npz"):
@@ -266,6 +267,7 @@ def test_a_missing_study_and_a_second_one(computed, capsys, tmp_path):
     )
 
 
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize(
     ("command", "names"), [("simulate", SIMULATED), ("sensitivity", DIFFERENTIATED), ("tune", TUNED)]
 )
@@ -302,6 +304,7 @@ def test_a_failed_capture_exits_with_3_and_writes_nothing(computed, capsys, tmp_
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize("command", ["simulate", "sensitivity"])
 def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, capsys, tmp_path, command):
     """A made-up capture has 7.5 mm of stroke, takes 0.04 s and has one impact."""

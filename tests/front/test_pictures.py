@@ -1,6 +1,7 @@
 """Pictures of a run: where bodies and forces are drawn, what lies between the steps, frames of an animation."""
 
 import io
+import types
 
 import matplotlib
 import numpy as np
@@ -10,9 +11,23 @@ from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
 from jaxbuffer.contact import Segment
-from jaxbuffer.mechanisms.drawing import GROUND, Detail, Disc, Drawing, Outline, Rod, Spot, Touch, plain_drawing
+from jaxbuffer.mechanisms.drawing import (
+    GROUND,
+    Band,
+    Detail,
+    Disc,
+    Drawing,
+    Outline,
+    Rod,
+    Spot,
+    Touch,
+    plain_drawing,
+    stations,
+    with_stations,
+)
 from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.multibody.flexible import Bar, pinned_bar
 from jaxbuffer.output import animation
 from jaxbuffer.output.motion import draw, telling_times
 from jaxbuffer.output.pulses import pulse_around, pulses
@@ -170,3 +185,20 @@ def test_a_pulse_ends_where_its_force_does():
     pulse = pulse_around(time, force, 0.4)
     assert (pulse.start, pulse.end) == (pytest.approx(0.31), pytest.approx(0.49))
     assert pulse.force == pytest.approx(1.0)
+
+
+def test_a_bending_body_is_drawn_along_its_shape():
+    """Half a sine wave between two pins, on a body that is turned by a right angle."""
+    bar = pinned_bar(Bar.rectangle(2.0, 0.1, 0.1, 7850.0, 2e11), 1)
+    position = np.array([[[3.0, 4.0, np.pi / 2.0]]])
+    history = types.SimpleNamespace(position=position, state=np.array([[3.0, 4.0, np.pi / 2.0, 0.01]]))
+    frames = with_stations(position, history, 1, bar, 0)[0]
+    band = Band(stations(1), 0.1, "bar")
+    xi = np.linspace(0.0, 1.0, len(band.stations))
+    expected = np.stack([3.0 - 0.01 * np.sin(np.pi * xi), 3.0 + 2.0 * xi], axis=1)
+    np.testing.assert_allclose(frames[1:, :2], expected, atol=1e-12)
+    np.testing.assert_allclose(frames[1, 2], np.pi / 2.0 + 0.01 * np.pi / 2.0, rtol=1e-9)  # the slope at the pin
+    larger = np.stack([3.0 - 0.5 * np.sin(np.pi * xi), 3.0 + 2.0 * xi], axis=1)
+    np.testing.assert_allclose(band.bent(frames, 50.0), larger, atol=2e-3)  # stations are apart along the bent line
+    straight = with_stations(position, types.SimpleNamespace(state=None), 1, bar, 0)[0]
+    np.testing.assert_allclose(straight[1:, 0], 3.0, atol=1e-12)

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from made_up import PULSE, made_up_capture, made_up_tuning
 
-from jaxbuffer import InputError, Scenario
+from jaxbuffer import InputError, Outcome, Scenario
 from jaxbuffer.output.figures import run_figure
+from jaxbuffer.output.results import tuned_files
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config
 
-UNIT = re.compile(r"\[(s|ms|N|mm|mJ|deg|%|-)\]$")
+UNIT = re.compile(r"\[(s|ms|N|mm|mJ|°|%|-)\]$")
 
 
 def labelled(figure):
@@ -31,16 +32,16 @@ def test_run_figure():
     axes = labelled(figure)
     assert list(axes) == [
         "Contact force",
-        "The peak, 250 N at 0.02 s",
+        "The peak, 250 N at 20 ms",
         "Gap and distance to capture",
         "Energy, adding up to the total",
-        "Buffer stroke, largest 7.5 mm",
+        "Buffer stroke",
         "Hinge angle, largest 0.229°",
     ]
-    zoom = axes["The peak, 250 N at 0.02 s"]
+    zoom = axes["The peak, 250 N at 20 ms"]
     assert zoom.get_xlim()[0] == pytest.approx(-0.75e3 * PULSE, rel=0.15), "the impact and a quarter of it either side"
     assert zoom.get_ylim()[1] > 250.0
-    assert axes["Buffer stroke, largest 7.5 mm"].get_ylim()[1] > 7.5
+    assert axes["Buffer stroke"].get_ylim()[1] > 7.5
     assert axes["Hinge angle, largest 0.229°"].get_ylim()[0] < -0.2, "signed"
     assert png(figure).startswith(b"\x89PNG")
 
@@ -60,27 +61,27 @@ def test_tune_figure():
         "Peak contact force",
         "Variables between their bounds, before → after",
         "Worst over the scenarios, before → after",
-        "Every design tried for: peak_force, worst over the cases",
+        "Every design tried for:\npeak force, worst over the scenarios",
     ]
     peaks = axes["Peak contact force"]
-    names = [text.get_text() for text in peaks.get_legend().get_texts()]
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names == ["before", "after", "floor: first impact, no buffer"]
     named = [text.get_text() for text in peaks.get_yticklabels()]
     assert named == ["0.1 m/s, 0°", "0.15 m/s, 0°", "0.2 m/s, 0°", "0.25 m/s, 0°"]
-    objective = axes["Every design tried for: peak_force, worst over the cases"]
+    objective = axes["Every design tried for:\npeak force, worst over the scenarios"]
     labels = [text.get_text() for text in objective.get_legend().get_texts()]
     assert labels == ["starts", "search", "infeasible", "best so far"]
     assert np.all(np.diff(objective.lines[-1].get_ydata()) <= 0.0), "the best so far"
     ticks = [text.get_text() for text in axes["Worst over the scenarios, before → after"].get_yticklabels()]
     assert ticks[0] == "peak contact force: 400 → 320 N"
-    assert any(text.endswith("limit 25") for text in ticks), "the stroke's"
+    assert any(text.endswith("limit 25 mm") for text in ticks), "the stroke's"
     assert png(figure).startswith(b"\x89PNG")
 
 
 def test_tune_figure_with_the_worst_scenario_over_time():
     tuned = made_up_tuning(Config().problem())
     figure = tune_figure(tuned, [made_up_capture(peak=400.0), made_up_capture(peak=320.0)])
-    force = figure.axes[1]
+    force = figure.axes[0]
     assert force.get_title(loc="left") == "Force in the worst scenario, 0.1 m/s, 0°"
     names = [text.get_text() for text in force.get_legend().get_texts()]
     assert names == ["before, at most 400 N", "after, at most 320 N"]
@@ -88,8 +89,8 @@ def test_tune_figure_with_the_worst_scenario_over_time():
 
 def test_time_axes_end_soon_after_the_last_contact():
     figure = run_figure(made_up_capture(at=0.002))
-    assert "nothing touches from there to 0.04 s" in figure.get_suptitle()
-    assert figure.axes[0].get_xlim()[1] < 0.005
+    assert "nothing touches from there to 40 ms" in figure.get_suptitle()
+    assert figure.axes[0].get_xlim()[1] < 5.0
 
 
 def test_settings_of_matplotlib_stay_as_they_were():
@@ -108,3 +109,18 @@ def test_without_matplotlib_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match=r"pip install matplotlib"):
         run_figure(made_up_capture())
+
+
+@pytest.mark.parametrize("fails", ["an outcome", "an error"])
+def test_a_worst_scenario_that_fails_leaves_the_other_panels(monkeypatch, fails):
+    def simulate(*given, **options):
+        if fails == "an error":
+            raise InputError("the design is out of its range")
+        return made_up_capture(outcome=Outcome.failed_steps)
+
+    monkeypatch.setattr("jaxbuffer.run.simulate.simulate", simulate)
+    lines = []
+    files = tuned_files(made_up_tuning(Config().problem()), lines.append)
+    assert files["tune.png"]().startswith(b"\x89PNG") and files["tuned.json"]()
+    (line,) = lines
+    assert line.startswith("no force over time in tune.png, tune.svg, force.json")

@@ -88,7 +88,7 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "every case must end captured",
         "buffer.k_A 100, 200 N/m",
         "buffer.c_A 1 to 9 N s/m, 8 values, linear",
-        "one capture: 0.1 m/s, 3°",
+        "one capture: 0.1 m/s, +3°",
         "2 × 8 = 16 captures",
         "1 variables over 2 scenarios",
     ):

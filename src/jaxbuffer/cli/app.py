@@ -254,7 +254,7 @@ def tune(
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
 
-    contents = tuned_files(tuned, request.made(study, resume))
+    contents = tuned_files(tuned, request.made(study, resume), note)
     files.save_and_show(lambda: contents, tuned, lambda: str(contents["tuned.json"]()))
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
 

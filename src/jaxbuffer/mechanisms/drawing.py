@@ -8,8 +8,10 @@ from jaxtyping import Float
 
 from ..contact import Shape
 from ..fields import Part
+from ..multibody.flexible import FlexibleBar
 
 GROUND = -1  # the body that does not move
+STATIONS = 25  # along a body that bends
 
 Frames = Float[np.ndarray, "bodies 3"]  # [x, y, angle] of each [m, m, rad]
 Points = Float[np.ndarray, "points 2"]
@@ -57,6 +59,34 @@ class Rod(NamedTuple):
     second: Spot
     width: float
     part: str = ""
+
+
+class Band(NamedTuple):
+    """A body that bends: a band ``width`` [m] wide along the origins of ``stations``, numbers of frames behind those of
+    the bodies (`with_stations`), from one end to the other.
+
+    ``part``: as of `Outline`; ``clamped``: whether its bending is measured from the axis of its first end, or else from
+    the straight line between both ends.
+    """
+
+    stations: tuple[int, ...]
+    width: float
+    part: str = ""
+    clamped: bool = False
+
+    def straight(self, frames: Frames) -> Points:
+        """Where the stations would be if it did not bend [m]."""
+        at = frames[list(self.stations)]
+        along = np.hypot(*np.diff(at[:, :2], axis=0).T)
+        way = np.concatenate([[0.0], np.cumsum(along)])
+        if self.clamped:
+            return at[0, :2] + way[:, None] * np.array([np.cos(at[0, 2]), np.sin(at[0, 2])])
+        return at[0, :2] + way[:, None] / max(way[-1], 1e-300) * (at[-1, :2] - at[0, :2])
+
+    def bent(self, frames: Frames, magnified: float = 1.0) -> Points:
+        """Its centre line, with its bending ``magnified`` [m]."""
+        straight = self.straight(frames)
+        return straight + magnified * (frames[list(self.stations)][:, :2] - straight)
 
 
 class Spring(NamedTuple):
@@ -124,7 +154,7 @@ def as_they_are(history: Any) -> Float[np.ndarray, "steps bodies 3"]:
 class Drawing(NamedTuple):
     """A mechanism's picture.
 
-    - ``shapes``: `Outline`, `Disc`, `Rod`, `Spring` and `Coil`, from the back to the front.
+    - ``shapes``: `Outline`, `Disc`, `Rod`, `Band`, `Spring` and `Coil`, from the back to the front.
     - ``touches``: one for each contact that has impacts, in their order.
     - ``names``: points worth a name.
     - ``detail``: a closer look at the contact.
@@ -137,6 +167,38 @@ class Drawing(NamedTuple):
     names: tuple[Named, ...] = ()
     detail: Detail | None = None
     frames: Callable[[Any], Float[np.ndarray, "steps frames 3"]] = as_they_are
+
+
+def with_stations(
+    frames: Float[np.ndarray, "steps frames 3"],
+    history: Any,
+    bodies: int,
+    bar: FlexibleBar,
+    body: int,
+    modal: int = 0,
+) -> Float[np.ndarray, "steps more 3"]:
+    """Frames, and behind them those of `STATIONS` stations along a body that bends.
+
+    **Arguments:** ``frames``: so far; ``history``: whose states hold the modal coordinates; one without states, read
+    from a file say, shows the body straight; ``bodies``: how many; ``bar``: the body's modes; ``body``: its number;
+    ``modal``: how many modal coordinates of other bodies are before its own.
+    """
+    xi, length = np.linspace(0.0, 1.0, STATIONS), float(bar.bar.length)
+    first, size = 3 * bodies + modal, bar.modes.size
+    state = history.state
+    modes = np.zeros((len(frames), size)) if state is None else np.asarray(state)[:, first : first + size]
+    lateral, axial = modes[:, : bar.lateral], modes[:, bar.lateral :]
+    x = length * (xi - float(bar.centre)) + axial @ bar.shapes.axial(xi, 0).T
+    y, slope = (lateral @ bar.shapes.lateral(xi, order).T for order in (0, 1))
+    origin, angle = frames[:, body, None, :2], frames[:, body, None, 2]
+    cos, sin = np.cos(angle), np.sin(angle)
+    places = origin + np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    return np.concatenate([frames, np.concatenate([places, (angle + slope / length)[..., None]], axis=-1)], axis=1)
+
+
+def stations(first: int) -> tuple[int, ...]:
+    """The numbers of the frames that `with_stations` adds to ``first`` frames."""
+    return tuple(range(first, first + STATIONS))
 
 
 def plain_drawing(design: Part, bodies: tuple[str, ...] = ()) -> Drawing:

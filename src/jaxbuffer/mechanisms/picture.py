@@ -25,7 +25,8 @@ class Level(NamedTuple):
 
 class Panel(NamedTuple):
     """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up;
-    ``path``: the horizontal axis' label of curves in a plane, "" of curves over time."""
+    ``path``: the horizontal axis' label of curves in a plane, "" of curves over time; ``whole``: shown from the start
+    of the run on, also where the contacts begin late."""
 
     title: str
     axis: str
@@ -33,3 +34,4 @@ class Panel(NamedTuple):
     levels: tuple[Level, ...] = ()
     stacked: bool = False
     path: str = ""
+    whole: bool = False

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .style import BLUE, RED, label, panels, styled
-from .sweep_figures import MARKERS, edges
+from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks, scaled, signed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +22,8 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     """A cell a run: safe ones blue, the others marked with what they break; angles in degrees."""
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = found.axes, found.values
-    (across, over), (up, above) = (_unit(axis) for axis in found.axes)
-    right, top = edges(x, first) * over, edges(y, second) * above
+    (across, over), (up, above) = (in_figures(axis.unit) for axis in found.axes)
+    right, top = edges(x, first.scale) * over, edges(y, second.scale) * above
     from matplotlib.colors import ListedColormap
 
     axes.pcolormesh(right, top, found.safe.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
@@ -40,9 +40,10 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
         axes.plot(*closed.T, color=BLUE, linewidth=2.5, marker=".", label="largest rectangle of safe runs")
         title += f"\nlargest rectangle: {_words(low, across, first)}, {_words(high, up, second)}"
     axes.grid(False)
-    axes.set_xscale(first.scale)
-    axes.set_yscale(second.scale)
-    label(axes, title, _named(first, across), _named(second, up), legend=False)
+    scaled(axes, "x", first.scale, x[0] * over, x[-1] * over)
+    scaled(axes, "y", second.scale, y[0] * above, y[-1] * above)
+    across_named, up_named = (field_axis(axis.name, axis.unit) for axis in found.axes)
+    label(axes, title, across_named, up_named, legend=False)
     figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
@@ -64,26 +65,20 @@ def _border(axes: "Axes", safe: np.ndarray, right: np.ndarray, top: np.ndarray) 
 
 def _reasons(axes: "Axes", found: "SafeRectangle", x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
-    reasons = found.reasons
-    for k, reason in enumerate(sorted(set(reasons[reasons != ""]))):
+    reasons, marks = found.reasons, outcome_marks(found.swept.found.mechanism)
+    free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]
+    free = free or [*MARKERS]
+    others = sorted(set(reasons[reasons != ""]) - set(marks))
+    marks |= {reason: (free[k % len(free)], "") for k, reason in enumerate(others)}
+    for reason in sorted(set(reasons[reasons != ""])):
         rows, columns = np.nonzero(reasons == reason)
         failed = reason.startswith("failed")
-        marker, colour = ("s", RED) if failed else (MARKERS[k % len(MARKERS)], "#555555")
+        marker, colour = ("s", RED) if failed else (marks[reason][0], "#555555")
         size = min(40.0, 6e3 / reasons.size)
         axes.scatter(x[rows], y[columns], s=size, marker=marker, color=colour, linewidths=0, label=reason)
 
 
-def _unit(axis: "Axis") -> tuple[str, float]:
-    return ("°", 180.0 / np.pi) if axis.unit == "rad" else (axis.unit, 1.0)
-
-
-def _named(axis: "Axis", unit: str) -> str:
-    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name
-    return f"{words} [{unit}]"
-
-
 def _words(part: np.ndarray, unit: str, axis: "Axis") -> str:
-    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name
     if unit == "°":
-        return f"{words} {part[0]:+.3g}° to {part[1]:+.3g}°"
-    return f"{words} {part[0]:.4g} to {part[1]:.4g} {unit}".rstrip(" -")
+        return f"{called(axis.name)} {signed(part[0])} to {signed(part[1])}"
+    return f"{called(axis.name)} {part[0]:.4g} to {part[1]:.4g} {unit}".rstrip(" -")

@@ -1,17 +1,19 @@
 """The figure of a run: contact force with its peak enlarged, and what the mechanism draws besides."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import equinox as eqx
 import jax
 import numpy as np
 
 from ..errors import InputError
-from ..mechanisms.picture import Panel
+from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
 from ..run.instants import at_times
-from .pulses import pulse_around
+from .pulses import pulse_around, pulses
 from .style import COLOURS, GREY, RED, label, panels, styled
+from .words import newtons, scale_of, seconds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +21,23 @@ if TYPE_CHECKING:
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
+EVEN, INSIDE = 600, 9  # instants drawn besides the steps: evenly spaced, and in each impact
 BEYOND, WORTH = 1.2, 0.4  # of the last contact's time; a longer run's time axes end there
+INK = "#555555"
+FORCES = (("N", 1.0), ("kN", 1e-3))
+
+
+class Window(NamedTuple):
+    """Time axes: from ``start`` to ``end`` [s] of a run, in a ``unit`` of which ``factor`` make a second."""
+
+    start: float
+    end: float
+    unit: str
+    factor: float
+
+    def inside(self, time: np.ndarray) -> np.ndarray:
+        """Which times [s] are in it."""
+        return (time >= self.start) & (time <= self.end)
 
 
 @styled
@@ -28,86 +46,141 @@ def run_figure(run: Run) -> "Figure":
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
-    seen, mechanism = _history(run), run.mechanism
+    run = between_steps(run)
+    mechanism, end = run.mechanism, float(_history(run).time[-1])
     others = mechanism.panels(run)
     rows = math.ceil((2 + len(others)) / COLUMNS)
     figure, grid = panels(9.0, 3.0 * rows, rows, COLUMNS)
     force, zoom, *rest = grid.flat
     count = int(run.impact_count)
     impacts = "1 impact" if count == 1 else f"{count} impacts"
-    until = last_contact(run)
-    title = f"{run.outcome.name} after {float(run.end_time):.4g} s, {impacts}, {mechanism.approach(run.scenario)}"
-    if until < float(seen.time[-1]):
-        title += f"\ntime axes end at {until:.3g} s: nothing touches from there to {float(seen.time[-1]):.4g} s"
-    figure.suptitle(title)
-    _forces(force, zoom, run, until)
+    start, until = first_contact(run), last_contact(run)
+    title = f"{run.outcome.name} after {in_words(float(run.end_time))}, {impacts}, {mechanism.approach(run.scenario)}"
+    cut = []
+    if start > 0.0:
+        cut.append(f"begin at {in_words(start)}, gap and energy excepted: nothing touches before")
+    if until < end:
+        cut.append(f"end at {in_words(until)}: nothing touches from there to {in_words(end)}")
+    figure.suptitle(f"{title}\ntime axes {' and '.join(cut)}" if cut else title)
+    window = Window(start, until, *seconds(until))
+    _forces(force, zoom, run, window)
     for axes, panel in zip(rest, others, strict=False):
-        _draw(axes, np.asarray(seen.time), panel, until)
+        _draw(axes, np.asarray(_history(run).time), panel, window._replace(start=0.0) if panel.whole else window)
     for axes in rest[len(others) :]:
         axes.remove()
     return figure
 
 
-def _forces(force: "Axes", zoom: "Axes", run: Run, until: float) -> None:
-    """The contact force over the whole run, and around its peak."""
+def between_steps(run: Run) -> Run:
+    """The run with a history at many instants between its steps too, where steps are long or a contact is closed."""
+    known = np.asarray(_history(run).time)
+    inside = [np.linspace(pulse.start, pulse.end, INSIDE) for pulse in pulses(run)]
+    time = np.unique(np.concatenate([known, np.linspace(0.0, last_contact(run), EVEN), *inside]))
+    return eqx.tree_at(lambda it: it.history, run, at_times(run, time[time <= known[-1]]))
+
+
+def in_words(time: float) -> str:
+    """ "0.7193 s", "12 ms"."""
+    unit, factor = seconds(time)
+    return f"{factor * time:.4g} {unit}"
+
+
+def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
+    """The contact force over the run, and around its peak."""
     seen, names = _history(run), run.mechanism.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
+    (unit, factor), time = FORCES[peak >= 1e4], np.asarray(seen.time)
+    shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
         kind = run.mechanism.contact
         name = f"{contact} {kind}" if contact != kind else contact
-        shown = np.asarray(seen.time) <= until
-        force.plot(np.asarray(seen.time)[shown], seen.contact_force[shown, k], color=COLOURS[k], label=name)
-    _pulse(zoom, run)
-    force.plot(at, peak, "o", color=RED, markersize=4, label="peak")
-    label(force, "Contact force", "time [s]", "contact force [N]")
-    zoom.plot(0.0, peak, "o", color=RED, markersize=4)
-    label(zoom, f"The peak, {peak:.4g} N at {at:.6g} s", "time from the peak [ms]", "contact force [N]", False)
+        force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
+    force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
+    force.locator_params(axis="x", nbins=6)
+    label(force, "Contact force", f"time [{window.unit}]", f"contact force [{unit}]")
+    _pulse(zoom, run, factor)
+    zoom.plot(0.0, factor * peak, "o", color=RED, markersize=4)
+    title = f"The peak, {newtons(peak)} at {window.factor * at:.6g} {window.unit}"
+    label(zoom, title, zoom.get_xlabel(), f"contact force [{unit}]", False)
 
 
-def _draw(axes: "Axes", time: np.ndarray, panel: Panel, until: float) -> None:
-    """One panel of the mechanism's own, over the time ``until`` [s]; paths are drawn whole."""
-    seen = time <= until
+def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
+    """One panel of the mechanism's own; paths are drawn whole."""
+    seen = window.inside(time)
+    over = window.factor * time[seen]
     if panel.stacked:
         names, parts = (
             [curve.label for curve in panel.curves],
             [np.asarray(curve.values)[seen] for curve in panel.curves],
         )
-        axes.stackplot(time[seen], *parts, colors=COLOURS, labels=names)
+        axes.stackplot(over, *parts, colors=COLOURS, labels=names)
         axes.set_ylim(0.0, 1.45 * float(np.max(np.sum(parts, axis=0))))  # room for the legend
     else:
         for k, curve in enumerate(panel.curves):
             dashes = "--" if curve.dashed else "-"
             values = np.asarray(curve.values)
-            along, values = (time[seen], values[seen]) if curve.along is None else (curve.along, values)
+            along, values = (over, values[seen]) if curve.along is None else (curve.along, values)
             axes.plot(along, values, color=COLOURS[k], linestyle=dashes, label=curve.label or None)
     for level in panel.levels:
-        colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
-        axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8, label=level.label or None)
-    legend = bool(axes.get_legend_handles_labels()[0])
+        _level(axes, level)
     if panel.path:
         axes.set_aspect("equal", "datalim")
-    label(axes, panel.title, panel.path or "time [s]", panel.axis, legend, columns=2 if panel.stacked else 1)
+    legend = bool(axes.get_legend_handles_labels()[0])
+    across = panel.path or f"time [{window.unit}]"
+    if not panel.path:
+        axes.locator_params(axis="x", nbins=6)
+    label(axes, panel.title, across, panel.axis, legend, columns=2 if panel.stacked else 1)
 
 
-def _pulse(axes: "Axes", run: Run) -> None:
-    """Contact forces over time from the run's peak [ms], as wide as the impact that holds it."""
+def _level(axes: "Axes", level: Level) -> None:
+    """A horizontal line, its name on it at the right end."""
+    colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
+    axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8)
+    if level.label:
+        place = (1.0, level.value)
+        axes.annotate(
+            level.label, place, (0, 2), axes.get_yaxis_transform(), "offset points",
+            color=RED if level.limit else INK, ha="right", va="bottom", fontsize=8,
+        )  # fmt: skip
+        axes.margins(y=0.12)
+
+
+def _pulse(axes: "Axes", run: Run, factor: float) -> None:
+    """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
+    which they are drawn a newton has so many."""
     seen, at = _history(run), float(run.peak_time)
     pulse = pulse_around(np.asarray(seen.time), np.asarray(seen.contact_force)[:, int(run.peak_contact)], at)
     room = 0.25 * (pulse.end - pulse.start)
     first, last = max(pulse.start - room, float(seen.time[0])), min(pulse.end + room, float(seen.time[-1]))
     time = np.union1d(np.linspace(first, last, DENSE), [at])
     force = np.asarray(at_times(run, time).contact_force)
+    unit, many = scale_of(last - first, (("ms", 1e3), ("µs", 1e6)))
     for k in np.flatnonzero(np.any(force > 0.0, axis=0)):
-        axes.plot(1e3 * (time - at), force[:, k], color=COLOURS[k])
+        axes.plot(many * (time - at), factor * force[:, k], color=COLOURS[k])
+    axes.set_xlabel(f"time from the peak [{unit}]")
+
+
+def first_contact(run: Run) -> float:
+    """From when time axes go [s]: a little before the first contact, or from the start if that is not much earlier."""
+    touching = _touching(run)
+    if not touching.size:
+        return 0.0
+    first, last = touching[0], last_contact(run)
+    start = first - (BEYOND - 1.0) * (touching[-1] - first)
+    return start if start > (1.0 - WORTH) * last else 0.0
 
 
 def last_contact(run: Run) -> float:
     """Until when time axes go [s]: a little beyond the last contact, or to the end if that is not much later."""
-    seen = _history(run)
-    touching = np.flatnonzero(np.any(np.asarray(seen.contact_force) > 0.0, axis=1))
-    end = float(seen.time[-1])
-    last = BEYOND * float(seen.time[touching[-1]]) if touching.size else end
+    touching, end = _touching(run), float(_history(run).time[-1])
+    last = BEYOND * float(touching[-1]) if touching.size else end
     return last if last < WORTH * end else end
+
+
+def _touching(run: Run) -> np.ndarray:
+    """When a contact is closed, of the history's times [s]."""
+    seen = _history(run)
+    return np.asarray(seen.time)[np.any(np.asarray(seen.contact_force) > 0.0, axis=1)]
 
 
 def _history(run: Run) -> Any:

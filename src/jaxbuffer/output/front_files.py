@@ -11,6 +11,7 @@ from ..tuning.front_summary import standing
 from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
 from .style import BLUE, GREY, both, label, panels, styled
+from .words import shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,10 +68,10 @@ def front_figure(front: "Front") -> "Figure":
     """The first objective over each other one: the front, and points that another one is better than."""
     others = front.objectives[1 : PANELS + 1]
     figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
-    shown = [_shown(front, name) for name in front.objectives]
-    (first, unit, factor), values = shown[0], front.values
+    drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]
+    (first, unit, factor), values = drawn[0], front.values
     for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
-        name, other, scale = shown[k]
+        name, other, scale = drawn[k]
         order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
         line = "-" if len(front.objectives) == 2 else ""
         axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
@@ -92,9 +93,3 @@ def front_figure(front: "Front") -> "Figure":
     title = f"Front of {len(front.points)} tuned designs over {over}"
     figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
     return figure
-
-
-def _shown(front: "Front", name: str) -> tuple[str, str, float]:
-    quantity = front.problem.catalogue[name]
-    unit, factor = quantity.shown or (quantity.unit, 1.0)
-    return quantity.title or name.replace("_", " "), unit, factor

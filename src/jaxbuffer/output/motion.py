@@ -1,5 +1,6 @@
 """A run's mechanism drawn at chosen times, with its contact forces."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -8,12 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_type
-from ..mechanisms.drawing import Drawing
+from ..mechanisms.drawing import Band, Drawing
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .pulses import pulses
-from .sketch import bounds, forces, sketch
-from .style import GREY, styled
+from .sketch import INK, bounds, fills, forces, sketch
+from .style import BLUE, GREY, RED, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,11 +24,15 @@ PANELS = 4  # of the chosen times, the start and the end among them
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
 MARGIN = 1.08  # of what is seen, over what is drawn
 MM = 1e-3  # m
+SEEN, LARGER = 0.01, 0.05  # of a picture's width: bending below the first is drawn larger too, about as the second
+ROUNDING = 1e-9  # of a picture's width
+BENT = ((BLUE, ":"), (INK, "-."), (RED, "--"))  # colour and dashes of bending drawn larger
 
 
 class Scene(NamedTuple):
     """A run's drawing at some ``times`` [s]: ``frames`` of its bodies, ``instants`` with the forces there, ``views`` of
-    the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N]."""
+    the whole (lower left and upper right corner [m]); ``peak``: the run's largest force [N]; ``magnified``: parts that
+    bend too little to be seen, and how many times larger their bending is drawn beside them [-]."""
 
     run: Run
     drawing: Drawing
@@ -36,6 +41,7 @@ class Scene(NamedTuple):
     instants: Any
     views: Float[np.ndarray, "times 2 2"]
     peak: float
+    magnified: list[tuple[Band, float]]
 
 
 def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
@@ -47,7 +53,28 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     frames = drawing.frames(instants)
     seen = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
     peak = float(np.max(np.hypot(seen, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
-    return Scene(run, drawing, np.asarray(instants.time), frames, instants, _views(drawing, frames), peak)
+    views = _views(drawing, frames)
+    larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
+    views = _views(drawing, frames, larger)
+    return Scene(run, drawing, np.asarray(instants.time), frames, instants, views, peak, larger)
+
+
+def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
+    """The parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it would."""
+    bands = [shape for shape in drawing.shapes if isinstance(shape, Band)]
+    found = []
+    for band in bands:
+        off = [np.max(np.hypot(*(band.bent(at) - band.straight(at)).T)) for at in drawing.frames(run.history)]
+        largest = float(np.max(off))
+        if ROUNDING * wide < largest < SEEN * wide:
+            found.append((band, _round(LARGER * wide / largest)))
+    return found
+
+
+def _round(factor: float) -> float:
+    """The largest of 1, 2, 5, 10, 20… that is not above a factor."""
+    power = 10.0 ** math.floor(math.log10(factor))
+    return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
 
 
 def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
@@ -95,8 +122,9 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
     wide, high = at.views[0, 1] - at.views[0, 0]
     row = float(np.clip(6.0 * high / wide, 1.5, 2.9)) + 0.75  # inch
     columns = 1 if detail is None else 2
-    figure = Figure(figsize=(6.6 + (columns - 1) * row, row * count + 1.0), layout="constrained")
-    ratios = [6.6] if detail is None else [6.6, row]
+    width = min(6.6, (row - 0.75) * wide / high + 0.9)  # no wider than what is drawn
+    figure = Figure(figsize=(max(width + (columns - 1) * row, 6.0), row * count + 1.0), layout="constrained")
+    ratios = [width] if detail is None else [width, row]
     grid = figure.subplots(count, columns, squeeze=False, width_ratios=ratios)
     named: dict[str, Any] = {}
     for k in range(count):
@@ -138,6 +166,9 @@ def whole(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
     """The whole mechanism at the k-th time, with a frame around what the detail shows; the legend's parts."""
     frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
     named = sketch(axes, at.drawing.shapes, frames)
+    for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
+        (line,) = axes.plot(*band.bent(frames, times).T, dashes, color=colour, linewidth=1.6, zorder=3)
+        named[f"bending of the {band.part} × {times:g}"] = line
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * (right - left)))
     detail = at.drawing.detail
     if detail is not None and detail.half < 0.2 * (right - left):
@@ -156,7 +187,7 @@ def closer(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
     middle = detail.centre.at(frames)
-    named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle)
+    named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle, fills(at.drawing.shapes))
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * detail.half), MM, middle)
     axes.set_xlim(-detail.half / MM, detail.half / MM)
     axes.set_ylim(-detail.half / MM, detail.half / MM)
@@ -189,9 +220,15 @@ def _instant(at: Scene, k: int) -> Any:
     return jax.tree.map(lambda values: np.asarray(values)[k], at.instants)
 
 
-def _views(drawing: Drawing, frames: Float[np.ndarray, "times frames 3"]) -> Float[np.ndarray, "times 2 2"]:
+def _views(
+    drawing: Drawing, frames: Float[np.ndarray, "times frames 3"], magnified: Sequence[tuple[Band, float]] = ()
+) -> Float[np.ndarray, "times 2 2"]:
     """What is seen at each time: all of one size; of one place too, unless the mechanism travels."""
     corners = np.array([bounds(drawing, each) for each in frames])
+    for band, times in magnified:
+        lines = np.array([band.bent(each, times) for each in frames])
+        corners[:, 0] = np.minimum(corners[:, 0], lines.min(axis=1))
+        corners[:, 1] = np.maximum(corners[:, 1], lines.max(axis=1))
     size = np.max(corners[:, 1] - corners[:, 0], axis=0)
     overall = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
     middle = corners.mean(axis=1)

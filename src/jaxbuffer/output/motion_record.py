@@ -1,15 +1,15 @@
 """A run moving, as a record: what a page needs to draw it."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..mechanisms.drawing import Detail, Rod, Spot, Spring
+from ..mechanisms.drawing import Band, Detail, Rod, Spot, Spring
 from ..mechanisms.run import Run
 from .animation import frames_of, speed_in_words
 from .motion import Scene, scene
-from .sketch import is_filled, outline
+from .sketch import fills, is_filled, outline
 
 DIGITS = 7  # of lengths [m] and angles [rad] after the point: a tenth of a micrometre
 
@@ -45,20 +45,22 @@ def _forces(at: Scene, k: int) -> list[list[float]]:
     return found
 
 
-def _shapes(shapes: Iterable[Any], bodies: int) -> list[dict[str, Any]]:
+def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
     """Corners in the axes of the one frame that a shape goes with, or the two spots between which it lies."""
     made: list[dict[str, Any]] = []
-    colour, rest = -1, np.zeros((bodies, 3))
+    colour, rest, order = 0, np.zeros((bodies, 3)), [*fills(shapes)]
     for shape in shapes:
         filled = is_filled(shape)
-        colour += filled and bool(shape.part)
+        colour = order.index(shape.part) if shape.part in order else colour
         look = {
             "filled": filled,
             "part": shape.part,
-            "colour": max(colour, 0),
+            "colour": colour,
             "dashed": getattr(shape, "dashed", False),
         }
-        if isinstance(shape, (Spring, Rod)):
+        if isinstance(shape, Band):
+            made.append({**look, "stations": [*shape.stations], "width": shape.width})
+        elif isinstance(shape, (Spring, Rod)):
             ends = {name: _spot(spot) for name, spot in (("first", shape.first), ("second", shape.second))}
             made.append({**look, **ends, "width": shape.width, "spring": isinstance(shape, Spring)})
         else:

@@ -55,8 +55,9 @@ def sensitivity_files(result: "Sensitivity", made: Made = None) -> Contents:
     }
 
 
-def tuned_files(tuned: "Tuned", made: Made = None) -> Contents:
-    """Of `jaxbuffer tune`. ``made``: how it came about."""
+def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None] = lambda line: None) -> Contents:
+    """Of `jaxbuffer tune`. ``made``: how it came about; ``report``: takes a line on what lacks because a run failed."""
+    from ..errors import InputError
     from ..run.simulate import simulate
     from ..study.config import design_toml
     from ..tuning.table import tuning_history
@@ -69,18 +70,28 @@ def tuned_files(tuned: "Tuned", made: Made = None) -> Contents:
 
     @functools.cache
     def worst_runs() -> list[Any]:
-        """The worst scenario before and after, with histories."""
-        return [
-            simulate(case.of(design), case.scenario, problem.duration, history=True)
-            for design in (problem.design, tuned.design)
-        ]
+        """The worst scenario before and after, with histories; none where one of them fails."""
+        try:
+            runs = [
+                simulate(case.of(design), case.scenario, problem.duration, history=True)
+                for design in (problem.design, tuned.design)
+            ]
+        except (InputError, RuntimeError) as error:
+            return left_out(str(error))
+        failed = [run.outcome.name for run in runs if run.outcome.failed]
+        return left_out(failed[0]) if failed else runs
+
+    def left_out(why: str) -> list[Any]:
+        first = why.strip().splitlines()[0] if why.strip() else "the run failed"
+        report(f"no force over time in tune.png, tune.svg, force.json: the worst scenario could not be run: {first}")
+        return []
 
     return {
         "design.toml": lambda: design_toml(tuned.design, tuned.problem.scenarios_met, tuned_comment(tuned)),
         "tuned.json": lambda: json_text(_told(tuned_record(tuned), made)),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(
-            force_record(dict(zip(("before", "after"), worst_runs(), strict=True)), case.label(problem.cases))
+            force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), case.label(problem.cases))
         ),
         "tune.txt": lambda: f"{tuned!r}\n",
         **both("tune", lambda: tune_figure(tuned, worst_runs())),

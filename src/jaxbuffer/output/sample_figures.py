@@ -6,19 +6,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
-from .sweep_figures import MARKERS
+from .words import field_axis, in_figures, outcome_marks, scaled, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ..experiments.indices import Indices
-    from ..experiments.ranges import Range
     from ..experiments.sample import Sample
     from ..experiments.surface import Surface
 
 ROWS, COLUMNS = 3, 6  # quantities and numbers that are drawn
-OTHERS = (ORANGE, "#CC79A7", "#009E73", "#000000")
+METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gaussian process"}  # others in words
 
 
 @styled
@@ -29,28 +28,29 @@ def sample_figure(sample: "Sample") -> "Figure":
     figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
     columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.found.outcomes])
     ends = sorted(set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.time_is_up))
+    marks = outcome_marks(mechanism)
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
-        title, unit, factor = _shown(mechanism.quantities[name])
+        title, unit, factor = shown(mechanism.quantities[name])
         for axes, axis in zip(row, drawn, strict=True):
-            for k, end in enumerate(ends):
+            for end in ends:
                 here = sample.solved & (outcomes == end)
                 style: dict[str, Any] = {"color": BLUE, "marker": "o", "s": 9, "linewidths": 0}
-                if k:
-                    style = {"color": OTHERS[(k - 1) % 4], "marker": MARKERS[(k - 1) % 5], "s": 18, "linewidths": 0}
+                if end in marks:
+                    style = {"color": marks[end][1], "marker": marks[end][0], "s": 18, "linewidths": 0}
                 axes.scatter(
-                    _factor(axis) * columns[axis.path][here],
+                    in_figures(axis.unit)[1] * columns[axis.path][here],
                     factor * sample.found.columns[name][here],
                     label=end,
                     **style,
                 )
-            _scaled(axes, axis)
+            scaled(axes, "x", axis.scale, axis.low, axis.high)
             low = axes.get_ylim()[0]
             axes.set_ylim(bottom=min(low, 0.0) if low > -0.05 * axes.get_ylim()[1] else low)
-            label(axes, "", _name(axis) if number == len(names) else "", "", legend=False)
+            label(axes, "", field_axis(axis.name, axis.unit) if number == len(names) else "", "", legend=False)
         row[0].set_ylabel(f"{title}\n[{unit}]")
     figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=max(len(ends), 1))
     lost = int(np.sum(sample.done & ~sample.solved))
-    parts = [f"Sample of {len(sample.grid)} {mechanism.run_name}s, {sample.grid.method.replace('_', ' ')}"]
+    parts = [f"Sample of {len(sample.grid)} {mechanism.run_name}s, {_worded(sample.grid.method)}"]
     parts += [f"{lost} failed"] if lost else []
     parts += [f"{len(drawn)} of {len(sample.grid.axes)} numbers"] if len(drawn) < len(sample.grid.axes) else []
     figure.suptitle(", ".join(parts))
@@ -109,6 +109,7 @@ def surfaces_figure(surfaces: "Sequence[Surface]") -> "Figure":
 
 def _predicted(axes: "Axes", surface: "Surface") -> None:
     unit, factor = surface.shown
+    unit = "°" if unit == "deg" else unit
     computed, predicted = factor * surface.computed, factor * surface.predicted
     both = np.concatenate([computed, predicted])
     ends = np.array([both.min(), both.max()])
@@ -125,33 +126,9 @@ def _predicted(axes: "Axes", surface: "Surface") -> None:
     axes.set_aspect("equal")
     what = surface.quantity.replace("_", " ")
     error = f"{factor * surface.error.rms:.3g} {unit} rms, {100 * surface.error.relative:.2g} %{_warned(surface)}"
-    title = f"{what}, {surface.kind.replace('_', ' ')}\ncross-validated error {error}"
+    title = f"{what}, {_worded(surface.kind)}\ncross-validated error {error}"
     label(axes, title, f"computed {what} [{unit}]", f"predicted {what} [{unit}]")
 
 
-def _shown(quantity: Any) -> tuple[str, str, float]:
-    unit, factor = quantity.shown or (quantity.unit, 1.0)
-    return quantity.title, unit, factor
-
-
-def _name(axis: "Range") -> str:
-    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
-    return f"{words} [{'°' if axis.unit == 'rad' else axis.unit}]"
-
-
-def _factor(axis: "Range") -> float:
-    """Angles are shown in degrees."""
-    return 180.0 / np.pi if axis.unit == "rad" else 1.0
-
-
-def _scaled(axes: "Axes", axis: "Range") -> None:
-    """The range's scale, with few and plain numbers along it."""
-    if axis.scale != "log":
-        return
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    axes.set_xscale("log")
-    short = axis.high < 100.0 * axis.low
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if short else (1.0,)))
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter(NullFormatter())
+def _worded(method: str) -> str:
+    return METHODS.get(method, method.replace("_", " "))

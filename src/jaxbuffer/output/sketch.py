@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float
 
-from ..mechanisms.drawing import Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
+from ..mechanisms.drawing import Band, Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
 from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 if TYPE_CHECKING:
@@ -20,23 +20,39 @@ SHORTEST = 0.02  # of the longest arrow: what is shorter is a dot
 ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
 
 
-def sketch(axes: "Axes", shapes: Iterable[Any], frames: Frames, unit: float = 1.0, origin: Any = (0.0, 0.0)) -> dict:
+def sketch(
+    axes: "Axes",
+    shapes: Iterable[Any],
+    frames: Frames,
+    unit: float = 1.0,
+    origin: Any = (0.0, 0.0),
+    colours: dict[str, str] | None = None,
+) -> dict[str, Any]:
     """Draw shapes whose bodies are at ``frames``.
 
-    **Arguments:** ``unit``: of the axes [m]; ``origin``: what is drawn at their origin [m].
+    **Arguments:** ``unit``: of the axes [m]; ``origin``: what is drawn at their origin [m]; ``colours``: of the parts
+    (default: `fills` of the shapes).
 
     **Returns:** by the name of each part, an artist for the legend.
     """
+    shapes = tuple(shapes)
+    colours = fills(shapes) if colours is None else colours
     named: dict[str, Any] = {}
-    fill = -1
+    colour = FILLS[0]
     for shape in shapes:
-        fill += is_filled(shape) and bool(shape.part) and shape.part not in named
+        colour = colours.get(shape.part, colour)
         points = (outline(shape, frames) - origin) / unit
-        artist = _draw(axes, shape, points, FILLS[max(fill, 0) % len(FILLS)])
+        artist = _draw(axes, shape, points, colour)
         if shape.part:
             named[shape.part] = artist
     axes.set_aspect("equal")
     return named
+
+
+def fills(shapes: Iterable[Any]) -> dict[str, str]:
+    """The colour of each filled part by its name, in the parts' order."""
+    parts = dict.fromkeys(shape.part for shape in shapes if is_filled(shape) and shape.part)
+    return {part: FILLS[k % len(FILLS)] for k, part in enumerate(parts)}
 
 
 def _draw(axes: "Axes", shape: Any, points: Points, fill: str) -> Any:
@@ -49,7 +65,7 @@ def _draw(axes: "Axes", shape: Any, points: Points, fill: str) -> Any:
 
 def is_filled(shape: Any) -> bool:
     """Whether a shape is an area rather than a line."""
-    return bool(getattr(shape, "filled", isinstance(shape, Rod)))
+    return bool(getattr(shape, "filled", isinstance(shape, Rod | Band)))
 
 
 def outline(shape: Any, frames: Frames) -> Points:
@@ -63,6 +79,10 @@ def outline(shape: Any, frames: Frames) -> Points:
         angle = 2.0 * np.pi * turn
         radius = shape.radius * (0.25 + 0.75 * turn / turn[-1])
         return _spot(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1), shape.centre, frames)
+    if isinstance(shape, Band):
+        middle, angle = shape.bent(frames), frames[list(shape.stations), 2]
+        half = 0.5 * shape.width * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+        return np.concatenate([middle + half, (middle - half)[::-1]])
     first, second = shape.first.at(frames), shape.second.at(frames)
     along = second - first
     across = np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-12)

@@ -47,6 +47,13 @@ STYLE: dict[Any, Any] = {
 }
 
 
+def style() -> dict[Any, Any]:
+    """The settings of every figure: `STYLE`, and our colours in their order."""
+    from cycler import cycler
+
+    return STYLE | {"axes.prop_cycle": cycler(color=COLOURS)}
+
+
 def require_matplotlib() -> None:
     """Raise `InputError` if matplotlib is not installed."""
     try:
@@ -63,7 +70,7 @@ def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
         require_matplotlib()
         import matplotlib
 
-        with matplotlib.rc_context(STYLE):
+        with matplotlib.rc_context(style()):
             return draw(*data, **options)
 
     return styled
@@ -72,6 +79,7 @@ def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
 def png(figure: "Figure") -> bytes:
     """The figure as a PNG file's content."""
     content = io.BytesIO()
+    _laid_out(figure)
     figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
     return content.getvalue()
 
@@ -81,9 +89,17 @@ def svg(figure: "Figure") -> bytes:
     import matplotlib
 
     content = io.BytesIO()
+    _laid_out(figure)
     with matplotlib.rc_context({"svg.hashsalt": "jaxbuffer"}):
         figure.savefig(content, format="svg", metadata={"Date": None})
     return content.getvalue()
+
+
+def _laid_out(figure: "Figure") -> None:
+    """Place panels and labels once: both files of a figure look alike, and the second one takes half the time."""
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
 
 
 def both(name: str, draw: "Callable[[], Figure]") -> dict[str, Callable[[], bytes]]:

@@ -9,14 +9,13 @@ import numpy as np
 
 from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
-from .style import BLUE, COLUMNS, GREEN, GREY, ORANGE, PURPLE, RED, SKY, label, line, panels, styled
+from .style import COLUMNS, GREY, RED, label, line, panels, styled
+from .words import called, edges, field_axis, in_figures, outcome_marks, said, scaled, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
-ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
 FAILED, UNDONE = "failed", "not computed"
 SLICES = 9
 POINTS = ("o", "s", "^", "D", "v", "P")
@@ -58,10 +57,10 @@ def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
             for outcome, (marker, colour, _) in marks.items():
                 here = ended == outcome
                 # one that failed has no value: its mark stands on the horizontal axis
-                shown = np.where(np.isfinite(values), values, 0.0)[here]
+                heights = np.where(np.isfinite(values), values, 0.0)[here]
                 if here.any():
                     edge = {"markeredgecolor": "black", "markeredgewidth": 0.4}
-                    axes.plot(x[here], shown, marker, color=colour, markersize=7, label=outcome, **edge)
+                    axes.plot(x[here], heights, marker, color=colour, markersize=7, label=outcome, **edge)
         axes.set_ylim(0.0, 1.03 * axes.get_ylim()[1])
         _scaled(axes, axis)
         handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -82,19 +81,20 @@ def _by_line(array: np.ndarray, along: int, by: list[int]) -> np.ndarray:
 def _said(axis: Axis, value: Any) -> str:
     """One value of an axis in a legend or a title; a choice's name is its whole path."""
     if axis.unit:
-        return f"{axis.name} {axis.words(value, 4)}"
+        return f"{called(axis.name)} {said(float(value), axis.unit)}"
     return f"{axis.path.replace('.', ' ').replace('_', ' ')} {axis.words(value)}"
 
 
 def _places(axis: Axis) -> np.ndarray:
-    """Where an axis' values stand in a figure: numbers where they are, choices side by side."""
-    return axis.values if axis.unit else np.arange(float(len(axis)))
+    """Where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by side."""
+    return in_figures(axis.unit)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
 
 
 def _scaled(axes: "Axes", axis: Axis) -> None:
     """The horizontal scale, or a choice's values in words."""
     if axis.unit:
-        axes.set_xscale(axis.scale)
+        places = _places(axis)
+        scaled(axes, "x", axis.scale, float(places.min()), float(places.max()))
     else:
         axes.set_xticks(_places(axis), [axis.words(value) for value in axis.values], rotation=20, ha="right")
         axes.set_xlim(-0.5, len(axis) - 0.5)
@@ -125,8 +125,8 @@ def _slices(swept: Swept, moving: list[int]) -> "Figure":
     values = swept.shaped("peak_force")
     finite = values[np.isfinite(values)]
     limits = {"vmin": finite.min(), "vmax": finite.max()} if finite.size else {}
-    shown = list(grid.flat)
-    for axes, place in zip(shown, places.tolist(), strict=False):
+    every_panel = list(grid.flat)
+    for axes, place in zip(every_panel, places.tolist(), strict=False):
         cut: list[Any] = [slice(None)] * values.ndim
         for k, index in zip(others, every[place], strict=True):
             cut[k] = slice(index, index + 1)
@@ -135,9 +135,9 @@ def _slices(swept: Swept, moving: list[int]) -> "Figure":
         fixed = ((swept.grid.axes[k], index) for k, index in zip(others, every[place], strict=True))
         title = between.join(_said(axis, axis.values[index]) for axis, index in fixed)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
-    for axes in shown[len(places) :]:
+    for axes in every_panel[len(places) :]:
         axes.remove()
-    figure.colorbar(image, ax=shown[: len(places)], label=_drawn(swept, "peak_force")[1])
+    figure.colorbar(image, ax=every_panel[: len(places)], label=_drawn(swept, "peak_force")[1])
     _legend(figure, swept)
     some = f"; {len(places)} of {len(every)} slices" if len(places) < len(every) else ""
     figure.suptitle(f"{_drawn(swept, 'peak_force')[0]}. {_title(swept)}{some}")
@@ -155,9 +155,9 @@ def _map(
         face = array[cut].reshape([len(swept.grid.axes[k]) for k in sorted(plane)])
         return face[np.ix_(right, upwards)].T
 
-    x, y = first.values[right], second.values[upwards]
+    x, y = _places(first)[right], _places(second)[upwards]
     cells = np.ma.masked_invalid(flat(values))
-    image = axes.pcolormesh(edges(x, first), edges(y, second), cells, cmap="viridis", **limits)
+    image = axes.pcolormesh(edges(x, first.scale), edges(y, second.scale), cells, cmap="viridis", **limits)
     outcomes = flat(_outcomes(swept))
     size = min(40.0, 6e3 / outcomes.size)
     for outcome, (marker, _, colour) in _marks(swept).items():
@@ -165,17 +165,9 @@ def _map(
         if rows.size:
             axes.scatter(x[columns], y[rows], s=size, marker=marker, color=colour, edgecolors="black", linewidths=0.4)
     axes.grid(False)
-    axes.set_xscale(first.scale)
-    axes.set_yscale(second.scale)
+    scaled(axes, "x", first.scale, float(x[0]), float(x[-1]))
+    scaled(axes, "y", second.scale, float(y[0]), float(y[-1]))
     return image
-
-
-def edges(values: np.ndarray, axis: Axis) -> np.ndarray:
-    """Borders of the cells around sorted values, halfway between them on the axis' scale."""
-    places = np.log(values) if axis.scale == "log" else values
-    middles = 0.5 * (places[1:] + places[:-1])
-    borders = np.concatenate([[2.0 * places[0] - middles[0]], middles, [2.0 * places[-1] - middles[-1]]])
-    return np.exp(borders) if axis.scale == "log" else borders
 
 
 def _legend(figure: "Figure", swept: Swept) -> None:
@@ -193,19 +185,17 @@ def _legend(figure: "Figure", swept: Swept) -> None:
 
 def _drawn(swept: Swept, name: str) -> tuple[str, str, float]:
     """A quantity's title, its axis with the unit, and how many of those a unit of it is."""
-    quantity = swept.found.mechanism.quantities[name]
-    unit, factor = quantity.shown or (quantity.unit, 1.0)
-    return quantity.title[:1].upper() + quantity.title[1:], f"{quantity.title} [{unit}]", factor
+    title, unit, factor = shown(swept.found.mechanism.quantities[name])
+    return title[:1].upper() + title[1:], f"{title} [{unit}]", factor
 
 
 def _marks(swept: Swept) -> dict[str, tuple[str, str, str]]:
     """Marker, colour in lines and colour in maps of each outcome that is not what should be."""
-    mechanism = swept.found.mechanism
-    ended = [
-        o.name for o in mechanism.outcomes if not o.failed and o.name != (mechanism.success or mechanism.time_is_up)
-    ]
-    marks = {name: (m, colour, "white") for name, m, colour in zip(ended, MARKERS, ENDED, strict=False)}
-    return marks | {FAILED: ("s", RED, RED), UNDONE: (".", GREY, GREY)}
+    ended = outcome_marks(swept.found.mechanism).items()
+    return {name: (marker, colour, "white") for name, (marker, colour) in ended} | {
+        FAILED: ("s", RED, RED),
+        UNDONE: (".", GREY, GREY),
+    }
 
 
 def _outcomes(swept: Swept) -> np.ndarray:
@@ -216,8 +206,7 @@ def _outcomes(swept: Swept) -> np.ndarray:
 
 
 def _name(axis: Axis) -> str:
-    words = axis.name.replace("_", " ") if axis.name.islower() else axis.name  # k_A is a symbol
-    return f"{words} [{axis.unit}]" if axis.unit else axis.path.replace(".", " ").replace("_", " ")
+    return field_axis(axis.name, axis.unit) if axis.unit else axis.path.replace(".", " ").replace("_", " ")
 
 
 def _title(swept: Swept) -> str:

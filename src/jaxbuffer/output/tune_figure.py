@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..fields import get, unit
+from .figures import last_contact
 from .force_record import force_over_time
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
+from .words import newtons, seconds, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,20 +35,27 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    heights = [0.4 * len(problem.variables) + 0.9, 0.25 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
-    heights = [2.3, *heights] if worst else heights
-    high = max(sum(heights), ROW * len(problem.cases) + 2.0)
-    figure = Figure(figsize=(13.0, high + 0.6), layout="constrained")
-    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
-    few = ROW * len(problem.cases) + 2.0 < 0.5 * high
-    _cases(figure.add_subplot(grid[:2, 0] if few else grid[:, 0]), tuned)
+    right = [0.4 * len(problem.variables) + 0.9, 0.25 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
+    left = [2.6, ROW * len(problem.cases) + 1.0] if worst else [ROW * len(problem.cases) + 1.0]
+    figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout="constrained")
+    columns = figure.add_gridspec(1, 2)
+    first = columns[0].subgridspec(len(left), 1, height_ratios=left)
+    second = columns[1].subgridspec(len(right), 1, height_ratios=right)
     if worst:
-        _force(figure.add_subplot(grid[0, 1]), tuned, worst)
-    for row, draw in enumerate(draws, start=int(bool(worst))):
-        draw(figure.add_subplot(grid[row, 1]), tuned)
+        _force(figure.add_subplot(first[0]), tuned, worst)
+    cases = figure.add_subplot(first[len(left) - 1])
+    _cases(cases, tuned)
+    for row, draw in enumerate(draws):
+        draw(figure.add_subplot(second[row]), tuned)
+    figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     before, after = tuned.objective
-    figure.suptitle(f"{problem.objective}: {before:.5g} N before, {after:.5g} N after")
+    figure.suptitle(f"{_asked(problem.objective)}: {before:.5g} N before, {after:.5g} N after")
     return figure
+
+
+def _asked(objective: Any) -> str:
+    """An objective in words."""
+    return str(objective).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: "Tuned") -> int:
@@ -75,17 +84,19 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
     label(axes, "Peak contact force", "peak force [N]", "scenario [-]", legend=False)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.6 / (ROW * len(row) + 2.0)), ncols=3)
 
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
     """Contact force over time in the worst scenario."""
+    until = max(last_contact(run) for run in worst)
+    unit, factor = seconds(until)
     for (name, colour, _), run in zip(POINTS, worst, strict=True):
         time, force = force_over_time(run)
-        axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {float(run.peak_force):.4g} N")
+        time, force = factor * time[time <= until], force[time <= until]
+        axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {newtons(float(run.peak_force))}")
     problem = tuned.problem
     named = problem.cases[worst_case(tuned)].label(problem.cases)
-    label(axes, f"Force in the worst scenario, {named}", "time [s]", "contact force [N]")
+    label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 
 def _variables(axes: "Axes", tuned: "Tuned") -> None:
@@ -99,9 +110,9 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
     for k, v in enumerate(variables):
         symbol = unit(tuned.problem.design, v.path)
-        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=8)
+        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=7)
     axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=7)
-    axes.set_xlim(-0.03, 1.45)
+    axes.set_xlim(-0.03, 1.55)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
     label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "variable [-]", False)
@@ -121,10 +132,10 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
         share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
         axes.plot(share, row, marker, color=colour, markersize=5, label=name)
     for k, name in enumerate(names):
-        symbol, factor = catalogue[name].shown or (catalogue[name].unit, 1.0)
-        limit = f", limit {factor * allowed[name]:.4g}" if name in allowed else ""
-        change = f"{factor * before[k]:.4g} → {factor * after[k]:.4g}{'' if symbol == '-' else f' {symbol}'}"
-        texts.append(f"{catalogue[name].title}: {change}{limit}")
+        title, symbol, factor = shown(catalogue[name])
+        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
+        limit = f", limit {factor * allowed[name]:.4g}{symbol}" if name in allowed else ""
+        texts.append(f"{title}: {factor * before[k]:.4g} → {factor * after[k]:.4g}{symbol}{limit}")
         if name in allowed:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
     axes.set_yticks(row, texts, fontsize=7)
@@ -163,7 +174,7 @@ def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
     _integer_axis(axes)
     problem = tuned.problem
     asked = problem.then.objective if stage and problem.then is not None else problem.objective
-    label(axes, f"Every design tried for: {asked}", "evaluation [-]", "objective [N]", columns=2)
+    label(axes, f"Every design tried for:\n{_asked(asked)}", "evaluation [-]", "objective [N]", columns=2)
 
 
 def _integer_axis(axes: "Axes") -> None:

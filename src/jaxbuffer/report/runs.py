@@ -50,7 +50,7 @@ def run(found: Results, first: Results) -> Section | None:
 def forces(found: Results, caption: str) -> list[dict[str, Any]]:
     """The force over time of a folder, to be read off, if it has it."""
     record = found.records.get("force")
-    return [] if record is None else [{"caption": caption, "curves": record["curves"]}]
+    return [] if record is None or not record["curves"] else [{"caption": caption, "curves": record["curves"]}]
 
 
 def diagnosis(found: Results, every: Sequence[Results]) -> Section | None:

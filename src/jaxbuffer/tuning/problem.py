@@ -103,7 +103,7 @@ class Case:
             check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
 
     def label(self, among: Sequence["Case"] = ()) -> str:
-        """What people call the case: "0.2 m/s, 3°, 1.1 buffer.k_A"."""
+        """What people call the case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
         factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
         return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
             factors

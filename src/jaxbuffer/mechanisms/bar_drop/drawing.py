@@ -1,27 +1,69 @@
-"""What the dropped bar looks like. Bending is not drawn: it is µm, and the figures over time show it."""
+"""What the dropped bar looks like."""
 
-from ..drawing import GROUND, Detail, Disc, Drawing, Named, Outline, Rod, Spot, Touch, box
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..drawing import (
+    GROUND,
+    Band,
+    Detail,
+    Disc,
+    Drawing,
+    Named,
+    Outline,
+    Rod,
+    Spot,
+    Touch,
+    box,
+    stations,
+    with_stations,
+)
 from .design import BarDrop
-from .system import BAR, ball_on_plate
+from .system import BAR, PLATE, ball_on_plate, bending_bar, bending_plate
 
 CLOSER = 4.0  # half of the detail's width, in radii of the ball
 
 
 def drawing(design: BarDrop, bodies: tuple[str, ...] = ()) -> Drawing:
-    """The bar on its hinge, the ball end, and the plate below it, in the design's lengths."""
+    """The bar on its hinge, the ball end, and the plate below it, in the design's lengths; bent as far as they bend."""
     bar, plate = design.bar, design.plate
-    half, ball = float(bar.length) / 2.0, float(bar.ball_radius)
+    half, ball, wide = float(bar.length) / 2.0, float(bar.ball_radius), float(bar.diameter)
     end, hinge, struck = Spot(BAR, half), Spot(GROUND), Spot(GROUND, 2.0 * half, -ball)
     reach, thick = float(plate.length) / 2.0, float(plate.thickness)
-    slab = box(struck.x - reach, struck.x + reach, struck.y - thick, struck.y)
+    slab: Outline | Band = Outline(GROUND, box(struck.x - reach, struck.x + reach, -ball - thick, -ball), part="plate")
+    rod: Rod | Band = Rod(Spot(BAR, -half), end, wide, "bar")
+    frames, surface = 1 + bool(plate.modes), struck
+    if bar.modes:
+        rod = Band(stations(frames), wide, "bar")
+        frames, end = frames + len(rod.stations), Spot(rod.stations[-1])
+    if plate.modes:
+        slab = Band(stations(frames), thick, "plate")
+        # the middle station lies in the middle of the plate's thickness, the contact on its top
+        surface = Spot(slab.stations[len(slab.stations) // 2], 0.0, 0.5 * thick)
     return Drawing(
         shapes=(
-            Outline(GROUND, slab, part="plate"),
-            Rod(Spot(BAR, -half), end, float(bar.diameter), "bar"),
+            slab,
+            rod,
             Disc(end, ball, part="ball end"),
-            Disc(hinge, 1.5 * float(bar.diameter), filled=False, part="hinge"),
+            Disc(hinge, 1.5 * wide, filled=False, part="hinge"),
         ),
-        touches=(Touch(end, struck, ball_on_plate(design).shape, -1.0),),
+        touches=(Touch(end, surface, ball_on_plate(design).shape, -1.0),),
         names=(Named(hinge, "hinge"), Named(struck, "where it strikes")),
         detail=Detail("where the ball strikes", struck, CLOSER * ball),
+        frames=lambda history: with_bending(design, history),
     )
+
+
+def with_bending(design: BarDrop, history: Any) -> Float[np.ndarray, "steps frames 3"]:
+    """The bodies' frames, and those of stations along the bar and along the plate, where they bend."""
+    frames = np.asarray(history.position)
+    bodies = frames.shape[1]
+    if design.bar.modes:
+        frames = with_stations(frames, history, bodies, bending_bar(design), BAR)
+    if design.plate.modes:
+        before = bending_bar(design).modes.size if design.bar.modes else 0
+        frames = with_stations(frames, history, bodies, bending_plate(design), PLATE, before)
+        frames[:, -len(stations(0)) :, 1] -= 0.5 * float(design.plate.thickness)  # the frame lies in the plate's top
+    return frames

@@ -72,9 +72,9 @@ def panels(run: BarDropRun) -> list[Panel]:
     lost = Curve("lost", 1e3 * np.asarray(seen.energy.dissipated))
     deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
     return [
-        Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),)),
+        Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),), whole=True),
         Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
-        Panel("Energy", "energy [mJ]", (*(Curve(name, values) for name, values in energy.items()), lost)),
+        Panel("Energy", "energy [mJ]", (*(Curve(name, values) for name, values in energy.items()), lost), whole=True),
         *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
     ]
 
@@ -83,9 +83,10 @@ def bent(run: BarDropRun, body: str) -> Panel:
     """The deflection of one body, with its number of modes."""
     seen, name = run.history, f"{body}_deflection"
     assert seen is not None
-    largest, modes = 1e6 * float(run.maxima[name]), getattr(run.design, body).modes
-    title = f"Deflection of the {body}, largest {largest:.4g} µm ({modes} modes)"
-    return Panel(title, "deflection [µm]", (Curve("", 1e6 * np.asarray(seen.others[name])),))
+    largest, modes = float(run.maxima[name]), getattr(run.design, body).modes
+    unit, factor = ("mm", 1e3) if largest > 1e-3 else ("µm", 1e6)
+    title = f"Deflection of the {body}, largest {factor * largest:.4g} {unit} ({modes} modes)"
+    return Panel(title, f"deflection [{unit}]", (Curve("", factor * np.asarray(seen.others[name])),))
 
 
 def names(design: BarDrop) -> Names:

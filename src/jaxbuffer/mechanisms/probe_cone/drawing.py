@@ -7,7 +7,22 @@ import numpy as np
 from jaxtyping import Float
 
 from ...contact import Segment
-from ..drawing import Coil, Detail, Disc, Drawing, Named, Outline, Rod, Spot, Spring, Touch, box
+from ..drawing import (
+    Band,
+    Coil,
+    Detail,
+    Disc,
+    Drawing,
+    Named,
+    Outline,
+    Rod,
+    Spot,
+    Spring,
+    Touch,
+    box,
+    stations,
+    with_stations,
+)
 from .assembly import SIDE, B, P, S, T, probe_masses
 from .design import Design
 
@@ -23,6 +38,9 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     tip, half = float(design.probe.tip_radius), float(design.buffer.cylinder_length) / 2.0
     tall, hinge = 0.5 * CYLINDER_WIDTH * tip, Spot(B, half)
     stop = [] if design.buffer.stop_stiffness is None else [_stop(design, half, tall)]
+    wide, bending = ROD_WIDTH * tip, masses.bending
+    rod = Rod(Spot(P, -rear), Spot(TIP), wide, "probe")
+    bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
     shapes = (
         Outline(S, active(design), part="active vehicle"),
         *passive(design),
@@ -30,12 +48,17 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
         *stop,
         Spring(Spot(B, -half), Spot(P, -rear), 1.4 * tall, "axial spring and damper"),
         Coil(hinge, 1.5 * tall, "hinge with torsional spring and damper"),
-        Rod(Spot(P, -rear), Spot(TIP), ROD_WIDTH * tip, "probe"),
+        rod if bending is None else bent,
         Disc(Spot(TIP), tip),
     )
     names = (Named(hinge, "hinge"), Named(Spot(T, -float(design.cone.offset)), "throat"), Named(Spot(TIP), "tip"))
     detail = Detail("tip", Spot(TIP), CLOSER * tip)
-    return Drawing(shapes, flanks(design), names, detail, lambda history: with_tip(history, front))
+
+    def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
+        found = with_tip(history, front)
+        return found if bending is None else with_stations(found, history, TIP, bending, P)
+
+    return Drawing(shapes, flanks(design), names, detail, frames)
 
 
 def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:

@@ -30,8 +30,9 @@ def panels(capture: "Capture") -> list[Panel]:
         _stroke(capture),
         Panel(
             f"Hinge angle, largest {np.degrees(float(capture.hinge_angle)):.3g}°",
-            "hinge angle [deg]",
+            "hinge angle [°]",
             (Curve("", np.degrees(seen.hinge_angle)),),
+            (Level("", 0.0),),
         ),
         *more,
     ]
@@ -74,8 +75,8 @@ def _stroke(capture: "Capture") -> Panel:
     buffer, largest = capture.design.buffer, 1e3 * float(capture.stroke)  # type: ignore[attr-defined]
     end = 1e3 * float(buffer.end)
     what = "the buffer's end" if buffer.stop_stiffness is None else "the end stop"
-    levels = [Level("largest", largest)]
+    levels = [Level(f"largest, {largest:.4g} mm", largest)]
     if largest > 0.5 * end:
         levels.append(Level(f"{what}, {end:.4g} mm", end, limit=True))
-    stroke = Curve("stroke", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
-    return Panel(f"Buffer stroke, largest {largest:.4g} mm", "stroke [mm]", (stroke,), tuple(levels))
+    stroke = Curve("", 1e3 * capture.history.stroke)  # type: ignore[union-attr]
+    return Panel("Buffer stroke", "stroke [mm]", (stroke,), (*levels, Level("", 0.0)))

@@ -7,31 +7,53 @@ import numpy as np
 from jaxtyping import Float
 
 from ...contact import Hole
-from ..drawing import GROUND, Detail, Disc, Drawing, Named, Outline, Rod, Spot, Touch, as_they_are, box
+from ..drawing import (
+    GROUND,
+    Band,
+    Detail,
+    Disc,
+    Drawing,
+    Named,
+    Outline,
+    Rod,
+    Spot,
+    Touch,
+    as_they_are,
+    box,
+    stations,
+    with_stations,
+)
 from .design import SliderCrank
 from .pins import Pin
-from .system import CRANK, ROD, SLIDER, flanks
+from .system import CRANK, ROD, SLIDER, bending_rod, flanks
 
-MAGNIFIED = 3  # the frame behind those of the bodies: the pin's with its play drawn larger
+BODIES = 3
+Motion = Callable[[Any], Float[np.ndarray, "steps frames 3"]]  # from a history to the frames
 PLAY = 0.25  # of the bush's radius: how large it is drawn
 EYE = 1.7  # radius of the rod's ends, in radii of their bush; assumed, like the widths below
 
 
 def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Crank, rod, slider and its guide, in the design's lengths; in the detail the first pin that has play."""
+    """Crank, rod, slider and its guide, in the design's lengths, the rod as far as it bends; in the detail the first
+    pin that has play."""
     crank, rod = design.crank, design.rod
     length, throw, off = float(rod.length), float(crank.length), float(crank.unbalance / crank.mass)
     front, rear = Spot(ROD, float(1.0 - rod.centre) * length), Spot(ROD, -float(rod.centre) * length)
     at_crank, small, large = Spot(CRANK, throw - off), *(float(pin.bush_radius) for pin in _pins(design))
     wide, tall = 2.6 * small, 2.2 * small
     near, far = length - throw - 1.2 * wide, length + throw + 1.2 * wide
+    wide_rod = float(rod.depth) if rod.depth is not None else small
+    shank: Rod | Band = Rod(rear, front, wide_rod, "rod")
+    if rod.modes:
+        shank = Band(stations(BODIES), wide_rod, "rod")
+        rear, front = Spot(shank.stations[0]), Spot(shank.stations[-1])
     shapes = (
         Outline(GROUND, np.array([[near, -tall], [far, -tall]]), False, "guide"),
         Outline(GROUND, np.array([[near, tall], [far, tall]]), False),
         Outline(SLIDER, box(-wide, wide, -tall, tall), part="slider"),
         Rod(Spot(CRANK, -off), at_crank, 1.2 * large, "crank"),
         Disc(Spot(GROUND), 1.2 * large),
-        Rod(rear, front, float(rod.depth) if rod.depth is not None else small, "rod"),
+        shank,
         Disc(front, EYE * small),
         Disc(rear, EYE * large),
         Disc(Spot(SLIDER), float(design.piston_pin.radius), part="pins"),
@@ -39,11 +61,20 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
     )
     touches = (*_piston_touches(design, front), *_crank_touches(design, at_crank, rear))
     names = (Named(Spot(GROUND), "shaft"), Named(at_crank, "crank pin"), Named(Spot(SLIDER), "piston pin"))
+    frames = bent(design)
     if not touches:
-        return Drawing(shapes, names=names)
+        return Drawing(shapes, names=names, frames=frames)
     played = next(pin for pin in _pins(design) if pin.joint == "clearance")
-    detail, frames = closer(played, touches[0])
+    detail, frames = closer(played, touches[0], frames, BODIES + (len(stations(0)) if rod.modes else 0))
     return Drawing(shapes, touches, names, detail, frames)
+
+
+def bent(design: SliderCrank) -> Motion:
+    """The bodies' frames, and those of stations along a rod that bends."""
+    if not design.rod.modes:
+        return as_they_are
+    bar = bending_rod(design)
+    return lambda history: with_stations(as_they_are(history), history, BODIES, bar, ROD)
 
 
 def _pins(design: SliderCrank) -> tuple[Pin, Pin]:
@@ -65,9 +96,9 @@ def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Tou
     return (Touch(at_crank, rear, hole, 1.0),) if pin.joint == "clearance" else ()
 
 
-def closer(pin: Pin, touch: Touch) -> tuple[Detail, Callable[[Any], Float[np.ndarray, "steps frames 3"]]]:
-    """A pin in its bush with the play drawn larger, and the frames for it: the pin's centre is as many times farther
-    from the bush's as the play is larger."""
+def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Detail, Motion]:
+    """A pin in its bush with the play drawn larger, and the frames for it: behind those of ``motion`` (``magnified`` of
+    them) the pin's, whose centre is as many times farther from the bush's as the play is larger."""
     bush, clearance = float(pin.bush_radius), float(pin.clearance)
     times = max(PLAY * bush / clearance, 1.0)
     name = pin.section.replace("_", " ")
@@ -77,11 +108,11 @@ def closer(pin: Pin, touch: Touch) -> tuple[Detail, Callable[[Any], Float[np.nda
         square = box(-bush, bush, -bush, bush)
         corners = np.vstack([square, square[:1]]) + np.array([hole.x, hole.y])
         wall = Outline(hole.body, corners, filled=False, part="bush")
-    journal = Disc(Spot(MAGNIFIED), bush - times * clearance, part="pin")
+    journal = Disc(Spot(magnified), bush - times * clearance, part="pins")
     title = f"{name} in its bush, play × {times:.3g}" if times > 1.0 else f"{name} in its bush"
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
-        found = as_they_are(history)
+        found = motion(history)
         pin_at, bush_at = (_track(spot, found) for spot in (touch.ball, touch.carrier))
         larger = np.column_stack([bush_at + times * (pin_at - bush_at), found[:, touch.ball.body, 2]])
         return np.concatenate([found, larger[:, None]], axis=1)

@@ -27,9 +27,9 @@ def panels(run: "Run") -> list[Panel]:
             (Level("", 0.0),),
         ),
         Panel(
-            f"Slider, at most {float(run.maxima['slider_acceleration']):.4g} m/s²",
-            "size of acceleration [m/s²]",
-            (Curve("", acceleration),),
+            f"Slider, at most {1e-3 * float(run.maxima['slider_acceleration']):.4g} km/s²",
+            "size of acceleration [km/s²]",
+            (Curve("", 1e-3 * acceleration),),
         ),
         Panel("Energy", "energy [J]", (*energy, Curve("lost", np.asarray(seen.energy.dissipated)))),
     ]
@@ -41,7 +41,10 @@ def _path(run: "Run", pin: str) -> Panel:
     along, across = 1e3 * journal_path(run, pin).T
     edge = 1e3 * float(part.clearance) * _outline(part.by_components)
     title = f"{pin.replace('_', ' ').capitalize()} in its bush"
-    curves = (Curve("", across, along=along), Curve("clearance", edge[1], dashed=True, along=edge[0]))
+    curves = (
+        Curve("path", across, along=along),
+        Curve("play", edge[1], dashed=True, along=edge[0]),
+    )
     return Panel(title, "across [mm]", curves, path="along the slider's line [mm]")
 
 

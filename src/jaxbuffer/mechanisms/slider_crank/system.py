@@ -23,7 +23,7 @@ from ...multibody import (
     System,
     TorsionalSpringDamper,
 )
-from ...multibody.flexible import deflection, free_bar, stress
+from ...multibody.flexible import FlexibleBar, deflection, free_bar, stress
 from ..assembled import Assembled, BallContact, Posture, Shown
 from .design import SliderCrank, SliderCrankScenario
 from .pins import Pin
@@ -36,7 +36,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
     """The mechanism at its start (docs/slider_crank.md). The shaft is the origin, the slider's line the x-axis."""
     crank, rod, slider = design.crank, design.rod, design.slider
     off = crank.unbalance / crank.mass
-    bent = free_bar(rod.bar, rod.modes - 2, damping_ratio=rod.damping_ratio) if rod.modes else None
+    bent = bending_rod(design) if rod.modes else None
     bodies = (
         Body(crank.mass, crank.inertia - crank.unbalance * off),
         rod.body if bent is None else FlexibleBody(bent.modes),
@@ -78,6 +78,12 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         parts=bent,
         energy_size=0.5 * slider.mass * speed**2 + (0.5 * crank.inertia * fastest**2 if turning else 0.0),
     )
+
+
+def bending_rod(design: SliderCrank) -> FlexibleBar:
+    """The rod in modes of a free bar, whose axes keep its centre of mass and angular momentum."""
+    rod = design.rod
+    return free_bar(rod.bar, rod.modes - 2, damping_ratio=rod.damping_ratio)
 
 
 def driven(

@@ -7,7 +7,7 @@ import matplotlib
 import numpy as np
 
 from ...mechanisms.history import History
-from ...output.style import COLOURS, STYLE, panels
+from ...output.style import line, panels, style
 from ...run.instants import at_times
 from ..study import Studied
 
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 
 FORCE, TIME = "contact force [N]", "time [s]"
 DENSE = 400  # instants of a first impact
-FIRST = 3.0  # of the longest first contact, on the time axis of impact forces
+FIRST = 1.3  # of the longest first contact, on the time axis of impact forces
+BEYOND = 1.2  # of the latest capture's time; time axes of longer runs end there
 
 
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(style()):
         drawn, grid = panels(9.0, 6.5, 2, 2)
         axes = grid.ravel()
         _DRAW.get(studied.study.name, _captured)(studied, axes)
@@ -31,8 +32,17 @@ def figure(studied: Studied) -> "Figure":
 
 
 def _series(studied: Studied) -> list[tuple[str, History, Any]]:
-    made = zip(studied.study.cases, studied.captures, COLOURS, strict=False)
-    return [(case.label, capture.history, colour) for case, capture, colour in made if capture.history is not None]
+    made = zip(studied.study.cases, studied.captures, strict=True)
+    return [
+        (case.label, capture.history, line(k)) for k, (case, capture) in enumerate(made) if capture.history is not None
+    ]
+
+
+def _until(studied: Studied) -> float:
+    """Where time axes end [s]: at the longest run's end, or soon after the latest capture."""
+    ends = [float(capture.end_time) for capture in studied.captures]
+    captured = [end for end, row in zip(ends, studied.rows, strict=True) if row["outcome"] == "captured"]
+    return min(BEYOND * max(captured, default=max(ends)), max(ends))
 
 
 def _label(axis: "Axes", x: str, y: str, legend: bool = False) -> None:
@@ -46,18 +56,30 @@ def _force(history: History) -> np.ndarray:
     return np.max(np.asarray(history.contact_force), axis=1)
 
 
+def _within(history: History, until: float) -> float:
+    """The distance sensor's largest value up to a time [mm]."""
+    return float(np.max(1e3 * np.asarray(history.throat_distance)[np.asarray(history.time) <= until]))
+
+
 def _captured(studied: Studied, axes: Any) -> None:
     """Distance sensor, forces of the first impact and of all, and the times over the varied number."""
     longest = max(float(row["first_contact"]) for row in studied.rows)
-    for (label, history, colour), capture in zip(_series(studied), studied.captures, strict=True):
+    for (label, history, curve), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
-        axes[0].plot(time, 1e3 * np.asarray(history.throat_distance), color=colour, label=label)
+        thin = {**curve, "linewidth": 0.8}
+        axes[0].plot(time, 1e3 * np.asarray(history.throat_distance), **curve, label=label)
         early = np.linspace(0.0, FIRST * longest, DENSE)
-        axes[1].plot(1e3 * early, _force(at_times(capture, early)), color=colour, label=label)
-        axes[2].plot(time, force, color=colour, linewidth=0.8)
+        axes[1].plot(1e3 * early, _force(at_times(capture, early)), **curve, label=label)
+        axes[2].plot(time, force, **thin)
     _label(axes[0], TIME, "distance sensor [mm]", legend=True)
-    _label(axes[1], "time [ms]", f"{FORCE}, first impact")
+    _label(axes[1], "time from the start [ms]", "contact force, first impact [N]")
     _label(axes[2], TIME, FORCE)
+    until = _until(studied)
+    for axis in (axes[0], axes[2]):
+        axis.set_xlim(-0.02 * until, until)
+    if until < max(float(capture.end_time) for capture in studied.captures):
+        axes[0].set_title(f"time axes end soon after the latest capture, at {until:.2g} s", fontsize=8)
+    axes[0].set_ylim(-2.0, 1.05 * max(_within(history, until) for _, history, _ in _series(studied)))
     numbers = [row for row in studied.rows if row["outcome"] == "captured"]
     named = "[" not in studied.study.varied  # "tip": its values are words
     places = [row["case"] if named else float(row["value"]) for row in numbers]
@@ -72,14 +94,15 @@ def _captured(studied: Studied, axes: Any) -> None:
 
 def _rigid(studied: Studied, axes: Any) -> None:
     """First impacts together and apart, whole captures, distance."""
-    for (label, history, colour), capture in zip(_series(studied), studied.captures, strict=True):
+    for (label, history, curve), capture in zip(_series(studied), studied.captures, strict=True):
         time, force = np.asarray(history.time), _force(history)
+        thin = {**curve, "linewidth": 0.8}
         early = np.linspace(0.0, 3e-3, DENSE)
-        axes[0].plot(1e3 * early, _force(at_times(capture, early)), color=colour, label=label)
-        axes[1].semilogy(time, np.maximum(force, 1e-1), color=colour, label=label, linewidth=0.8)
-        axes[2].plot(time, 1e3 * np.asarray(history.throat_distance), color=colour, label=label)
-        axes[3].plot(time, 1e3 * np.asarray(history.stroke), color=colour, label=label)
-    _label(axes[0], "time [ms]", f"{FORCE}, first impact", legend=True)
+        axes[0].plot(1e3 * early, _force(at_times(capture, early)), **curve, label=label)
+        axes[1].semilogy(time, np.maximum(force, 1e-1), **thin, label=label)
+        axes[2].plot(time, 1e3 * np.asarray(history.throat_distance), **curve, label=label)
+        axes[3].plot(time, 1e3 * np.asarray(history.stroke), **curve, label=label)
+    _label(axes[0], "time from the start [ms]", "contact force, first impact [N]", legend=True)
     _label(axes[1], TIME, FORCE)
     _label(axes[2], TIME, "distance sensor [mm]")
     _label(axes[3], TIME, "stroke [mm]")

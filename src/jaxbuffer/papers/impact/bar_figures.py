@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 
-from ...output.style import COLOURS, STYLE, label, panels
+from ...output.style import COLOURS, label, line, panels, style
 from ..study import Studied
 from .bar_rows import STEPS, WINDOW, seen_by
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(style()):
         drawn, grid = panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
-            _whole(grid, case.label, COLOURS[number], run)
+            _whole(grid, _named(case.label), line(number), run)
         bends = bool(studied.captures[0].design.plate.modes)
         for axes, title, x, y in (
             (grid[0, 0], "Height of the bar's end above the plate", "time [s]", "height [mm]"),
@@ -38,10 +38,15 @@ def figure(studied: Studied) -> "Figure":
         return drawn
 
 
-def _whole(grid: Any, name: str, colour: str, run: Any) -> None:
+def _named(case: str) -> str:
+    """A case with the unit of its damping."""
+    return f"{case} N s/mm" if case.startswith("c = ") else case
+
+
+def _whole(grid: Any, name: str, curve: dict[str, Any], run: Any) -> None:
     seen = run.history
     time, first = np.asarray(seen.time), float(run.impacts.time[0])
-    force, drawn = np.asarray(seen.contact_force)[:, 0], {"color": colour, "label": name}
+    force, drawn = np.asarray(seen.contact_force)[:, 0], {**curve, "label": name}
     grid[0, 0].plot(time, 1e3 * np.asarray(seen.gap)[:, 0], **drawn)
     grid[0, 1].plot(time, np.asarray(seen.approach_speed)[:, 0], **drawn)
     near = (time > first - 0.05 * WINDOW) & (time < first + WINDOW)
@@ -58,6 +63,6 @@ def _steps(axes: Any, studied: Studied) -> None:
         time, force = np.asarray(run.history.time), np.asarray(run.history.contact_force)[:, 0]
         for step, dashes in zip(STEPS, (":", "-"), strict=True):
             seen = np.sort(seen_by(step, time, force))
-            name = f"{case.label}, {step:.0e} s"
+            name = f"{_named(case.label)}, steps of {1e3 * step:g} ms"
             axes.plot(np.linspace(0.0, 1.0, len(seen)), seen, dashes, color=COLOURS[number], label=name)
-    label(axes, "What fixed steps see of the largest force", "share of all beginnings of the grid", FORCE)
+    label(axes, "What fixed steps see of the largest force", "share of all beginnings of the grid [-]", FORCE)

@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 
 from ...mechanisms.slider_crank import journal_path
-from ...output.style import COLOURS, STYLE, label, panels
+from ...output.style import COLOURS, label, panels, style
 from ..study import Studied
 from .crank_rows import STARTED, components, torque_of
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(style()):
         drawn, grid = panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
             _one(grid, case.label, COLOURS[number], run, bends)
@@ -38,6 +38,8 @@ def figure(studied: Studied) -> "Figure":
             else (grid[2, 1], "Speed of the crank", TIME, "speed [rad/s]"),
         ):
             label(axes, title, x, y, legend=axes is grid[0, 0])
+        if "k = " in studied.study.cases[0].label:
+            grid[0, 0].legend(title="k in N/mm^e, M₀ in N mm", title_fontsize=8)
         clearance = 1e3 * float(studied.captures[0].design.piston_pin.clearance)
         corners = clearance * np.array([-1.0, 1.0])
         grid[2, 0].plot(corners[[0, 1, 1, 0, 0]], corners[[0, 0, 1, 1, 0]], "k:", linewidth=0.8)

@@ -14,6 +14,10 @@ function frameOf(frames, body) { return body < 0 ? [0, 0, 0] : frames[body]; }
 
 function corners(shape, frames) {
   if (shape.corners) return shape.corners.map(point => placed(frameOf(frames, shape.body), point));
+  if (shape.stations) {
+    const side = off => shape.stations.map(n => placed(frames[n], [0, off * shape.width / 2]));
+    return [...side(1), ...side(-1).reverse()];
+  }
   const [first, second] = [shape.first, shape.second].map(s => placed(frameOf(frames, s.body), [s.x, s.y]));
   const along = [second[0] - first[0], second[1] - first[1]], length = Math.max(Math.hypot(...along), 1e-12);
   const across = [-along[1] / length, along[0] / length];

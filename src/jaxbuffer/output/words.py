@@ -1,0 +1,91 @@
+"""What axes and values are called in figures, in their units: angles in degrees, forces from 10 kN on in kN."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
+ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
+
+
+def shown(quantity: Any) -> tuple[str, str, float]:
+    """A quantity's title, its unit in figures, and how many of those a unit of it is."""
+    unit, factor = quantity.shown or (quantity.unit, 1.0)
+    return quantity.title, "°" if unit == "deg" else unit, factor
+
+
+def in_figures(unit: str) -> tuple[str, float]:
+    """A field's unit in figures, and how many of those one of its own is: angles are shown in degrees."""
+    return ("°", 180.0 / math.pi) if unit == "rad" else (unit, 1.0)
+
+
+def called(name: str) -> str:
+    """A field's name in words; symbols such as k_A stay."""
+    return name.replace("_", " ") if name.islower() else name
+
+
+def field_axis(name: str, unit: str) -> str:
+    """The label of an axis over a field: "approach speed [m/s]"."""
+    return f"{called(name)} [{in_figures(unit)[0]}]"
+
+
+def said(value: float, unit: str) -> str:
+    """A field's value in words: "0.2 m/s", "+3°"."""
+    symbol, factor = in_figures(unit)
+    if symbol == "°":
+        return signed(factor * value)
+    return f"{value:.4g} {symbol}".rstrip(" -")
+
+
+def signed(degrees: float) -> str:
+    """An angle with its sign: "+3°", "-0.5°", "0°"."""
+    return "0°" if abs(degrees) < 5e-4 else f"{degrees:+.4g}°"
+
+
+def newtons(force: float) -> str:
+    """A force with four digits: "253.1 N", "45.87 kN"."""
+    return f"{1e-3 * force:.4g} kN" if abs(force) >= 1e4 else f"{force:.4g} N"
+
+
+def scale_of(largest: float, steps: tuple[tuple[str, float], ...]) -> tuple[str, float]:
+    """The first unit in which a largest value is 0.1 at least, and how many of it a unit is; otherwise the last."""
+    return next(((unit, factor) for unit, factor in steps if factor * largest >= 0.1), steps[-1])
+
+
+def seconds(longest: float) -> tuple[str, float]:
+    """The unit of a time axis as long as this [s]: s, ms or µs; and how many of it a second is."""
+    return scale_of(longest, (("s", 1.0), ("ms", 1e3), ("µs", 1e6)))
+
+
+def scaled(axes: "Axes", which: str, scale: str, low: float, high: float) -> None:
+    """The scale of the "x" or the "y" axis; a logarithmic one with few and plain numbers along it."""
+    getattr(axes, f"set_{which}scale")(scale)
+    if scale != "log":
+        return
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis = getattr(axes, f"{which}axis")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100.0 * low else (1.0,)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
+    """Marker and colour of each outcome that is neither a failure nor what should be: the same in every figure."""
+    aim = mechanism.success or mechanism.time_is_up
+    ended = [outcome.name for outcome in mechanism.outcomes if not outcome.failed and outcome.name != aim]
+    return {name: (MARKERS[k % len(MARKERS)], ENDED[k % len(ENDED)]) for k, name in enumerate(ended)}
+
+
+def edges(values: np.ndarray, scale: str) -> np.ndarray:
+    """Borders of the cells around sorted values, halfway between them on their scale."""
+    places = np.log(values) if scale == "log" else values
+    middles = 0.5 * (places[1:] + places[:-1])
+    borders = np.concatenate([[2.0 * places[0] - middles[0]], middles, [2.0 * places[-1] - middles[-1]]])
+    return np.exp(borders) if scale == "log" else borders
