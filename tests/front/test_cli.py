@@ -27,8 +27,8 @@ from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
-SIMULATED = ("capture.json", "history.csv", "motion.json", "capture.txt", "capture.png", "capture.svg", "motion.png")
-SIMULATED += ("motion.svg", "capture.nc", "force.json")
+SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.png", "capture.svg")
+SIMULATED += ("motion.png", "motion.svg", "capture.nc")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
 TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"

@@ -115,7 +115,7 @@ def test_files(computed, capsys, tmp_path):
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
     assert (
-        "sweep.csv, out/sweep.npz, out/sweep.png, out/sweep.svg, out/sweep.nc exist; --force overwrites"
+        "sweep.csv, out/sweep.npz, out/sweep.png, out/sweep.svg, out/sweep.nc, out/sweep.json exist; --force overwrites"
         in capsys.readouterr().err
     )
     assert run(["sweep", "--output", "out", "--force"]) == 0
@@ -222,8 +222,8 @@ def test_figure_over_more_fields_is_cut_into_slices():
     assert "9 of 18 slices" in figure.get_suptitle()
     panels = [axes for axes in figure.axes if axes.get_xlabel()]
     assert len(panels) == 9
-    assert panels[0].get_title(loc="left") == "c_A 2 N s/m, c_T 1 N m s/rad, tip_mass 0.05 kg"
-    assert panels[-1].get_title(loc="left") == "c_A 5 N s/m, c_T 2 N m s/rad, tip_mass 0.07 kg"
+    assert panels[0].get_title(loc="left") == "c_A 2 N s/m, c_T 1 N m s/rad, tip mass 0.05 kg"
+    assert panels[-1].get_title(loc="left") == "c_A 5 N s/m, c_T 2 N m s/rad, tip mass 0.07 kg"
 
 
 def test_report_prints_a_folder_again(computed, capsys, tmp_path):
@@ -242,7 +242,7 @@ def test_report_without_results(capsys, tmp_path):
     assert run(["report", str(tmp_path / "none")]) == 2
     assert "none: no such folder" in capsys.readouterr().err
     assert run(["report", str(tmp_path)]) == 2
-    assert "holds no results of simulate, sensitivity, sweep, sample, tune or pareto" in capsys.readouterr().err
+    assert "holds no results of simulate, sensitivity, sweep, tune, sample or pareto" in capsys.readouterr().err
     (tmp_path / "sweep.npz").write_bytes(b"not one")
     assert run(["report", str(tmp_path)]) == 2
     assert "sweep.npz is not a sweep's result" in capsys.readouterr().err

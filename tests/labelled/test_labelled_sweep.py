@@ -1,11 +1,14 @@
 """Sweeps over named dimensions, choices among them, against single runs."""
 
+import threading
+
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
 from jaxbuffer.output.sweep_files import read
+from jaxbuffer.sweeps import sweep as sweeps
 from jaxbuffer.sweeps.sweep import SweepInterrupted
 
 DESIGN = jb.replace(jb.BarDrop(), {"impact.exponent": 1.5})  # which Hertz's law has
@@ -71,14 +74,22 @@ def test_summary_and_html_tell_choices(swept):
     assert html.count("<table>") == 2 and "impact.law" in html
 
 
-def test_interrupted_and_resumed_a_sweep_over_choices_is_the_same(swept, tmp_path):
-    def stop(done, count):
-        if done >= 3:
-            raise KeyboardInterrupt
+def test_interrupted_and_resumed_a_sweep_over_choices_is_the_same(swept, tmp_path, monkeypatch):
+    second, compute = threading.Event(), sweeps._chunk
 
+    def chunk(batch, *settings):
+        if batch[0].impact.law == "hertz":
+            second.wait(10.0)  # until the interrupt is over
+        return compute(batch, *settings)
+
+    def stop(done, count):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweeps, "_chunk", chunk)
     scenario = jb.BarDropScenario()
     with pytest.raises(SweepInterrupted) as stopped:
         jb.sweep(DESIGN, scenario, over=OVER, folder=tmp_path, progress=stop, **OPTIONS)
+    second.set()
     data = stopped.value.found.to_xarray()
     assert data.outcome.sel({"impact.law": "hertz"}).values.tolist() == ["not computed"] * 3
     assert data.impact_count.sel({"impact.law": "hertz"}).values.tolist() == [-1] * 3

@@ -35,7 +35,9 @@ def tune(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text(STUDY)
     monkeypatch.setattr(jaxbuffer.compiling.process, "configure", lambda **_: None)
-    monkeypatch.setattr(jaxbuffer.output.results, "tuned_files", lambda tuned: {"design.toml": lambda: ""})
+    monkeypatch.setattr(
+        jaxbuffer.output.results, "tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
+    )
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
     monkeypatch.setattr(judged, "floor", lambda *_: None)
 
