@@ -6,12 +6,9 @@ import typer
 
 from ..errors import InputError
 from .exits import OK, fail
-from .request import Request
+from .request import Request, ScenarioNumber
 
 Format = Annotated[str, typer.Option("--format", metavar="gif|mp4", help="gif (default), or mp4 where ffmpeg is.")]
-ScenarioNumber = Annotated[
-    str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
-]
 
 
 def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Format = "gif") -> int:

@@ -34,6 +34,10 @@ SHARED = {
     "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],
 }
 
+ScenarioNumber = Annotated[
+    str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
+]
+
 
 @dataclasses.dataclass(frozen=True)
 class Request:

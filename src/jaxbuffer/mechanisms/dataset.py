@@ -36,7 +36,8 @@ def run_dataset(run: "Run") -> "xr.Dataset":
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     variables = {**_quantities(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
-    at_end = [float(np.asarray(getattr(run.energy, name))) for name in energies]
+    energy = jax.tree.map(np.asarray, run.energy)
+    at_end = [float(getattr(energy, name)) for name in energies]
     variables["energy_at_end"] = Labelled(("energy",), at_end, "J", "energy at the end, or lost until then")
     coordinates = {
         "impact": Labelled(("impact",), np.arange(1, int(run.impacts.count) + 1), "", "impacts in order, from 1"),

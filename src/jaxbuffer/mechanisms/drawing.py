@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..compiling.programs import stored
 from ..contact import Shape
 from ..fields import Part
 from ..multibody.flexible import FlexibleBar
@@ -128,9 +129,15 @@ class Touch(NamedTuple):
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         origin = self.carrier.at(frames)
         x, y = turn.T @ (self.ball.at(frames) - origin)
-        foot = [float(np.ravel(part)[0]) for part in self.shape.foot(float(x), float(y), self.side)]
+        foot = [float(np.ravel(part)[0]) for part in _foot(self.shape, float(x), float(y), self.side)]
         normal = turn @ np.array(foot[2:4])
         return origin + turn @ np.array(foot[:2]), normal, self.side * np.array([normal[1], -normal[0]])
+
+
+@stored
+def _foot(shape: Shape, x: Any, y: Any, side: Any) -> Any:
+    """`Shape.foot`, as a program that is kept, so that a second start compiles nothing to draw."""
+    return shape.foot(x, y, side)
 
 
 class Detail(NamedTuple):

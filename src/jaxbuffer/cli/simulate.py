@@ -1,0 +1,61 @@
+"""`jaxbuffer simulate`: one run."""
+
+from .exits import fail
+from .limits import asked_limits, keeps_limits
+from .request import Request, ScenarioNumber
+from .streams import note
+
+
+def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
+    """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
+
+    Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
+    impact that turned it round. Which parameter to change first takes derivatives: jaxbuffer sensitivity does that.
+
+    Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
+
+    \b
+    Files in DIR, of a capture:
+      capture.json  every number, its unit in the name, and every impact
+      history.csv   forces, gaps, motion and energies at each step
+      capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
+      motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
+      motion.json, force.json  the same and the force over time, for the page of jaxbuffer report
+      capture.txt   the summary
+      capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
+
+    \b
+    Example: jaxbuffer simulate --buffer.k_A 800 --output results
+    """
+    study = request.one_scenario(scenario_number)
+    limits, name = asked_limits(study), study.mechanism.run_name
+    named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
+    files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
+    from ..run.simulate import simulate as compute
+    from .progress import working
+
+    options = study.options
+    run = working(
+        "simulating",
+        lambda: compute(
+            study.design,
+            study.scenario,
+            options.duration,
+            solver=options.stepper(),
+            rtol=options.rtol,
+            history=request.output is not None,
+        ),
+    )
+    if run.outcome.failed:
+        return fail(run.outcome.reason)
+    if study.mechanism.chaotic:
+        from ..sensitivities.horizon import horizon
+
+        note(str(horizon(run)))
+    if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
+        note(f"the history holds the first {kept} steps only")
+    from ..output.results import run_files
+
+    contents = run_files(run, request.made(study), limits)
+    files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
+    return keeps_limits(limits, run)

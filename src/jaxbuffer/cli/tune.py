@@ -1,0 +1,66 @@
+"""`jaxbuffer tune`: the best design."""
+
+import dataclasses
+from typing import Annotated
+
+import typer
+
+from .exits import LIMITS_BROKEN, OK, fail
+from .request import Request, given
+from .streams import note
+
+RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
+
+
+def tune(
+    request: Request,
+    iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
+    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
+    seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
+) -> int:
+    """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
+
+    Stays within bounds and [problem.constraints]; a start that breaks them is led back first. Without a
+    [problem]: the worst peak contact force, stroke at most 25 mm, by k_A, c_A, k_T, c_T and the tip mass.
+
+    \b
+    Files in DIR:
+      design.toml  the tuned design, a study for the other commands
+      tuned.json   result, floor, evidence, every scenario before and after
+      history.csv  objective, worst values and variables of each evaluation
+      force.json   force over time in the worst scenario, before and after
+      tune.png, .svg  the worst scenario before and after, every scenario, variables, search
+      tune.txt     the tables
+      log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
+
+    Ctrl-C saves the best design so far.
+
+    \b
+    Example: jaxbuffer tune optimise/table2.toml --output results/table2
+    """
+    from ..study.config import apply_options
+    from ..sweeps.grid import check_swept_once
+
+    study = request.study()
+    chosen = given(iterations=iterations, starts=starts, seed=seed)
+    study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
+    check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
+    problem = study.problem()
+    names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
+    files = request.files(*names, resumable=RUN_FILES, resume=resume)
+    from ..tuning.tune import tune as compute
+    from .progress import tuning
+
+    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    try:
+        tuned = tuning(lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report))
+    except KeyboardInterrupt:
+        from .unfinished import keep_best
+
+        return keep_best(problem, settings, files)
+    from ..output.results import tuned_files
+
+    contents = tuned_files(tuned, request.made(study, resume), note)
+    files.save_and_show(lambda: contents, tuned, lambda: str(contents["tuned.json"]()))
+    return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
