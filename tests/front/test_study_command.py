@@ -9,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft7Validator
 
 import jaxbuffer
 from jaxbuffer.cli.entry import run
@@ -20,6 +21,99 @@ from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.schema import study_schema
 
 KINDS = [mechanism.name for mechanism in all_mechanisms()]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_example_loads_unchanged_and_has_every_field(kind, computed, capsys):
+    assert run(["init", "--kind", kind, "mine.toml"]) == 0
+    study, mechanism = load("mine.toml"), mechanism_named(kind)
+    assert (study.design, study.scenario) == (mechanism.design(), mechanism.scenario())
+    assert study.problem().limits.at_most == mechanism.defaults.limits and study.sweep
+    text = example_toml(mechanism)
+    assert max(map(len, text.splitlines())) <= 120
+    for part in (mechanism.design(), mechanism.scenario()):
+        for path in paths(part):
+            assert re.search(rf"^(# )?{path.rpartition('.')[2]} = ", text, re.MULTILINE), path
+            assert metadata(part, path).get("unit", "-") in text
+    assert run(["check", "mine.toml"]) == 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_defaults_in_the_comments_are_the_defaults(kind):
+    """Every commented field with a value, made to hold, leaves the study as it is."""
+    mechanism = mechanism_named(kind)
+    text = re.sub(r"^# (\w+ = [^\s].*)$", r"\1", example_toml(mechanism).split("[problem")[0], flags=re.MULTILINE)
+    study = loads(text.encode(), "example")
+    for part, default in ((study.design, mechanism.design()), (study.scenario, mechanism.scenario())):
+        for path in paths(part):
+            assert get(part, path) == get(default, path)
+
+
+def test_an_example_is_never_written_over_a_file(computed, capsys, tmp_path):
+    (tmp_path / "study.toml").write_text("mine")
+    assert run(["init"]) == 2
+    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites\n"
+    assert (tmp_path / "study.toml").read_text() == "mine"
+    assert run(["init", "--force"]) == 0 and load("study.toml").design
+    assert run(["init", "--kind", "bar_dropp", "x.toml"]) == 2
+    assert "did you mean bar_drop?" in capsys.readouterr().err
+
+
+def test_a_study_is_explained(computed, capsys, tmp_path):
+    (tmp_path / "study.toml").write_text(
+        """
+        buffer.k_A = "0.8 kN/m"
+        options.duration = 4
+        scenario.misalignment = "3 deg"
+        [problem.variables]
+        buffer.c_A = [1, 60]
+        [problem.constraints]
+        stroke = {min = 0.001, max = "25 mm"}
+        [problem.grid]
+        approach_speed = [0.1, 0.2]
+        [sweep]
+        buffer.k_A = [100, 200]
+        buffer.c_A = {from = 1, to = 9, count = 8}
+        """
+    )
+    assert run(["check", "study.toml"]) == 0
+    shown = capsys.readouterr().out
+    for line in (
+        "Study study.toml: valid",
+        "buffer.k_A 800 N/m (default 500 N/m)",
+        "options.duration 4 s (default 8 s)",
+        "scenario.misalignment 0.0523599 rad (default 0 rad)",
+        "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
+        "stroke ≤ 0.025 m",
+        "stroke ≥ 0.001 m",
+        "every case must end captured",
+        "buffer.k_A 100, 200 N/m",
+        "buffer.c_A 1 to 9 N s/m, 8 values, linear",
+        "one capture: 0.1 m/s, +3°",
+        "2 × 8 = 16 captures",
+        "1 variables over 2 scenarios",
+    ):
+        assert line in shown, line
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[bufer]\nk_A = 1", "study.toml: [bufer] is unknown; did you mean buffer?"),
+        ("[problem.variables]\nbuffer.k_A = [600, 2000]", "study.toml: the start, buffer.k_A = 500 N/m, is outside"),
+        ("[problem.constraints]\nstrok = 1", "study.toml: problem.constraints.strok is unknown; did you mean stroke?"),
+    ],
+)
+def test_what_is_wrong_with_a_study_is_one_line(computed, capsys, tmp_path, text, message):
+    (tmp_path / "study.toml").write_text(text)
+    assert run(["check", "study.toml"]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == "" and shown.err.startswith(f"error: {message}") and shown.err.count("\n") == 1
+
+
+def described_by(schema, value) -> bool:
+    Draft7Validator.check_schema(schema)
+    return Draft7Validator(schema).is_valid(value)
 
 
 @pytest.mark.parametrize("kind", KINDS)
