@@ -46,6 +46,8 @@ def working(text: str, work: Callable[[], T]) -> T:
 
 def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
     """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each elsewhere."""
+    from ..tuning.summary import in_words
+
     console = Console(stderr=True)
     if not console.is_terminal:
         with _compiling_said():
@@ -106,18 +108,6 @@ def sweeping(
 
         with _compiling_shown(progress, task):
             return work(advance)
-
-
-def in_words(it: "Record") -> str:
-    """One evaluation of a tuning on one line."""
-    where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
-    stage = "then, " if it["stage"] else ""
-    text = f"{stage}{where}: {it['objective']:.5g} N"
-    if not it["feasible"]:
-        met = it["succeeded"]
-        text += "" if all(met) else f", {sum(met)} of {len(met)} end as they must"
-        text += ", limits broken"
-    return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")
 
 
 def _compiling_said() -> AbstractContextManager[None]:

@@ -99,7 +99,7 @@ def sample(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
 ) -> Sample:

@@ -19,6 +19,7 @@ from ..errors import InputError, as_number, check_number, check_single, check_wh
 from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
+from ..progress import counted
 from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair, simulate
 from .found import Sweep as Sweep
 from .found import SweepInterrupted as SweepInterrupted
@@ -60,7 +61,7 @@ def sweep(
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
 ) -> Sweep: ...
@@ -77,7 +78,7 @@ def sweep(
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
 ) -> Swept: ...
@@ -93,7 +94,7 @@ def sweep(
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
     workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
 ) -> Sweep | Swept:
@@ -108,7 +109,7 @@ def sweep(
       ``design`` and ``scenarios`` then have single numbers.
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
-    - ``progress``: called with runs done and asked for.
+    - ``progress``: called with runs done and asked for, or True for a bar.
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
     - ``resume``: go on with the sweep in ``folder`` instead.
 
@@ -140,7 +141,7 @@ def sweep(
     if workers is not None:
         check_whole("workers", workers, 1)
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
-    storing = Storing(workers, progress, folder, resume)
+    storing = Storing(workers, counted(progress, mechanism.run_name), folder, resume)
     if over is None:
         return _run([Batch(None, design, scenarios)], duration, settings, storing)
     check_single("duration", duration, "s", ONE_FOR_ALL)

@@ -92,7 +92,7 @@ def pareto(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
-    report: Callable[[Record], None] | None = None,
+    report: Callable[[Record], None] | bool | None = None,
     finished: Callable[[int, int], None] | None = None,
     **settings: Any,
 ) -> Front:
@@ -163,7 +163,7 @@ class _Search:
     folder: Path | None
     resume: bool
     workers: int | None
-    report: Callable[[Record], None] | None
+    report: Callable[[Record], None] | bool | None
     settings: dict[str, Any]
 
     def front(

@@ -1,6 +1,7 @@
 """A tuning's summary: before and after, what limits it, where it lies beyond the contact law's validity."""
 
-from typing import TYPE_CHECKING, SupportsFloat
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 import numpy as np
 from rich.table import Table
@@ -131,3 +132,15 @@ def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:
 def _at_bound(variable: Variable, value: float) -> str:
     near = 1e-6 * (variable.high - variable.low)
     return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
+
+
+def in_words(it: Mapping[str, Any]) -> str:
+    """One evaluation of a tuning on one line."""
+    where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
+    stage = "then, " if it["stage"] else ""
+    text = f"{stage}{where}: {it['objective']:.5g} N"
+    if not it["feasible"]:
+        met = it["succeeded"]
+        text += "" if all(met) else f", {sum(met)} of {len(met)} end as they must"
+        text += ", limits broken"
+    return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, check_single, check_type, check_whole, suggest
 from ..fields import Part, limits_of
+from ..progress import reported
 from .descent import check_optimizer, descended
 from .evaluation import Evaluator
 from .problem import Problem
@@ -14,6 +15,7 @@ from .progress import Progress
 from .rounds import Rounds, best_branch, stage_search
 from .settings import Settings
 from .store import Record, Store, read_state
+from .summary import in_words
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ def tune(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
-    report: Callable[[Record], None] | None = None,
+    report: Callable[[Record], None] | bool | None = None,
     **settings: Any,
 ) -> Tuned:
     """Find the best design of a problem.
@@ -45,7 +47,8 @@ def tune(
     - ``folder``: where log and state are kept; an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
     - ``workers``: threads, by default one a core.
-    - ``report``: called with the log's record of each evaluation, also those of the run that is resumed.
+    - ``report``: called with the log's record of each evaluation, also those of the run that is resumed, or True for a
+      line that tells the last one.
     - ``settings``: the fields of `Settings`, such as ``iterations``, ``starts``, ``seed``.
 
     **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9. The same arguments give the same result, interrupted or
@@ -77,13 +80,14 @@ def tune(
     with (
         Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
         Evaluator(problem, workers) as evaluator,
+        reported(report, in_words) as told,
     ):
-        if report is not None:
+        if told is not None:
             for record in store.records:
-                report(record)
+                told(record)
         if optimizer is not None:
-            return descended(problem, optimizer, chosen, evaluator, store, report)
-        rounds = Rounds(problem, chosen, evaluator, store, report)
+            return descended(problem, optimizer, chosen, evaluator, store, told)
+        rounds = Rounds(problem, chosen, evaluator, store, told)
         return rounds.finished(rounds.searched(Progress.read(store.state)))
 
 

@@ -1,0 +1,29 @@
+"""Progress in Python: a bar for True, nothing otherwise, and the caller's own function as it is."""
+
+import jaxbuffer as jb
+from jaxbuffer.progress import counted, reported
+
+
+def test_a_sweep_counts_its_runs(capsys):
+    jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.15, 0.194]), 0.05, progress=True)
+    shown = capsys.readouterr()
+    assert shown.out == "" and "3/3" in shown.err and " drop" in shown.err
+
+
+def test_an_evaluation_is_told_in_words(capsys):
+    with reported(True, lambda record: f"{record['objective']:g} N") as report:
+        for objective in (3.0, 2.5):
+            report({"objective": objective})
+    shown = capsys.readouterr()
+    assert shown.out == "" and "2 evaluations in 00:00, 2.5 N" in shown.err
+
+
+def test_nothing_is_shown_unasked(capsys):
+    def mine(*given):
+        pass
+
+    assert counted(None, "run") is None and counted(False, "run") is None and counted(mine, "run") is mine
+    for asked, told in ((None, None), (False, None), (mine, mine)):
+        with reported(asked, str) as report:
+            assert report is told
+    assert capsys.readouterr() == ("", "")
