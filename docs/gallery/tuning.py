@@ -1,6 +1,7 @@
 """# A tuning
 
-Every scenario before and after, the variables within their bounds, what is limited, and how the search went.
+Every scenario before and after, the worst one's force over time, the variables within their bounds, what is limited,
+and how the search went.
 """
 
 import jaxbuffer as jb
@@ -13,4 +14,7 @@ problem = jb.Problem(
     [jb.Variable("buffer.k_A", 100, 2000), jb.Variable("buffer.c_A", 1, 60), jb.Variable("probe.tip_mass", 0.02, 0.2)],
     limits=jb.Limits(at_most={"stroke": 0.025}),  # m
 )
-figure = tune_figure(jb.tune(problem, starts=8, iterations=15))
+tuned = jb.tune(problem, starts=8, iterations=15)
+worst = problem.scenarios[-1]
+runs = [jb.simulate(design, worst, problem.duration, history=True) for design in (problem.design, tuned.design)]
+figure = tune_figure(tuned, runs)

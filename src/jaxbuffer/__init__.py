@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from .output.folder import Results as Results
     from .output.folder import load as load
     from .output.motion import draw as draw
+    from .run.instants import at_times as at_times
     from .run.simulate import simulate as simulate
     from .run.with_diffrax import as_diffrax as as_diffrax
     from .sensitivities.certificate import Certificate as Certificate
@@ -98,6 +99,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "output.animation": ("animate",),
     "output.motion": ("draw",),
     "run.with_diffrax": ("as_diffrax",),
+    "run.instants": ("at_times",),
     "run.simulate": ("simulate",),
     "sensitivities.certificate": ("Certificate", "Verdict"),
     "sensitivities.horizon": ("horizon",),
