@@ -1,14 +1,15 @@
-"""# What less stroke costs in hinge force
+"""# What a softer contact costs in depth
 
-The front of two objectives: each point is a design tuned for the least hinge force under its own limit on the stroke.
+The front of two objectives: each point is a plate whose contact is tuned for the least peak force under its own limit on
+the penetration, with the height from which the bar falls as it is.
 """
 
 import jaxbuffer as jb
 from jaxbuffer.output.front_files import front_figure
 
 jb.configure()
-variables = [jb.Variable("buffer.k_A", 100, 3000), jb.Variable("buffer.c_A", 1, 60)]  # N/m, N s/m
-problem = jb.Problem(jb.table2(), [jb.Scenario(approach_speed=0.15)], variables)
-limits = {"stroke": [0.0037, 0.004, 0.0045, 0.005, 0.006, 0.007]}  # m
-front = jb.pareto(problem, ["peak_hinge_force", "stroke"], limits=limits, starts=4, iterations=12)
+variables = [jb.Variable("impact.stiffness", 1e10, 1e12)]  # N/m^e
+bar = jb.replace(jb.BarDrop(), {"impact.damping": 10.0})  # N s/m
+problem = jb.Problem(bar, [jb.BarDropScenario(height=0.194)], variables, duration=0.25)  # m, s
+front = jb.pareto(problem, ["peak_force", "penetration"], points=7, starts=2, iterations=15)
 figure = front_figure(front)
