@@ -1,7 +1,7 @@
 """# What a softer contact costs in depth
 
-The front of two objectives: each point is a plate whose contact is tuned for the least peak force under its own limit on
-the penetration, with the height from which the bar falls as it is.
+The front of two objectives: each point is a contact of bar and plate, tuned for the least peak force under its own
+limit on the penetration.
 """
 
 import jaxbuffer as jb

@@ -187,7 +187,7 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
     code = np.zeros(count, int)
     for index, outcome in (outcomes or {}).items():
         code[index] = outcome
-        if Outcome(outcome).failed:
+        if outcome < 0 or Outcome(outcome).failed:
             peak[index] = np.nan
     largest = np.nanmax(np.append(peak, 1.0))
     share = peak / largest

@@ -10,9 +10,12 @@ from made_up import made_up_sweep
 import jaxbuffer as jb
 from jaxbuffer import InputError, Outcome
 from jaxbuffer.cli.entry import run
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.output.style import png
 from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.sweep_files import read
+from jaxbuffer.study.config import load
+from jaxbuffer.study.problem_toml import limits
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
@@ -158,6 +161,32 @@ def test_without_a_single_answer_the_solver_failed(computed, capsys, command):
     ranges = {"sweep": ["--over", "buffer.k_A=100:400:4"], "sample": ["--over", "buffer.k_A=100:400"]}[command[0]]
     assert run([*command, *ranges]) == 3
     assert "none of the 4 captures was solved" in capsys.readouterr().err
+
+
+def test_a_tuned_design_keeps_its_limits(computed, capsys, tmp_path):
+    """Tuned, then simulated, swept and tuned again: the study's limits hold throughout, and no others."""
+    (tmp_path / "study.toml").write_text(
+        "[problem.constraints]\nstroke = '30 mm'\npeak_force = {min = 1, max = 240}\nimpacts = 50\n"
+    )
+    assert run(["tune", "study.toml", "--output", "tuned"]) == 0
+    assert limits(load(tmp_path / "tuned" / "design.toml").table, PROBE_CONE) == limits(
+        load(tmp_path / "study.toml").table, PROBE_CONE
+    )
+    assert run(["simulate", "tuned/design.toml"]) == 1
+    assert "[problem.constraints] not kept: peak_force 250 N is above 240 N" in capsys.readouterr().err
+    assert run(["sweep", "tuned/design.toml", *TWO]) == 0
+    asked = "Safe (captured, peak force ≤ 240 N, stroke ≤ 30 mm, peak force ≥ 1 N, impacts ≤ 50)"
+    shown = capsys.readouterr().out
+    assert all(word in shown for word in asked.removeprefix("Safe (").rstrip(")").split(", "))
+    assert run(["sweep", *TWO]) == 0
+    assert "Safe (captured): " in capsys.readouterr().out, "a study without limits has none"
+
+
+def test_a_map_of_an_interrupted_sweep(computed, capsys, tmp_path):
+    computed.interrupt_after, computed.outcomes = 3, dict.fromkeys(range(3, 6), -1)
+    assert run(["sweep", *TWO, "--output", "out"]) == 130
+    assert {"sweep.csv", "sweep.png", "envelope.txt"} <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert "Safe (captured): 3 of 6 captures" in capsys.readouterr().out
 
 
 def test_help_teaches(computed, capsys):

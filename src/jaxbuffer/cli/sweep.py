@@ -126,15 +126,18 @@ def _asked(study: "Config", over: list[str]) -> dict[str, Any]:
 
 
 def _limits(study: "Config", over: "Grid") -> "Limits | None":
-    """The limits of a sweep's envelope: the problem's, or the mechanism's own; None where there is no envelope."""
+    """The limits of a sweep's envelope: the study's; None where there is no envelope."""
     from ..study.problem_toml import limits
+    from ..tuning.objective import Limits
 
     mechanism = study.mechanism
     moving = [axis for axis in over.axes if len(axis) > 1]
     if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None
-    asked = limits(study.table, mechanism)
+    asked = limits(study.table, mechanism) if "constraints" in study.table else Limits()
     in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731
     found = dataclasses.replace(asked, at_most=in_sweeps(asked.at_most), at_least=in_sweeps(asked.at_least))
+    if left_out := [name for name in (*asked.at_most, *asked.at_least) if name not in mechanism.swept]:
+        note(f"the envelope leaves limits on {', '.join(left_out)} out, which sweeps do not have")
     limited = found.at_most or found.at_least or found.impacts is not None
     return found if limited or mechanism.success is not None else None

@@ -17,7 +17,7 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
         note("nothing is kept without --output DIR")
         return INTERRUPTED
     from ..errors import InputError
-    from ..study.config import design_toml
+    from ..study.designs import tuned_toml
     from ..tuning.tune import best_so_far
 
     try:
@@ -30,6 +30,6 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
     which = "the problem's then" if best.stage else "the objective"
     kept = "within all limits" if best.feasible else "limits broken"
     words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {best.objective:.6g} N, {kept}"
-    files.save_and_show(lambda: {"design.toml": lambda: design_toml(best.design, problem.scenarios_met, words)}, words)
+    files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
     note(f"the same command with --resume goes on in {files.folder}")
     return INTERRUPTED

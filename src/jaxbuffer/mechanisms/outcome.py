@@ -1,7 +1,7 @@
 """How a run ended: what every mechanism's outcomes have in common."""
 
 import enum
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import jax.numpy as jnp
 from jaxtyping import Array, Int
@@ -69,3 +69,11 @@ def outcome_code(outcomes: type[O], ends: tuple[str, ...], time_is_up: str, stat
     for value, name in names.items():
         code = jnp.where(status == value, int(outcomes[name]), code)
     return code
+
+
+class NotComputed(NamedTuple):
+    """In the place of the outcome of a run that was not made."""
+
+    name: str = "not computed"
+    reason: str = "it was not computed"
+    failed: bool = False

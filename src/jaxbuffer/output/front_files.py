@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..fields import get, unit
-from ..study.config import design_toml
+from ..study.designs import tuned_toml
 from ..tuning.front_summary import standing
 from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
@@ -43,7 +43,7 @@ def front_json(front: "Front") -> str:
 
 
 def _design(point: "Tuned") -> Callable[[], str]:
-    return lambda: design_toml(point.design, point.problem.scenarios_met, tuned_comment(point))
+    return lambda: tuned_toml(point.design, point.problem, tuned_comment(point))
 
 
 def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:

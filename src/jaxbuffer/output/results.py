@@ -59,7 +59,7 @@ def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None]
     """Of `jaxbuffer tune`. ``made``: how it came about; ``report``: takes a line on what lacks because a run failed."""
     from ..errors import InputError
     from ..run.simulate import simulate
-    from ..study.config import design_toml
+    from ..study.designs import tuned_toml
     from ..tuning.table import tuning_history
     from .force_record import force_record
     from .records import tuned_comment, tuned_record
@@ -87,7 +87,7 @@ def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None]
         return []
 
     return {
-        "design.toml": lambda: design_toml(tuned.design, tuned.problem.scenarios_met, tuned_comment(tuned)),
+        "design.toml": lambda: tuned_toml(tuned.design, tuned.problem, tuned_comment(tuned)),
         "tuned.json": lambda: json_text(_told(tuned_record(tuned), made)),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(

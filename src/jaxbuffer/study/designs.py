@@ -8,6 +8,7 @@ from ..fields import Part, get, paths, unit
 from ..files import write
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import check_pair
+from ..tuning.problem import Problem
 from .config import design_toml, load
 
 
@@ -73,3 +74,24 @@ def save_design(
         write(Path(path), design_toml(design, listed, comment), overwrite)
     except FileExistsError:
         raise InputError(f"{path} exists; overwrite=True replaces it") from None
+
+
+def tuned_toml(design: Part, problem: Problem, comment: str) -> str:
+    """A design that was tuned, with the problem's scenarios and limits: a study for the other commands."""
+    return f"{design_toml(design, problem.scenarios_met, comment)}\n{_limits_toml(problem)}"
+
+
+def _limits_toml(problem: Problem) -> str:
+    """A problem's limits as TOML; those on own quantities, whose functions are elsewhere, as
+    comments."""
+    asked, lines = problem.limits, ["[problem.constraints]"]
+    if not asked.captured:
+        lines.append("captured = false")
+    if asked.impacts is not None:
+        lines.append(f"impacts = {asked.impacts}")
+    for name in dict.fromkeys([*asked.at_most, *asked.at_least]):
+        sides = {"max": asked.at_most.get(name), "min": asked.at_least.get(name)}
+        given = ", ".join(f"{side} = {float(value)!r}" for side, value in sides.items() if value is not None)
+        line = f"{name} = {{{given}}}  # {problem.catalogue[name].unit}"
+        lines.append(f"# of a quantity of your own: {line}" if name in problem.quantities else line)
+    return "\n".join(lines) + "\n"

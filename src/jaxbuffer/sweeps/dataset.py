@@ -9,6 +9,7 @@ import numpy as np
 from ..fields import addresses, unit_at, value_at
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.dataset import attributes
+from ..mechanisms.outcome import NotComputed
 from ..version import version
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from .found import Sweep
     from .swept import Swept
 
-UNDONE = "not computed"
+UNDONE = NotComputed().name
 Rows = tuple[list[str], Iterator[Sequence[Any]]]
 
 
@@ -77,7 +78,7 @@ def _variables(
     sweep: "Sweep", done: np.ndarray, contacts: Sequence[str], dims: tuple[str, ...], shape: tuple[int, ...]
 ) -> dict[str, Labelled]:
     mechanism, largest = sweep.mechanism, f"peak_{sweep.mechanism.contact}"
-    outcomes = [it.name if is_done else UNDONE for it, is_done in zip(_outcomes(sweep, done), done, strict=True)]
+    outcomes = [it.name if is_done else UNDONE for it, is_done in zip(sweep.outcomes, done, strict=True)]
     found = {"outcome": Labelled(dims, np.array(outcomes, str).reshape(shape), "", "how the run ended")}
     for name in mechanism.swept:
         quantity = mechanism.quantities[name]
@@ -90,12 +91,6 @@ def _variables(
         counted = f"number of {name.removesuffix('_count').rstrip('s')}s, -1 where not computed"
         found[name] = Labelled(dims, sweep.columns[name].reshape(shape), "-", counted)
     return found
-
-
-def _outcomes(sweep: "Sweep", done: np.ndarray) -> list[Any]:
-    """The outcome of each run, None where not computed."""
-    codes = zip(sweep.columns["code"], done, strict=True)
-    return [sweep.mechanism.outcomes(int(code)) if is_done else None for code, is_done in codes]
 
 
 def _table(sweep: "Sweep", inputs: Mapping[str, np.ndarray], done: np.ndarray, contacts: Sequence[str]) -> Rows:

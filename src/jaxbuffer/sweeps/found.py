@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fields import Part
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.outcome import RunOutcome
+from ..mechanisms.outcome import NotComputed, RunOutcome
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,9 +48,10 @@ class Sweep:
         return len(self.columns["code"])
 
     @property
-    def outcomes(self) -> list[RunOutcome]:
-        """The outcome of each run."""
-        return [self.mechanism.outcomes(int(code)) for code in self.columns["code"]]
+    def outcomes(self) -> list[RunOutcome | NotComputed]:
+        """The outcome of each run; of one that an interrupted sweep left, `NotComputed`."""
+        known = self.mechanism.outcomes
+        return [NotComputed() if code < 0 else known(int(code)) for code in self.columns["code"]]
 
     @property
     def solved(self) -> np.ndarray:
