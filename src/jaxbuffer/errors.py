@@ -11,6 +11,7 @@ if TYPE_CHECKING:  # the command line's own errors need neither: they are import
     import numpy as np
 
 CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
+MEANT = {"rad": ("deg", math.pi / 180.0), "rad/s": ("deg/s", math.pi / 180.0), "m": ("mm", 1e-3)}  # by mistake
 LONGEST = 60  # characters of a value that a message shows
 
 
@@ -113,13 +114,17 @@ def check_number(
 
     if isinstance(value, jax.core.Tracer):
         return
+    limits: dict[str, Any] = {"low": low, "high": high, "low_open": low_open, "high_open": high_open}
+    meant = MEANT.get(unit)
     unit = "" if unit in ("", "-") else f" {unit}"
     allowed = f"{range_text(low, high, low_open, high_open)}{unit}"
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
-    bad = ~inside(array, low=low, high=high, low_open=low_open, high_open=high_open)
+    bad = ~inside(array, **limits)
     if np.any(bad):
-        raise InputError(f"{path} = {array[bad].flat[0]:g}{unit} is out of range; allowed: {allowed}")
+        first = float(array[bad].flat[0])
+        hint = f'; "{first:g} {meant[0]}" if that is meant' if meant and inside(first * meant[1], **limits) else ""
+        raise InputError(f"{path} = {first:g}{unit} is out of range; allowed: {allowed}{hint}")
 
 
 def range_text(low: float, high: float, low_open: bool, high_open: bool) -> str:

@@ -46,6 +46,7 @@ def with_k(value):
 
 NOT_K = "is not a number; expected (0, inf) N/m"
 PYTHON = [
+    call(lambda: Scenario(aproach_speed=1.0), "Scenario: aproach_speed is unknown; did you mean approach_speed?"),
     call(lambda: with_k("5 kg"), "buffer.k_A = '5 kg': kg is a mass, expected a number in N/m; allowed: (0, inf) N/m"),
     call(lambda: Scenario(misalignment="3 dag"), "scenario.misalignment = '3 dag': the unit dag is unknown", "deg?"),
     call(lambda: Limits(at_least={"end_time": 2.0}, at_most={"end_time": 1.0}), "at least 2 s and at most 1 s"),

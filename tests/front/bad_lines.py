@@ -6,6 +6,11 @@ FORTY = "\n".join(f"[[scenarios]]\napproach_speed = {0.1 + k / 400}" for k in ra
 MATCHING = "[problem.variables]\nbuffer.k_A = [100, 2000]\n"
 
 LINES = [
+    line("simulate --scenario.misalignment=-4", 'allowed: (-1.5708, 1.5708) rad; "-4 deg" if that is meant'),
+    line("simulate --scenario.misalignment -4 deg", "deg: no such file", 'needs quotes: "-4 deg"'),
+    line("simulate study.toml 4 deg", "Got unexpected extra argument", 'needs quotes: "-4 deg"'),
+    line("simulate studdy.toml", "studdy.toml: no such file; did you mean study.toml?"),
+    line("simulate mine.toml", "mine.toml: no such file; jaxbuffer init mine.toml writes one to begin with"),
     # options
     line("simulate --rtol abc", "--rtol: 'abc' is not a number; expected [1e-13, 0.01]"),
     line("simulate --rtol 1", "--rtol = 1 is out of range; allowed: [1e-13, 0.01]"),

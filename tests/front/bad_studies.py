@@ -4,6 +4,8 @@ from bad_inputs import line, toml
 
 STUDIES = [
     # what no field is
+    toml("[active]\nmass = '420 kgs'", "the unit kgs is unknown; did you mean kg?"),
+    line("simulate study.toml", "not valid TOML", "numbers have a point, not a comma", study="[active]\nmass = 420,5"),
     toml("[buffer]\nk_A = '5 kg'", "buffer.k_A = '5 kg': kg is a mass, expected a number in N/m", "(0, inf) N/m"),
     toml("[buffer]\nk_A = '5 kn/m'", "buffer.k_A = '5 kn/m': the unit kn is unknown; did you mean kN?"),
     toml("[buffer]\nk_A = '-5 kN/m'", "buffer.k_A = -5000 N/m is out of range; allowed: (0, inf) N/m"),

@@ -48,7 +48,9 @@ def run(arguments: Sequence[str]) -> int:
     except Exception as error:
         if not hasattr(error, "format_message"):  # what typer's usage errors have in common, in all its versions
             raise
-        return fail(error.format_message(), BAD_INPUT)
+        message = error.format_message()
+        quotes = '; a value with its unit needs quotes: "-4 deg"' if "unexpected extra argument" in message else ""
+        return fail(f"{message}{quotes}", BAD_INPUT)
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK

@@ -4,13 +4,13 @@ import dataclasses
 import functools
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
-from ..errors import check_choice, check_flag, check_number, check_type, check_whole, inside
+from ..errors import InputError, check_choice, check_flag, check_number, check_type, check_whole, inside, suggest
 from .units import as_unit, in_unit
 
 
@@ -46,6 +46,13 @@ class Part(eqx.Module):
     """
 
     section: ClassVar[str] = ""
+
+    def __new__(cls, *given: Any, **named: Any) -> Self:
+        known = [field.name for field in dataclasses.fields(cls)]
+        for name in named:
+            if name not in known:
+                raise InputError(f"{cls.__name__}: {name} is unknown{suggest(name, known)}")
+        return super().__new__(cls)
 
     def __check_init__(self) -> None:
         prefix = f"{self.section}." if self.section else ""

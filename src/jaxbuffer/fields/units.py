@@ -131,7 +131,9 @@ def _unknown(symbol: str) -> str:
             _parsed(word)
         except Exception:
             near = next((s for s in SYMBOLS if s.lower() == word.lower()), None) or nearest(word, SYMBOLS)
-            if spaced := _spaced(word):
+            if word[-1] == "s" and word[:-1] in SYMBOLS:
+                near = word[:-1]
+            elif spaced := _spaced(word):
                 near = spaced
             return f"the unit {word} is unknown" + (f"; did you mean {near}?" if near else "")
     return f"{shown(symbol)} is not a unit"

@@ -1,6 +1,7 @@
 """Studies as TOML: read into a `Config`, override fields by dotted path, write a design back."""
 
 import dataclasses
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import equinox as eqx
 import tomli_w
 
-from ..errors import InputError, as_number, check_number, check_whole, shown, suggest
+from ..errors import InputError, as_number, check_number, check_whole, nearest, shown, suggest
 from ..fields import (
     POSITIVE,
     SCENARIO,
@@ -41,6 +42,7 @@ T = TypeVar("T", bound=eqx.Module)
 
 DEFAULT_KIND = "probe_cone"
 KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
+COMMA = re.compile(rb"=\s*[+-]?\d+,\d", re.MULTILINE)
 
 
 class Options(Part):
@@ -116,10 +118,20 @@ def load(path: str | Path | None) -> Config:
     try:
         content = Path(path).read_bytes()
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
+        path = Path(path)
+        raise InputError(f"{path}: no such file{_beside(path)}") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
     return loads(content, path)
+
+
+def _beside(path: Path) -> str:
+    """The file that may be meant, or how to begin."""
+    folder = path.parent
+    if not path.suffix:
+        return '; a study ends in .toml, and a value with its unit needs quotes: "-4 deg"'
+    near = nearest(path.name, [file.name for file in folder.glob("*.toml")]) if folder.is_dir() else None
+    return f"; did you mean {folder / near}?" if near else f"; jaxbuffer init {path} writes one to begin with"
 
 
 def loads(content: bytes, name: str | Path) -> Config:
@@ -127,7 +139,8 @@ def loads(content: bytes, name: str | Path) -> Config:
     try:
         data = tomllib.loads(content.decode("utf-8-sig"))
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
-        raise InputError(f"{name} is not valid TOML: {error}") from None
+        comma = "; numbers have a point, not a comma" if COMMA.search(content) else ""
+        raise InputError(f"{name} is not valid TOML: {error}{comma}") from None
     try:
         return dataclasses.replace(_config(data), folder=Path(name).parent)
     except InputError as error:
