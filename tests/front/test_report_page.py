@@ -336,7 +336,7 @@ def test_verification_is_told_as_it_is(tmp_path, same):
     file.write_text(json.dumps({**about, **counted}))
     told = " ".join(lines(verified(file)))
     assert "3 of 4 measured errors" in told
-    assert ("this very program" in told) is same and ("need not hold" in told) is not same
+    assert ("these very equations" in told) is same and ("need not hold" in told) is not same
 
 
 def test_forces_of_compared_runs_are_in_one_figure(folders):

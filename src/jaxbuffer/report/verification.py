@@ -11,14 +11,15 @@ from ..version import version
 
 PACKAGE = Path(__file__).parent.parent
 FILE = Path(__file__).parent / "verified.json"
+COMPUTING = ("plane", "multibody", "contact", "compiling", "hybrid", "mechanisms", "run", "sensitivities")
 UNKNOWN = "Nothing is known of how this version was verified: it was packaged without the results of python -m verify."
 
 
 @functools.cache
 def sources() -> str:
-    """A digest of the package's own program text, by which a state of it is known again."""
+    """A digest of the program text of the rooms that compute, by which a state of them is known again."""
     found = hashlib.sha256()
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted(path for room in COMPUTING for path in (PACKAGE / room).rglob("*.py")):
         found.update(f"{path.relative_to(PACKAGE).as_posix()}\n".encode() + path.read_bytes())
     return found.hexdigest()[:16]
 
@@ -39,10 +40,10 @@ def lines(found: Mapping[str, Any] | None) -> list[str]:
     if found is None:
         return [UNKNOWN]
     same = found["sources"] == sources()
-    which = "this very program" if same else "an earlier or later state of the program than this one"
-    told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}: {which}."]
+    which = "these very equations and solvers" if same else "its equations or solvers were not quite these"
+    told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}; {which}."]
     if not same:
-        told.append(f"What follows need not hold for the installed jaxbuffer {version()}.")
+        told.append(f"What follows need not hold for what is installed, jaxbuffer {version()}.")
     count = lambda name: f"{found[name][0]} of {found[name][1]}"  # noqa: E731
     told.append(
         f"{count('claims')} measured errors against closed forms, published numbers and independent programs are within"
