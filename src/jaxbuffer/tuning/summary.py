@@ -8,6 +8,7 @@ from rich.table import Table
 
 from ..fields import get, unit
 from ..tables import table, text
+from .message import headline
 from .problem import Variable
 
 if TYPE_CHECKING:
@@ -43,10 +44,12 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
         f" {tuned.captures} {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
     facts += tuned_warnings(tuned)
+    facts += [f"limit {line}" for line in tuned.why]
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
+    facts += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return [f"Tuned: {tuned.message}", *tables, *facts]
+    return [headline(tuned.message, tuned.feasible), *tables, *facts]
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
