@@ -41,7 +41,8 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
         *_floor_facts(tuned),
         f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes"
         f" (first-order residual {tuned.residual:.1e}); the search's slopes are right to"
-        f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures} {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
+        f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
+        f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
     facts += tuned_warnings(tuned)
     facts += [f"limit {line}" for line in tuned.why]
