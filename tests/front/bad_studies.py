@@ -148,7 +148,13 @@ STUDIES = [
     toml("[problem.then]\nslack = 0.1", "problem.then names no quantity; choose some of peak_force"),
     toml("[problem.then]\nstroke = 1\nslack = 0", "then.slack = 0 is out of range; allowed: (0, 1]"),
     toml("[problem.grid]\nspeed = [1]", "problem.grid.speed is unknown; did you mean approach_speed?"),
-    toml("[problem.grid]\napproach_speed = []", "problem.grid.approach_speed = []", "list of numbers in m/s"),
+    toml(
+        "[problem.grid]\napproach_speed = []",
+        "problem.grid.approach_speed = []",
+        "list of numbers in m/s",
+        "or {from = 0.1, to = 0.2, count = 5}",
+    ),
+    toml("[problem.grid]\napproach_speed = {from = 0.1, to = 0.2}", "problem.grid.approach_speed: count is missing"),
     toml("[problem.grid]\napproach_speed = [0.1, -1]", "scenario.approach_speed = -1 m/s", "(0, inf) m/s"),
     toml("[problem.sample]\ncount = 4", "sample: nothing scatters"),
     toml(

@@ -69,6 +69,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
             "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_contact": 1, "peak_impact": 0,
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
             "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
+            "stroke_rising": 0.0, "hinge_angle_rising": 0.0,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
             "capture_share": 1.0, "bending": 0.0, "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},

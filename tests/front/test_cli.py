@@ -114,7 +114,7 @@ def test_sensitivity_prints_tables_and_writes_files(computed, capsys, tmp_path):
         "Certificate: TRUSTED: made up in a test",
         "250 N at 0.02 s, upper flank, impact 1",
         "200 N, impact 3, 20 % below; -30 % of buffer.c_A would make it the peak",
-        "First impact: 250 N; closed form 143 N, 150 N without loss (T_c 0.0005 J)",
+        "First impact: 250 N; closed form 143 N, 150 N without loss (effective energy T_c 0.0005 J)",
     ):
         assert part in shown
     arguments = computed.calls[-1][1]
@@ -172,8 +172,8 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
         "none gets below 90 N",
     ):
         assert part in shown.out
-    assert "start: 350 N, residual 2.0e-02" in shown.err
-    assert "search 1, step 2: 315 N, 0 of 3 end as they must, limits broken" in shown.err
+    assert ", 1 of at most 276, start: 350 N, 2 % left to gain" in shown.err
+    assert ", 3 of at most 276, search 1, step 2: 315 N, 0 of 3 captured, limits broken" in shown.err
     arguments = computed.asked("tune")
     assert {name: arguments[name] for name in ("iterations", "starts", "searches", "seed", "resume")} == {
         **{"iterations": 9, "starts": 3, "searches": 2, "seed": 5, "resume": False}

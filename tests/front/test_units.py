@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Scenario, replace, table2
@@ -82,6 +83,21 @@ def test_a_study_takes_text_everywhere():
     assert [(v.low, v.high, v.scale) for v in problem.variables] == [(100.0, 2000.0, "log"), (1.0, 60.0, "linear")]
     assert problem.limits.at_most == {"stroke": 0.025, "end_time": 5.0} and problem.limits.at_least == {"end_time": 0.5}
     assert [case.scenario.approach_speed for case in problem.cases] == [0.1, 0.2]
+
+
+def test_a_grid_of_a_tuning_takes_a_span():
+    """Equal steps between ends with their units, and equal ratios: 0.05, 0.1, 0.2."""
+    study = loads(
+        b"""
+        problem.grid.approach_speed = {from = "5 cm/s", to = 0.2, count = 3, scale = "log"}
+        problem.grid.misalignment = {from = "-1 deg", to = "1 deg", count = 2}
+        """,
+        "study.toml",
+    )
+    met = [(case.scenario.approach_speed, case.scenario.misalignment) for case in study.problem().cases]
+    degree = math.pi / 180.0
+    expected = [(speed, side * degree) for speed in (0.05, 0.1, 0.2) for side in (-1.0, 1.0)]
+    assert np.array(met) == pytest.approx(np.array(expected), rel=1e-14)
 
 
 def test_the_command_line_takes_text(computed):

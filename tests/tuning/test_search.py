@@ -114,7 +114,7 @@ def test_an_infeasible_start_is_led_back(solve):
     distance = lambda x: 1.0 + ((x[0] - SHIFT - 2) ** 2 + (x[1] - SHIFT - 2) ** 2)  # noqa: E731
     stated = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT - 4, SHIFT + 1])
     tuned, _ = solve(stated, [[distance]], margin=circle)
-    assert tuned.goal.broken(tuned.before) == ["0.1 m/s, 0°: not captured (margin -15)"]
+    assert tuned.goal.broken(tuned.before) == ["0.1 m/s, 0°: not captured (capture_share -15)"]
     assert tuned.converged and tuned.feasible
     assert values(tuned) == pytest.approx([1.0, 1.0], abs=3e-3)
 
@@ -123,7 +123,9 @@ def test_limits_that_can_not_be_met_are_named(solve):
     stated = problem([SHIFT] * 2, [SHIFT + 1] * 2, [SHIFT + 0.5] * 2, limits=Limits(at_most={"peak_hinge_force": 1.0}))
     tuned, _ = solve(stated, [[lambda x: x[0]]], {"peak_hinge_force": lambda x: x[0] + x[1]})
     assert not tuned.feasible and not tuned.converged
-    assert "0.1 m/s, 0°: peak_hinge_force 20 N is above 1 N" in tuned.message
+    assert "peak_hinge_force ≤ 1 N: broken in 1 of 1 scenarios, worst 20 N at 0.1 m/s, 0°" in tuned.message
+    assert "in [tune] of the study" in tuned.message and repr(tuned).startswith("No feasible design found: after ")
+    assert tuned.goal.broken(tuned.after) == ["0.1 m/s, 0°: peak_hinge_force 20 N is above 1 N"]
 
 
 @pytest.mark.parametrize(("over", "expected"), [("worst", 0.0), ("mean", -1.0 / 3.0), ("cvar", 0.0)])

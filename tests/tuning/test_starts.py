@@ -64,7 +64,7 @@ def test_where_searches_end_apart_the_message_says_so(solve):
     tuned, _ = solve(island(2.997), rounds=1, starts=3, searches=1)
     assert tuned.feasible and tuned.objective[1] > 28.9
     assert "stopped at a cliff" in tuned.message
-    assert "raise tune.starts (now 3) or tune.rounds (now 1), or change tune.seed" in tuned.message
+    assert "raise starts (now 3) or rounds (now 1), or change seed, in [tune] of the study" in tuned.message
 
 
 @pytest.mark.parametrize(

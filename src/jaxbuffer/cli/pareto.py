@@ -70,7 +70,8 @@ def pareto(
         front = tuning(
             lambda report: compute(
                 problem, names, number, **settings, folder=request.output, resume=resume, report=report, finished=_said
-            )
+            ),
+            problem.mechanism.success,
         )
     except KeyboardInterrupt:
         kept = "nothing is kept without --output DIR"

@@ -44,18 +44,27 @@ def working(text: str, work: Callable[[], T]) -> T:
             return _interruptible(work)
 
 
-def tuning(work: "Callable[[Callable[[Record], None]], T]") -> T:
-    """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each elsewhere."""
+def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None = None, most: int | None = None) -> T:
+    """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each with the time elapsed
+    elsewhere. ``success``: how runs should end; ``most`` evaluations that there can be."""
     from ..tuning.summary import in_words
+
+    begin = time.monotonic()
+
+    def line(it: "Record") -> None:
+        minutes, seconds = divmod(int(time.monotonic() - begin), 60)
+        print(f"{minutes}:{seconds:02d}, {in_words(it, success, most)}", file=sys.stderr, flush=True)
 
     console = Console(stderr=True)
     if not console.is_terminal:
         with _compiling_said():
-            return _interruptible(lambda: work(lambda it: print(in_words(it), file=sys.stderr, flush=True)))
+            return _interruptible(lambda: work(line))
     with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
         task = progress.add_task("tuning", total=None)
         with _compiling_shown(progress, task):
-            return _interruptible(lambda: work(lambda it: progress.update(task, description=in_words(it))))
+            return _interruptible(
+                lambda: work(lambda it: progress.update(task, description=in_words(it, success, most)))
+            )
 
 
 def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:

@@ -54,7 +54,11 @@ def tune(
 
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     try:
-        tuned = tuning(lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report))
+        tuned = tuning(
+            lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report),
+            problem.mechanism.success,
+            study.tuning.most_evaluations * (1 if problem.then is None else 2),
+        )
     except KeyboardInterrupt:
         from .unfinished import keep_best
 

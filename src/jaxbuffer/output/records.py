@@ -15,6 +15,7 @@ from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run
 from ..sensitivities.advice import advice
 from ..sensitivities.dataset import sensitivity_rows
+from ..tuning.message import headline
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
 
@@ -166,6 +167,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "message": tuned.message,
         "converged": tuned.converged,
         "feasible": tuned.feasible,
+        "why": tuned.why,
         "broken": tuned.goal.broken(tuned.after),
         "outside_validity": tuned_warnings(tuned),
         "objective": str(problem.objective),
@@ -236,7 +238,8 @@ def tuned_comment(tuned: "Tuned") -> str:
     problem, (start, end) = tuned.problem, tuned.objective
     limits = problem.limits.lines(problem.catalogue)
     lines = [
-        f"Tuned by jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s: {tuned.message}.",
+        f"{headline(tuned.message, tuned.feasible)}.",
+        f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.objective}, before and after: {start:.6g} N, {end:.6g} N.",
     ]

@@ -8,6 +8,7 @@ from ..output.folder import Record, Results
 from .page import Cell, Section, Table, shown
 from .records import ROUNDING, by_name, in_figures, words
 
+SHOWN = 12  # broken limits by scenario
 HEADINGS = ("quantity", "unit", "worst", "limit", "margin", "verdict")
 
 
@@ -27,8 +28,12 @@ def _of_tuning(mechanism: Mechanism, tuned: Record) -> Section:
     outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
     rows = _rows(mechanism, tuned, [by_name(case) for case in cases], outcomes, impacts)
     said = [f"{line[:1].upper()}{line[1:]}." for line in tuned["outside_validity"]]
-    broken = [f"Broken: {line}." for line in tuned["broken"]]
-    return Section("Limits", warnings=[*broken, *said], tables=[Table("Worst over all scenarios", HEADINGS, rows)])
+    why = [f"Limit {line}." for line in tuned.get("why", [])]
+    broken = [f"Broken: {line}." for line in tuned["broken"][:SHOWN]]
+    broken += [f"And {len(tuned['broken']) - SHOWN} more." for _ in tuned["broken"][SHOWN : SHOWN + 1]]
+    return Section(
+        "Limits", warnings=[*why, *broken, *said], tables=[Table("Worst over all scenarios", HEADINGS, rows)]
+    )
 
 
 def _rows(

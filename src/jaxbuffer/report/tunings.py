@@ -59,8 +59,9 @@ def search(found: Results) -> Section | None:
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
-        f"{tuned['captures']} {found.mechanism.run_name}s; first-order residual {residual:.1e} at rtol 1e-9,"
-        f" the search's slopes within {error:.1e} of it.",
+        f"{tuned['captures']} {found.mechanism.run_name}s; {100.0 * residual:.2g} % of the objective left to gain"
+        f" by small changes (first-order residual {residual:.1e} at rtol 1e-9), the search's slopes right to"
+        f" {100.0 * error:.2g} %.",
     ]
     if (above := tuned.get("above_floor [-]")) is not None:
         facts.append(f"The largest force is {100 * above:.3g} % above the first impact's, which no buffer softens.")

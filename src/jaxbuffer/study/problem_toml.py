@@ -4,10 +4,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
 from ..fields import Part, by_path, check_path, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
+from ..sweeps.grid import EXAMPLE, span
 from ..tuning.cases import KINDS, Distribution, grid, sample
 from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
@@ -97,15 +100,22 @@ def _cases(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Par
         fields = _table(table, "grid", {})
         _known(fields, tuple(paths(base)), "problem.grid")
         for name, values in fields.items():
-            where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
-            if isinstance(values, list):
-                fields = {**fields, name: [in_unit(where, x, symbol, **limits) for x in values]}
-            if not isinstance(values, list) or not values or not all(_is_number(x) for x in fields[name]):
-                raise InputError(f"{where} = {shown(values)} must be a list of numbers in {symbol}")
+            fields = {**fields, name: _grid_values(name, values, base)}
         return grid(fields, base)
     if "sample" in table:
         return _sampled(_table(table, "sample", {}), design, base)
     return tuple(Case(scenario) for scenario in listed)
+
+
+def _grid_values(name: str, values: Any, base: Part) -> list[float]:
+    """The values of one field of a grid, listed or spanned."""
+    where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
+    if isinstance(values, Mapping):
+        return [float(x) for x in np.asarray(span(where, values, symbol))]
+    read = [in_unit(where, x, symbol, **limits) for x in values] if isinstance(values, list) else []
+    if not read or not all(_is_number(x) for x in read):
+        raise InputError(f"{where} = {shown(values)} must be a list of numbers in {symbol}; expected {EXAMPLE}")
+    return read
 
 
 def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, ...]:

@@ -96,10 +96,17 @@ def _values(known: Mapping[str, Any]) -> Schema:
         choice = _field(known)
         return {"anyOf": [choice, {"type": "array", "items": choice, "minItems": 1}]}
     one: Schema = {"anyOf": [_number(known), TEXT]}
-    span = {"from": one, "to": one, "count": {"type": "integer", "minimum": 1}, "scale": {"enum": ["linear", "log"]}}
+    return {"anyOf": [one, *_listed_or_spanned(known)["anyOf"]], "description": f"[{known['unit']}]"}
+
+
+def _listed_or_spanned(known: Mapping[str, Any]) -> Schema:
+    """Of several values of a field: a list, or of a number the ends of a range and how many."""
+    one = _field(known)
     listed = {"type": "array", "items": one, "minItems": 1}
-    unit = known["unit"]
-    return {"anyOf": [one, listed, _object(span, required=["from", "to", "count"])], "description": f"[{unit}]"}
+    if "unit" not in known:
+        return listed
+    span = {"from": one, "to": one, "count": {"type": "integer", "minimum": 1}, "scale": {"enum": ["linear", "log"]}}
+    return {"anyOf": [listed, _object(span, required=["from", "to", "count"])]}
 
 
 def _sample(fields: Mapping[str, Mapping[str, Any]]) -> Schema:
@@ -118,9 +125,7 @@ def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
 def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
     variables = {path: _range(known, SCALES) for path, known in numbers.items()}
-    listed = {
-        path: {"type": "array", "items": _field(metadata(scenario, path)), "minItems": 1} for path in paths(scenario)
-    }
+    listed = {path: _listed_or_spanned(metadata(scenario, path)) for path in paths(scenario)}
     weights = _quantities(mechanism, mechanism.tuned, {"type": "number", "exclusiveMinimum": 0})
     bound: Schema = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, TEXT]}
     sides: Schema = {"anyOf": [bound, _object({"min": bound, "max": bound}, minProperties=1)]}

@@ -159,7 +159,7 @@ def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
     symbol = unit_at(design, scenario, path)
     if not symbol:
         return Axis(path, "", _chosen(path, asked, design, scenario))
-    values = _span(path, asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
+    values = span(f"sweep.{path}", asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
     return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
@@ -185,22 +185,26 @@ def typed(text: str) -> tuple[str, Any]:
     return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
-def _span(path: str, table: Mapping[str, Any], unit: str) -> Span:
+def span(where: str, table: Mapping[str, Any], unit: str) -> Span:
+    """A span from {from, to, count, scale}, its ends in ``unit`` or with their own.
+
+    ``where``: its name in messages, as in "sweep.scenario.approach_speed".
+    """
     for name in table:
         if name not in SPAN:
-            raise InputError(f"sweep.{path}: {name} is unknown{suggest(name, SPAN)}; expected {EXAMPLE}")
+            raise InputError(f"{where}: {name} is unknown{suggest(name, SPAN)}; expected {EXAMPLE}")
     for name in SPAN[:3]:
         if name not in table:
-            raise InputError(f"sweep.{path}: {name} is missing; expected {EXAMPLE}")
+            raise InputError(f"{where}: {name} is missing; expected {EXAMPLE}")
     count, scale = table["count"], table.get("scale", SCALES[0])
     count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
-    check_whole(f"sweep.{path}: count", count, 1)
-    check_choice(f"sweep.{path}: scale", scale, SCALES)
-    start, stop = (_number(f"sweep.{path}: {name}", table[name], unit) for name in ("from", "to"))
+    check_whole(f"{where}: count", count, 1)
+    check_choice(f"{where}: scale", scale, SCALES)
+    start, stop = (_number(f"{where}: {name}", table[name], unit) for name in ("from", "to"))
     if count == 1 and start != stop:
-        raise InputError(f"sweep.{path}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
+        raise InputError(f"{where}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
     if scale == "log" and not (start > 0.0 and stop > 0.0):
-        raise InputError(f"sweep.{path}: a logarithmic scale needs positive ends; found {start:g} and {stop:g}")
+        raise InputError(f"{where}: a logarithmic scale needs positive ends; found {start:g} and {stop:g}")
     return Span(start, stop, count, scale)
 
 

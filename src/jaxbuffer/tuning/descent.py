@@ -14,6 +14,7 @@ from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .judged import judged, objective_slope
+from .message import infeasible
 from .model_step import residual
 from .problem import Problem
 from .record import record
@@ -82,7 +83,7 @@ def descended(
 
 def _message(goal: Goal, after: Evaluation, ended: str, best: Branch) -> str:
     if not goal.feasible(after):
-        return f"no feasible design was found in {ended}: {'; '.join(goal.broken(after)[:3])}"
+        return infeasible(goal, after, ended)
     return f"{ended}; first-order residual {best.residual:.1e}"
 
 

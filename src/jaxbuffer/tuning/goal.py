@@ -134,18 +134,30 @@ class Goal:
         return float(np.sum(np.maximum(self.rows(*tangent.after(step)), 0.0)))
 
     def broken(self, evaluation: Evaluation) -> list[str]:
-        """One sentence for each constraint that fails, naming the case by its values."""
+        """One sentence for each constraint that fails, naming the case by its values, the worst case first."""
         lines, cases = [], self.problem.cases
-        for k, case in enumerate(cases):
+        for k in self._worst_first(evaluation):
             found = self._broken_in(evaluation, k)
             if found:
-                where = case.label(cases)
+                where = cases[k].label(cases)
                 lines += [f"{where}: {text}" for text in found]
-        if self.ceiling is not None and (now := self._value(self.ceiling.objective, evaluation.quantities)) > (
-            self.ceiling.value
-        ):
+        if self.ceiling is not None and (now := self.first_value(evaluation)) > self.ceiling.value:
             lines.append(f"{self.ceiling.objective}: {now:.5g} N is above {self.ceiling.value:.5g} N")
         return lines
+
+    def _worst_first(self, evaluation: Evaluation) -> list[int]:
+        """The cases by how far they are above their limits, those without numbers first."""
+        count, excess = len(self.problem.cases), self.excess(evaluation)
+        if self.ceiling is not None:
+            rows = len(self.rows(evaluation.quantities, evaluation.margin))
+            excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
+        total = np.sum(np.nan_to_num(excess.reshape(-1, count), nan=np.inf), axis=0)
+        return [int(k) for k in np.argsort(-total, kind="stable")]
+
+    def first_value(self, evaluation: Evaluation) -> float:
+        """The objective under the ceiling [N]."""
+        assert self.ceiling is not None
+        return self._value(self.ceiling.objective, evaluation.quantities)
 
     def _broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
         """What fails in one case."""
@@ -155,7 +167,7 @@ class Goal:
             own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""
             found.append(f"the simulation failed{own}")
         elif self.must_succeed and margin < 0.0:
-            found.append(f"not {mechanism.success} (margin {margin:.3g})")
+            found.append(f"not {mechanism.success} ({mechanism.margin} {margin:.3g})")
         if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
             found.append(outcome.reason)
         values = dict(zip(self.problem.names, evaluation.quantities[k].tolist(), strict=True))

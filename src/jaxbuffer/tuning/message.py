@@ -8,15 +8,31 @@ from .progress import Progress
 from .search import CONVERGED, Branch
 from .settings import Settings
 from .starts import AGREE
+from .why import broken_limits
+
+INFEASIBLE = "no feasible design found: "
 
 
 def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
     """How the best search ended, how far others bear it out, and what to do."""
-    more = f"raise tune.starts (now {settings.starts}) or tune.rounds (now {settings.rounds}), or change tune.seed"
+    more = (
+        f"raise starts (now {settings.starts}) or rounds (now {settings.rounds}), or change seed, in [tune] of the"
+        " study; starts and seed also by --starts and --seed"
+    )
     if not goal.feasible(after):
-        broken = "; ".join(goal.broken(after)[:3])
-        return f"no feasible design was found in {_counted(progress.searches)}: {broken}. To search on, {more}"
+        return f"{infeasible(goal, after, _counted(progress.searches))}. To search on, {more}"
     return f"{_ending(branch, settings)}. {borne_out(progress, more)}"
+
+
+def infeasible(goal: Goal, after: Evaluation, searched: str) -> str:
+    """That no design keeps to the limits, and which limits; ``searched``: by how much searching."""
+    broken = "; ".join(limit.heading for limit in broken_limits(goal, after))
+    return f"{INFEASIBLE}after {searched}, {broken}"
+
+
+def headline(message: str, feasible: bool) -> str:
+    """A tuning's first line."""
+    return f"Tuned: {message}" if feasible else f"No feasible design found: {message.removeprefix(INFEASIBLE)}"
 
 
 def _ending(branch: Branch, settings: Settings) -> str:

@@ -21,3 +21,12 @@ class Settings(Part):
     rounds: int = whole(6, 1)
     seed: int = whole(0, 0)
     tolerance: float = number(1e-4, "-", low=0.0, high=1.0, low_open=True, high_open=True)
+
+    @property
+    def most_evaluations(self) -> int:
+        """Designs evaluated at most in one stage of rounds: in each round ``starts``, and of every search its first
+        design and ``iterations``."""
+        if self.starts == 1:
+            return 1 + self.iterations
+        followed = max(2, self.searches) * (1 + self.iterations)
+        return self.searches * (1 + self.iterations) + (self.rounds - 1) * followed + self.rounds * self.starts

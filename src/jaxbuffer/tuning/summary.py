@@ -8,6 +8,7 @@ from rich.table import Table
 
 from ..fields import get, unit
 from ..tables import table, text
+from .message import headline
 from .problem import Variable
 
 if TYPE_CHECKING:
@@ -38,15 +39,18 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
     facts = [
         *_floor_facts(tuned),
-        f"evidence: first-order residual {tuned.residual:.1e} at rtol 1e-9,"
-        f" slopes of the search within {tuned.gradient_error:.1e} of it;"
-        f" {tuned.captures} {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
+        f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes"
+        f" (first-order residual {tuned.residual:.1e}); the search's slopes are right to"
+        f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
+        f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
     facts += tuned_warnings(tuned)
+    facts += [f"limit {line}" for line in tuned.why]
     broken = tuned.goal.broken(tuned.after)
     facts += [f"broken: {line}" for line in broken[:SHOWN]]
+    facts += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [summary_, _tuned_cases(tuned), _tuned_variables(tuned)]
-    return [f"Tuned: {tuned.message}", *tables, *facts]
+    return [headline(tuned.message, tuned.feasible), *tables, *facts]
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
@@ -74,7 +78,7 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
         f"  without any buffer {np.max(floor.simulated):.6g} N;"
         f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
         f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
-        f" from T_c⁻ {1e3 * np.max(floor.energy):.4g} mJ at the tip",
+        f" from an energy of {1e3 * np.max(floor.energy):.4g} mJ that the contact takes up (effective energy T_c⁻)",
         f"  within the bounds none gets below {floor.lowest:.6g} N",
     ]
 
@@ -134,13 +138,15 @@ def _at_bound(variable: Variable, value: float) -> str:
     return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
 
 
-def in_words(it: Mapping[str, Any]) -> str:
-    """One evaluation of a tuning on one line."""
+def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None = None) -> str:
+    """One evaluation of a tuning on one line; ``success``: how runs should end, as the mechanism calls it; ``most``
+    evaluations that there can be."""
+    count = "" if most is None else f"{it['evaluation'] + 1} of at most {most}, "
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
-    text = f"{stage}{where}: {it['objective']:.5g} N"
+    text = f"{count}{stage}{where}: {it['objective']:.5g} N"
     if not it["feasible"]:
         met = it["succeeded"]
-        text += "" if all(met) else f", {sum(met)} of {len(met)} end as they must"
+        text += "" if all(met) else f", {sum(met)} of {len(met)} {success or 'solved'}"
         text += ", limits broken"
-    return text + ("" if it["residual"] is None else f", residual {it['residual']:.1e}")
+    return text + ("" if it["residual"] is None else f", {100.0 * it['residual']:.2g} % left to gain")

@@ -80,7 +80,7 @@ def tune(
     with (
         Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
         Evaluator(problem, workers) as evaluator,
-        reported(report, in_words) as told,
+        reported(report, lambda record: in_words(record, problem.mechanism.success)) as told,
     ):
         if told is not None:
             for record in store.records:

@@ -12,6 +12,7 @@ from .goal import Goal
 from .problem import Problem
 from .settings import Settings
 from .store import Record
+from .why import broken_limits
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,6 +74,12 @@ class Tuned:
     def feasible(self) -> bool:
         """Whether the result keeps to every constraint."""
         return self.goal.feasible(self.after)
+
+    @property
+    def why(self) -> list[str]:
+        """Of an infeasible result, a line for each broken limit, the worst first: in how many scenarios, how far, and
+        which variables hold it back to first order; else empty."""
+        return [] if self.feasible else [str(limit) for limit in broken_limits(self.goal, self.after)]
 
     @property
     def above_floor(self) -> float:

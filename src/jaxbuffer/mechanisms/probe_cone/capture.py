@@ -5,7 +5,7 @@ from jaxtyping import Array, Float, Int
 
 from ..run import Impacts, Run, Solved
 from .closed_form import FirstImpact, predict
-from .margins import stroke_margin, throat
+from .margins import rising, stroke_margin, throat
 from .outcome import Outcome
 from .system import CaptureMechanism
 
@@ -29,7 +29,9 @@ class Capture(Run):
     - ``peak_stop_force``: largest force of the end stop [N], 0 without one.
     - ``stroke``: the buffer's largest [m].
     - ``stroke_margin``: stroke left before the buffer's end, of a bottomed run minus how much is missing [m].
+    - ``stroke_rising``: rate of the stroke at the end of the run if it is largest there, else 0 [m/s].
     - ``hinge_angle``: the largest [rad].
+    - ``hinge_angle_rising``: rate of its size at the end of the run if it is largest there, else 0 [rad/s].
     - ``bending``: the tip's largest displacement off the probe's axis [m], 0 of a probe that does not bend.
     - ``throat_distance``: of the tip from the capture plane at the end [m].
     - ``capture_margin``: how far beyond that plane the tip would be at ``duration``, coasting on from the end of the
@@ -49,7 +51,9 @@ class Capture(Run):
     peak_stop_force: Float[Array, ""]
     stroke: Float[Array, ""]
     stroke_margin: Float[Array, ""]
+    stroke_rising: Float[Array, ""]
     hinge_angle: Float[Array, ""]
+    hinge_angle_rising: Float[Array, ""]
     bending: Float[Array, ""]
     throat_distance: Float[Array, ""]
     capture_margin: Float[Array, ""]
@@ -69,6 +73,7 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
     throat_distance, beyond = throat(mechanism, log, solved.duration)
     before = mechanism.throat(solved.start.kin, solved.start.tip)[0]
     margin = stroke_margin(mechanism, log, stroke, solved.code == Outcome.bottomed)
+    stroke_rising, angle_rising = rising(mechanism, log, stroke, solved.maxima.others["hinge_angle"])
     common = {**solved.common, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
     return Capture(
         **common,
@@ -77,7 +82,9 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
         peak_stop_force=largest.get("stop_force", 0.0 * known),
         stroke=largest["stroke"],
         stroke_margin=margin * known,
+        stroke_rising=stroke_rising * known,
         hinge_angle=largest["hinge_angle"],
+        hinge_angle_rising=angle_rising * known,
         bending=largest.get("bending", 0.0 * known),
         throat_distance=throat_distance * known,
         capture_margin=jnp.minimum(beyond, margin) * known,

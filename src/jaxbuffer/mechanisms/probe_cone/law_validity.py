@@ -12,6 +12,7 @@ from .assembly import assemble_contact
 from .bending import bending_frequencies
 from .design import Design
 from .hinge_play import pin_law
+from .outcome import Outcome
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -85,7 +86,23 @@ def warnings(capture: "Capture") -> list[str]:
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    return [*lines, *_of_bending(capture), *_of_play(capture)]
+    return [*lines, *_of_bending(capture), *_of_play(capture), *_of_end(capture)]
+
+
+def _of_end(capture: "Capture") -> list[str]:
+    """Largest values that are those at the end of a captured run, and would go on to rise."""
+    if capture.outcome != Outcome.captured:
+        return []
+    told = (
+        ("stroke", 1e3 * float(capture.stroke_rising), "mm/s"),
+        ("hinge angle", float(np.degrees(capture.hinge_angle_rising)), "deg/s"),
+    )
+    return [
+        f"the {name} is still rising, at {rate:.3g} {symbol}, where the run ends at capture: the largest reported"
+        " is that up to capture only"
+        for name, rate, symbol in told
+        if rate > 0.0
+    ]
 
 
 def _of_bending(capture: "Capture") -> list[str]:

@@ -6,6 +6,8 @@ from jaxtyping import Array, Bool, Float
 from ...hybrid import Log
 from .system import CaptureMechanism
 
+SAME = 1e-6  # relative difference within which two values of a maximum are the same
+
 
 def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) -> tuple[Array, Array]:
     """How far the tip centre is before the capture plane at the end of the run [m], and how far beyond that plane it
@@ -18,6 +20,24 @@ def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) ->
     last = jnp.maximum(log.count - 1, 0)
     before, receding = mechanism.throat_of(log.rows[last, 0])
     return before, -(before + receding * (duration - log.time[last]))
+
+
+def rising(
+    mechanism: CaptureMechanism, log: Log, stroke: Float[Array, ""], hinge_angle: Float[Array, ""]
+) -> tuple[Array, Array]:
+    """Rates at the end of the run of the stroke [m/s] and of the hinge angle's size [rad/s], each 0 unless it rises and
+    its value at the end is the run's largest, which is ``stroke`` [m] or ``hinge_angle`` [rad]."""
+    at = mechanism.posture(log.rows[jnp.maximum(log.count - 1, 0), 0])
+    angle, rate = at.kin.q[5] - at.kin.q[2], at.kin.v[5] - at.kin.v[2]
+    return (
+        _rising(jnp.asarray(at.stroke), jnp.asarray(at.stroke_rate), stroke),
+        _rising(jnp.abs(angle), jnp.sign(angle) * rate, hinge_angle),
+    )
+
+
+def _rising(last: Float[Array, ""], rate: Float[Array, ""], largest: Float[Array, ""]) -> Float[Array, ""]:
+    """The rate at the end of a value that is largest there, else 0."""
+    return jnp.where(last >= (1.0 - SAME) * largest, jnp.maximum(rate, 0.0), 0.0)
 
 
 def stroke_margin(

@@ -1,6 +1,6 @@
 """A capture in a dozen lines, for people."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
@@ -36,8 +36,10 @@ def summary(capture: "Capture") -> str:
         f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
         f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
         f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}",
-        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}"
+        f"{_rising(capture.stroke_rising, 1e3, 'mm/s')}",
+        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg"
+        f"{_rising(capture.hinge_angle_rising, 180.0 / np.pi, 'deg/s')}",
         *_bending(capture),
         *_play(capture),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
@@ -104,6 +106,11 @@ def _stroke_limits(capture: "Capture") -> str:
     return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
 
 
+def _rising(rate: Any, factor: float, symbol: str) -> str:
+    """That a largest value is the last one and would go on to rise, at a rate times ``factor``."""
+    return f", still rising at the end of the run at {factor * float(rate):.3g} {symbol}" if float(rate) > 0.0 else ""
+
+
 def _margin(capture: "Capture") -> str:
     """The capture margin with what it is a distance of."""
     margin = float(capture.capture_margin)
@@ -127,7 +134,7 @@ def first_impact_line(capture: "Capture") -> str:
     first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     return (
         f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
-        f"{float(first.elastic_peak):.6g} N without loss (T_c {float(first.effective_energy):.5g} J)"
+        f"{float(first.elastic_peak):.6g} N without loss (effective energy T_c {float(first.effective_energy):.5g} J)"
     )
 
 

@@ -1,0 +1,60 @@
+"""Why a tuning is infeasible: broken limits by their number, the worst first, and what holds each back."""
+
+import numpy as np
+
+from jaxbuffer.tuning.evaluation import Evaluation
+from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.why import broken_limits
+from tuning.analytic import Functions, Limits, problem
+
+LOW, HIGH = [1.0, 1.0], [10.0, 4.0]
+
+
+def broken(limits, hinge, at, peak=lambda x: x[0], margin=None, cases=3):
+    stated = problem(LOW, HIGH, [2.0, 2.0], cases, limits=limits)
+    goal = Goal(stated, stated.objective)
+    evaluate = Functions(
+        stated, [[lambda x, k=k: peak(x) + k] for k in range(cases)], {"peak_hinge_force": hinge}, margin
+    )
+    point: Evaluation = evaluate.one(np.array([v.scaled(x) for v, x in zip(stated.variables, at, strict=True)]))
+    return goal, point, broken_limits(goal, point)
+
+
+def test_a_variable_at_its_bound_holds_a_limit_back():
+    """h = 100 - 20 y at y = 4, its high bound: 20 N above no limit, 10 N above 10 N; 1 % of 4 brings -0.8 N."""
+    _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 100.0 - 20.0 * x[1], [5.0, 4.0])
+    assert limit.excess == 1.0
+    assert limit.heading == "peak_hinge_force ≤ 10 N: broken in 3 of 3 scenarios, worst 20 N at 0.1 m/s, 0°"
+    assert limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m (-0.8 N per 1 %)"
+
+
+def test_a_lower_limit_and_a_low_bound():
+    """h = 1/x at x = 1, the low bound, must be at least 2: 1 % less brings +0.01."""
+    _, _, (limit,) = broken(Limits(at_least={"peak_hinge_force": 2.0}), lambda x: 1.0 / x[0], [1.0, 2.0])
+    assert "peak_hinge_force ≥ 2 N: broken in 3 of 3 scenarios, worst 1 N" in limit.heading
+    assert limit.reason == "it would rise with buffer.k_A below its bound of 1 N/m (+0.01 N per 1 %)"
+
+
+def test_a_limit_that_no_variable_moves():
+    _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 15.0 + 0.0 * x[0], [5.0, 4.0])
+    assert "no variable changes it by more than 0.1 % of its limit a %: the limit can't be kept" in limit.reason
+
+
+def test_a_variable_inside_its_bounds_is_said_apart():
+    _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 4.0 * x[0], [5.0, 4.0])
+    assert "within the bounds it would fall with less buffer.k_A (-0.2 N per 1 %)" in limit.reason
+
+
+def test_limits_and_cases_are_told_the_worst_first():
+    """Peaks of 5, 6 and 7 N over 5.5 N, hinge forces of 20 N over 10 N, margins of -3."""
+    limits = Limits(at_most={"peak_force": 5.5, "peak_hinge_force": 10.0})
+    goal, point, found = broken(limits, lambda x: 4.0 * x[0], [5.0, 4.0], margin=lambda x: x[0] - 8.0)
+    assert [limit.heading.split(":")[0] for limit in found] == [
+        "captured",
+        "peak_hinge_force ≤ 10 N",
+        "peak_force ≤ 5.5 N",
+    ]
+    assert "captured: broken in 3 of 3 scenarios, worst capture_share -3 at" in found[0].heading
+    assert "over its distance at the start" in found[0].heading
+    assert "broken in 2 of 3 scenarios, worst 7 N at 0.12 m/s" in found[2].heading
+    assert goal.broken(point)[0].startswith("0.12 m/s")
