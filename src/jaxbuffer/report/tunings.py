@@ -26,10 +26,10 @@ def scenarios(found: Results) -> Section | None:
             factor, sides = in_figures(mechanism, name, own)[2], (tuned["limits"].get(name), lower.get(name))
             row += [_value(values[name], factor, *sides) for values in (before, after)]
         rows.append(row)
-    headings = ["scenario", "outcome before", "after"]
+    headings = ["scenario", "outcome\nbefore", "\nafter"]
     for name in names:
         title, symbol, _ = in_figures(mechanism, name, own)
-        headings += [f"{title} [{symbol}] before", "after"]
+        headings += [f"{title}\n[{symbol}] before", "\nafter"]
     worst = found.records.get("force", {}).get("scenario", "")
     curves = forces(found, f"Contact force of the worst scenario ({worst}), before and after tuning")
     return Section("Scenarios", curves=curves, tables=[Table("Before and after tuning", headings, rows)])
