@@ -53,14 +53,14 @@ def compare(folders: Folders, html: Html = None) -> int:
     Example: jaxbuffer compare results/before results/after
     """
     from ..output.folder import load
-    from ..report.compare import compared, comparison
+    from ..report.compare import compared, comparison, kept
 
     if len(folders) < 2:
         raise InputError("compare needs two folders at least")
     every = [load(folder) for folder in folders]
     page = comparison(every)
     file = _saved(html or folders[0] / "compare.html", page.html())
-    for one in compared(every):
+    for one in [*compared(every), *kept(every)]:
         show(one.as_text())
     show(f"wrote {file}")
     return OK

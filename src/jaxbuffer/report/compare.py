@@ -7,11 +7,15 @@ from ..errors import InputError
 from ..fields import get, paths, unit
 from ..output.folder import Record, Results
 from .figures import figure
+from .judged import case_labels
 from .limits import limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
 from .records import ROUNDING, ended, in_figures, same, scenario_of, words
 from .review import distinct, verdicts
+
+NO_MERIT = ("peak_time",)  # neither more nor less of it is better
+MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
 
 
 def comparison(every: Sequence[Results]) -> Page:
@@ -24,16 +28,27 @@ def comparison(every: Sequence[Results]) -> Page:
     if not tables:
         raise InputError("nothing to compare: the folders need results of simulate or of tune, all of the same command")
     names = ", ".join(str(found.folder) for found in every)
-    told = [Cell(f"{found.folder}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found])]
+    told = [
+        Cell(f"{found.folder}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found], every)
+    ]
     parts = [Section(table.caption, tables=[table]) for table in tables]
-    kept = [(found, section) for found in every if (section := limits(found)) is not None]
-    parts += distinct(kept)
+    parts += distinct(_limits(every))
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
         parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
     if figures := [one for found in every for one in _figures(found)]:
         parts.append(Section("Figures", figures=figures))
     return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)])
+
+
+def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
+    """Which limits each folder keeps; one without limits is held against those of the first that has some."""
+    return [(found, section) for found in every if (section := limits(found, every, named=True)) is not None]
+
+
+def kept(every: Sequence[Results]) -> list[Table]:
+    """Tables of which limits each folder keeps."""
+    return [table for _, section in _limits(every) for table in section.tables if not table.folded]
 
 
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
@@ -80,22 +95,30 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     for name in mechanism.swept:
         title, symbol, factor = in_figures(mechanism, name)
         values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
-        rows.append([title, symbol, *_beside([None if value is None else factor * value for value in values])])
+        in_unit = [None if value is None else factor * value for value in values]
+        rows.append([title, symbol, *_beside(in_unit, merit=name not in NO_MERIT)])
     rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records])])
     return [Table("How they ended", ("of", *folders), ends), Table("Runs", ("quantity", "unit", *folders), rows)]
 
 
-def _beside(values: Sequence[Any]) -> list[Cell]:
-    """Values in a row; those that differ from the first are marked, numbers with the relative difference."""
+def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
+    """Values in a row; those that differ from the first are marked, numbers of ``merit`` with the relative
+    difference."""
     first, cells = values[0], [Cell(shown(values[0]))]
     for value in values[1:]:
         if same(value, first) or shown(value) == shown(first) == "0":
             cells.append(Cell(shown(value)))
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
-        told = f" ({100 * (value / first - 1.0):+.3g} %)" if numbers and abs(first) > ROUNDING else ""
+        told = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
         cells.append(Cell(f"{shown(value)}{told}", "changed"))
     return cells
+
+
+def _change(first: float, value: float) -> str:
+    """A relative difference in per cent; as a multiple from ten times on."""
+    ratio = value / first
+    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({100 * (ratio - 1.0):+.3g} %)"
 
 
 def _marked(texts: Sequence[str]) -> list[Cell]:
@@ -106,13 +129,22 @@ def _scenarios(every: Sequence[Results], folders: Sequence[str]) -> Table:
     """The largest force of each scenario that any folder has met, the lowest one of a row marked."""
     mechanism = every[0].mechanism
     forces = [{_case(mechanism, record): record["after"]["peak_force [N]"] for record in _cases(it)} for it in every]
+    met = {
+        _case(mechanism, record): label for it, among in _labels(every) for record, label in zip(it, among, strict=True)
+    }
     rows: list[list[Any]] = []
-    for label in dict.fromkeys(label for known in forces for label in known):
-        values = [known.get(label) for known in forces]
+    for case, label in met.items():
+        values = [known.get(case) for known in forces]
         known = [value for value in values if value is not None]
         least = min(known) if len(known) > 1 else None
         rows.append([label, *(Cell(shown(x), "good" if x is not None and x == least else "") for x in values)])
     return Table("Peak force [N] after tuning, by scenario (the lowest in green)", ("scenario", *folders), rows)
+
+
+def _labels(every: Sequence[Results]) -> list[tuple[list[Record], list[str]]]:
+    """Each folder's cases with their labels, which tell all folders' scenarios apart."""
+    among = [scenario_of(found.mechanism, record) for found in every for record in _cases(found)]
+    return [(_cases(found), case_labels(found, among)) for found in every]
 
 
 def _cases(found: Results) -> list[Record]:

@@ -1,64 +1,111 @@
 """Results against limits: the worst value of each limited quantity, its margin, kept or broken."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record, Results
+from ..output.folder import Results
+from .judged import Judged, judged
 from .page import Cell, Section, Table, shown
-from .records import ROUNDING, by_name, in_figures, words
+from .records import ROUNDING, in_figures, words
 
-SHOWN = 12  # broken limits by scenario
-HEADINGS = ("quantity", "unit", "worst", "limit", "margin", "verdict")
+HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
+BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
+CLOSE = 1e-3  # relative margin below which a value is at its limit
+MANY = 12  # broken limits; a longer table is folded
 
 
-def limits(found: Results) -> Section | None:
-    """What the study limits, of the tuning or of the run; None where nothing is limited."""
-    tuned, run = found.tuned, found.records.get("run")
-    if tuned is not None:
-        return _of_tuning(found.mechanism, tuned)
-    if run is None or not (run.get("limits") or run.get("lower_limits")):
+class Limit(NamedTuple):
+    """A limit of the quantity called ``name``, its ``value`` in the quantity's unit; ``lowest``: a lower limit."""
+
+    name: str
+    value: float
+    lowest: bool = False
+
+
+def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
+    """What the study limits, of the tuning or of the run; None where nothing is limited.
+
+    **Arguments:** ``every``: as of `judged`; ``named``: whether the table's caption names the folder.
+    """
+    held = judged(found, every)
+    if held is None:
         return None
-    rows = _rows(found.mechanism, run, [run["limited"]], [run["outcome"]], [len(run["impacts"])])
-    return Section("Limits", tables=[Table("The run against its study's limits", HEADINGS, rows)])
+    of = "The run" if found.tuned is None else "The worst over all scenarios"
+    caption = f"{of} against {f'the limits of {held.lender}' if held.lender else 'the limits of its study'}"
+    where = f"{found.folder}: " if named else ""
+    tables = [Table(f"{where}{caption}", HEADINGS, _rows(found.mechanism, held))]
+    if found.tuned is None:
+        return Section("Limits", tables=tables)
+    said = [f"{line[:1].upper()}{line[1:]}." for line in found.tuned["outside_validity"]]
+    said = [*(f"Limit {line}." for line in found.tuned.get("why", [])), *said]
+    if beyond := _beyond(found.mechanism, held):
+        told = f"{where}{len(beyond)} times a limit is broken, the worst first"
+        tables.append(Table(told, BEYOND, beyond, folded=len(beyond) > MANY))
+        said = [_summed(found.mechanism, held), *said]
+    return Section("Limits", warnings=said, tables=tables)
 
 
-def _of_tuning(mechanism: Mechanism, tuned: Record) -> Section:
-    cases = [case["after"] for case in tuned["scenarios"]]
-    outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
-    rows = _rows(mechanism, tuned, [by_name(case) for case in cases], outcomes, impacts)
-    said = [f"{line[:1].upper()}{line[1:]}." for line in tuned["outside_validity"]]
-    why = [f"Limit {line}." for line in tuned.get("why", [])]
-    broken = [f"Broken: {line}." for line in tuned["broken"][:SHOWN]]
-    broken += [f"And {len(tuned['broken']) - SHOWN} more." for _ in tuned["broken"][SHOWN : SHOWN + 1]]
-    return Section(
-        "Limits", warnings=[*why, *broken, *said], tables=[Table("Worst over all scenarios", HEADINGS, rows)]
-    )
+def broken_limits(found: Results, every: Sequence[Results] = ()) -> int:
+    """How many limits are broken, not counting how runs end."""
+    held = judged(found, every)
+    return 0 if held is None else sum(row[-1] == BROKEN for row in _limit_rows(found.mechanism, held))
 
 
-def _rows(
-    mechanism: Mechanism,
-    record: Record,
-    values: Sequence[Mapping[str, Any]],
-    outcomes: Sequence[str],
-    impacts: Sequence[int],
-) -> list[list[str | Cell]]:
-    """A row for each upper limit, each lower one, the number of impacts, and how runs must end."""
-    titles = lambda name: in_figures(mechanism, name, record.get("quantities", {}))  # noqa: E731
-    always = {name: limit for name, limit in mechanism.always.items() if name in values[0]}
-    rows: list[list[str | Cell]] = []
-    for name, limit in {**always, **record["limits"]}.items():
-        rows.append(_row(titles(name), worst([case[name] for case in values]), limit))
-    for name, limit in record.get("lower_limits", {}).items():
-        rows.append(_row(titles(name), worst([case[name] for case in values], lowest=True), limit, lowest=True))
-    if (most := record.get("most_impacts")) is not None:
-        rows.append(["impacts", "-", str(max(impacts)), f"≤ {most}", "–", _verdict(max(impacts) <= most)])
+def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
+    """A row for each limit, and how runs must end."""
+    rows = _limit_rows(mechanism, held)
     if mechanism.success is not None:
-        count = sum(outcome == mechanism.success for outcome in outcomes)
-        every = len(outcomes)
-        ends = f"{mechanism.run_name}s that end {words(mechanism.success)}"
-        rows.append([ends, "-", str(count), f"of {every}", "–", _verdict(count == every)])
+        missed = _missed(mechanism, held)
+        ends, every = f"{mechanism.run_name}s that end {words(mechanism.success)}", len(held.outcomes)
+        where = held.labels[missed[0]] if missed else "–"
+        rows.append([ends, "-", str(every - len(missed)), where, f"of {every}", "–", BROKEN if missed else KEPT])
     return rows
+
+
+def _missed(mechanism: Mechanism, held: Judged) -> list[int]:
+    """The scenarios that do not end as they must."""
+    return [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
+
+
+def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
+    """A row for each upper limit, each lower one, and the number of impacts."""
+    rows = [_row(_title(mechanism, held, limit.name), held, limit) for limit in _asked(mechanism, held)]
+    if (most := held.asked.get("most_impacts")) is not None:
+        count = max(held.impacts)
+        where = held.labels[list(held.impacts).index(count)]
+        rows.append(["impacts", "-", str(count), where, f"≤ {most}", "–", KEPT if count <= most else BROKEN])
+    return rows
+
+
+def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
+    always = {name: limit for name, limit in mechanism.always.items() if name in held.values[0]}
+    upper = [Limit(name, limit) for name, limit in {**always, **held.asked["limits"]}.items()]
+    return upper + [Limit(name, limit, True) for name, limit in held.asked.get("lower_limits", {}).items()]
+
+
+def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:
+    return in_figures(mechanism, name, held.asked.get("quantities", {}))
+
+
+def _row(title: tuple[str, str, float], held: Judged, limit: Limit) -> list[str | Cell]:
+    name, symbol, factor = title
+    told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+    if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
+        return [name, symbol, "–", "–", told, "–", Cell("not known", "unsure")]
+    values = [case[limit.name] for case in held.values]
+    value = worst(values, limit.lowest)
+    where, of = held.labels[values.index(value)], None if value is None else factor * value
+    share = _margin(value, limit)
+    margin = "–" if share is None else f"{100 * share:.3g} %"
+    return [name, symbol, shown(of), where, told, margin, _verdict(value, limit)]
+
+
+def _margin(value: float | None, limit: Limit) -> float | None:
+    """How far a value keeps from its limit, relative to that; None where it is not known."""
+    if value is None or limit.value == 0.0:
+        return None
+    return (value / limit.value - 1.0) if limit.lowest else (1.0 - value / limit.value)
 
 
 def worst(values: Sequence[float | None], lowest: bool = False) -> float | None:
@@ -67,14 +114,6 @@ def worst(values: Sequence[float | None], lowest: bool = False) -> float | None:
     if len(known) < len(values):
         return None
     return min(known) if lowest else max(known)
-
-
-def _row(title: tuple[str, str, float], value: float | None, limit: float, lowest: bool = False) -> list[str | Cell]:
-    name, symbol, factor = title
-    share = None if value is None else (value / limit - 1.0) if lowest else (1.0 - value / limit)
-    margin, of = ("–" if share is None else f"{100 * share:.3g} %"), None if value is None else factor * value
-    verdict = _verdict(not broken(value, limit, lowest))
-    return [name, symbol, shown(of), f"{'≥' if lowest else '≤'} {shown(factor * limit)}", margin, verdict]
 
 
 def broken(value: float | None, limit: float | None, lowest: bool = False) -> bool:
@@ -86,5 +125,51 @@ def broken(value: float | None, limit: float | None, lowest: bool = False) -> bo
     return value < limit * (1.0 - ROUNDING) if lowest else value > limit * (1.0 + ROUNDING)
 
 
-def _verdict(good: bool) -> Cell:
-    return Cell("kept", "good") if good else Cell("broken", "bad")
+KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
+
+
+def _verdict(value: float | None, limit: Limit) -> Cell:
+    if broken(value, limit.value, limit.lowest):
+        return BROKEN
+    share = _margin(value, limit)
+    return AT_LIMIT if share is not None and share < CLOSE else KEPT
+
+
+def _beyond(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
+    """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
+    missed = [
+        [held.labels[k], "end", "-", words(held.outcomes[k]), words(mechanism.success or ""), "–"]
+        for k in _missed(mechanism, held)
+    ]
+    found = sorted(_each_broken(mechanism, held), key=lambda it: -it[0])
+    return [*missed, *(row for _, row in found)]
+
+
+def _each_broken(mechanism: Mechanism, held: Judged) -> list[tuple[float, list[str | Cell]]]:
+    """Limits on quantities and on impacts, each with how far it is broken relative to it."""
+    found: list[tuple[float, list[str | Cell]]] = []
+    most = held.asked.get("most_impacts")
+    asked = [*_asked(mechanism, held), *([] if most is None else [Limit("impacts", most)])]
+    cases: list[Mapping[str, Any]] = [
+        {**case, "impacts": count} for case, count in zip(held.values, held.impacts, strict=True)
+    ]
+    for limit in asked:
+        name, symbol, factor = ("impacts", "-", 1) if limit.name == "impacts" else _title(mechanism, held, limit.name)
+        told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+        for where, case in zip(held.labels, cases, strict=True):
+            value = case.get(limit.name)
+            if limit.name in case and broken(value, limit.value, limit.lowest):
+                share, of = _margin(value, limit), None if value is None else factor * value
+                by = "–" if share is None else f"{-100 * share:.3g} %"
+                found.append((0.0 if share is None else -share, [where, name, symbol, shown(of), told, by]))
+    return found
+
+
+def _summed(mechanism: Mechanism, held: Judged) -> str:
+    """In one sentence, how many scenarios break which limit."""
+    counts: dict[str, int] = {}
+    for row in _beyond(mechanism, held):
+        name = str(row[1]) if row[1] != "end" else f"not {words(mechanism.success or '')}"
+        counts[name] = counts.get(name, 0) + 1
+    told = "; ".join(f"{name} in {count}" for name, count in counts.items())
+    return f"Limits are broken, of {len(held.labels)} scenarios: {told}. The table below names them, the worst first."

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..output.folder import Results
 from .designs import design
 from .experiments import STANDING, front, sample, sweep
-from .limits import limits
+from .limits import broken_limits, limits
 from .origin import origin, verification
 from .page import Cell, Page, Section
 from .records import ended, words
@@ -44,26 +44,43 @@ def distinct(parts: Parts) -> list[Section]:
     ]
 
 
-def verdicts(every: Sequence[Results]) -> list[Cell]:
-    """What one asks first."""
-    return [verdict for found in every for verdict in (*_of_tuning(found), *_of_run(found), *_of_many(found))]
+def verdicts(every: Sequence[Results], lenders: Sequence[Results] = ()) -> list[Cell]:
+    """What one asks first. ``lenders``: folders that lend their limits to those that have none."""
+    told = [(*_of_tuning(found, lenders), *_of_run(found, lenders), *_of_many(found)) for found in every]
+    return [verdict for verdicts in told for verdict in verdicts]
 
 
-def _of_tuning(found: Results) -> list[Cell]:
+def _of_tuning(found: Results, lenders: Sequence[Results]) -> list[Cell]:
     tuned = found.tuned
     if tuned is None:
         return []
     before, after = tuned["objective_before [N]"], tuned["objective_after [N]"]
     told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} N ({100 * (after / before - 1):+.2g} %)"
-    kept = Cell("all limits kept", "good") if tuned["feasible"] else Cell("limits broken", "bad")
-    return [kept, Cell(told, "good" if after <= before else "bad")]
+    good = tuned["feasible"] and not broken_limits(found, lenders)
+    kept = Cell("all limits kept", "good") if good else Cell(_broken(broken_limits(found, lenders)), "bad")
+    stopped = [] if tuned.get("converged", True) else [Cell(_stopped(tuned["message"]), "unsure")]
+    return [kept, Cell(told, "good" if after <= before else "bad"), *stopped]
 
 
-def _of_run(found: Results) -> list[Cell]:
+def _broken(count: int) -> str:
+    """How many limits are broken, where that is known."""
+    return f"{count} limit{'s' if count > 1 else ''} broken" if count else "limits broken"
+
+
+def _stopped(message: str) -> str:
+    """Why a search did not converge, in a few words."""
+    if "no feasible" in message:
+        return "the search found no feasible design"
+    return "the search stopped at its limit of steps" if "limit of" in message else "the search did not converge"
+
+
+def _of_run(found: Results, lenders: Sequence[Results]) -> list[Cell]:
     record, derived, told = found.records.get("run"), found.sensitivity, []
     if record is not None:
-        text = f"{words(record['outcome'])}, peak force {record['peak_force [N]']:.4g} N"
-        told.append(Cell(text, ended(found.mechanism, record["outcome"]).mark))
+        many = 0 if found.tuned is not None else broken_limits(found, lenders)
+        beyond = f", {_broken(many)}" if many else ""
+        text = f"{words(record['outcome'])}{beyond}, peak force {record['peak_force [N]']:.4g} N"
+        told.append(Cell(text, "bad" if many else ended(found.mechanism, record["outcome"]).mark))
     if derived is not None and derived["certificate"] is not None:
         verdict = derived["certificate"]["verdict"]
         told.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))

@@ -1,13 +1,12 @@
 """What a page says of a tuning: scenarios before and after, the search."""
 
-from typing import Any
-
 from ..fields import unit
 from ..output.folder import Record, Results
 from .figures import figure
+from .judged import case_labels
 from .limits import broken
 from .page import Cell, Section, Table, shown
-from .records import by_name, ended, in_figures, same, scenario_of
+from .records import by_name, ended, in_figures, same
 from .runs import forces
 
 
@@ -16,31 +15,24 @@ def scenarios(found: Results) -> Section | None:
     tuned, mechanism = found.tuned, found.mechanism
     if tuned is None:
         return None
-    met = [scenario_of(mechanism, record) for record in tuned["scenarios"]]
     lower, own = tuned.get("lower_limits", {}), tuned.get("quantities", {})
     names = list(dict.fromkeys(["peak_force", *tuned["limits"], *lower]))
     rows = []
-    for record, scenario in zip(tuned["scenarios"], met, strict=True):
+    for record, label in zip(tuned["scenarios"], case_labels(found), strict=True):
         before, after = by_name(record["before"]), by_name(record["after"])
-        row: list[str | Cell] = [_label(mechanism, scenario, met, record)]
+        row: list[str | Cell] = [label]
         row += [ended(mechanism, values["outcome"]) for values in (before, after)]
         for name in names:
             factor, sides = in_figures(mechanism, name, own)[2], (tuned["limits"].get(name), lower.get(name))
             row += [_value(values[name], factor, *sides) for values in (before, after)]
         rows.append(row)
-    headings = ["scenario", "outcome before", "after"]
+    headings = ["scenario", "outcome\nbefore", "\nafter"]
     for name in names:
         title, symbol, _ = in_figures(mechanism, name, own)
-        headings += [f"{title} [{symbol}] before", "after"]
+        headings += [f"{title}\n[{symbol}] before", "\nafter"]
     worst = found.records.get("force", {}).get("scenario", "")
     curves = forces(found, f"Contact force of the worst scenario ({worst}), before and after tuning")
     return Section("Scenarios", curves=curves, tables=[Table("Before and after tuning", headings, rows)])
-
-
-def _label(mechanism: Any, scenario: Any, among: list[Any], record: Record) -> str:
-    """The scenario in words, and where the built mechanism differs from the drawn one."""
-    factors = record.get("factors", {}).items()
-    return mechanism.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)
 
 
 def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:

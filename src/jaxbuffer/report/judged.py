@@ -1,0 +1,72 @@
+"""What is held against limits: a run, or every scenario of a tuning."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..mechanisms.mechanism import Mechanism
+from ..output.folder import Record, Results
+from .records import by_name, scenario_of
+
+
+@dataclasses.dataclass(frozen=True)
+class Judged:
+    """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
+    where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, how it
+    ended (``outcomes``) and its number of ``impacts``."""
+
+    asked: Record
+    lender: str
+    labels: Sequence[str]
+    values: Sequence[Mapping[str, Any]]
+    outcomes: Sequence[str]
+    impacts: Sequence[int]
+
+
+def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
+    """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
+
+    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none.
+    """
+    record = _limiting(found)
+    if record is None:
+        return None
+    lender = found if has_limits(found) else next((other for other in every if has_limits(other)), found)
+    asked = _limiting(lender)
+    if asked is None or (found.tuned is None and not has_limits(lender)):
+        return None
+    name = "" if lender is found else str(lender.folder)
+    if found.tuned is None:
+        values = by_name(record) | record.get("limited", {})
+        said = found.mechanism.label(scenario_of(found.mechanism, record["scenario"]))
+        return Judged(asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])])
+    cases = [case["after"] for case in record["scenarios"]]
+    outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
+    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts)
+
+
+def has_limits(found: Results) -> bool:
+    """Whether a folder's tuning, or else its run, has limits of its own."""
+    record = _limiting(found)
+    if record is None:
+        return False
+    return bool(record.get("limits") or record.get("lower_limits")) or record.get("most_impacts") is not None
+
+
+def _limiting(found: Results) -> Record | None:
+    return found.tuned if found.tuned is not None else found.records.get("run")
+
+
+def case_labels(found: Results, among: Sequence[Any] = ()) -> list[str]:
+    """A tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own)."""
+    cases = [] if found.tuned is None else found.tuned["scenarios"]
+    met = [scenario_of(found.mechanism, case) for case in cases]
+    return [
+        _label(found.mechanism, scenario, list(among) or met, case) for case, scenario in zip(cases, met, strict=True)
+    ]
+
+
+def _label(mechanism: Mechanism, scenario: Any, among: list[Any], record: Record) -> str:
+    """The scenario in words, and where the built mechanism differs from the drawn one."""
+    factors = record.get("factors", {}).items()
+    return mechanism.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)
