@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from jaxbuffer import Problem, Tuned, tune
-from jaxbuffer.cli.progress import in_words
 from jaxbuffer.files import write as write_whole
 from jaxbuffer.output.formats import csv_text, json_text
 from jaxbuffer.output.records import tuned_comment, tuned_record
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config, design_toml, load
+from jaxbuffer.tuning.summary import in_words
 from jaxbuffer.tuning.table import tuning_history
 
 HERE = Path(__file__).parent

@@ -137,7 +137,7 @@ def _verdict(value: float | None, limit: Limit) -> Cell:
 
 def _beyond(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
     """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
-    missed = [
+    missed: list[list[str | Cell]] = [
         [held.labels[k], "end", "-", words(held.outcomes[k]), words(mechanism.success or ""), "–"]
         for k in _missed(mechanism, held)
     ]
