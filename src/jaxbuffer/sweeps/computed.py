@@ -108,8 +108,16 @@ def _spread(swept: Computed) -> Table:
         values, symbol = swept.found.columns[name][solved], mechanism.quantities[name].unit
         known = values[np.isfinite(values)]
         if known.size:
-            spread.add_row(f"{name} [{symbol}]", *(f"{x:.5g}" for x in np.quantile(known, list(QUANTILES.values()))))
+            spread.add_row(
+                f"{name} [{symbol}]",
+                *(f"{x:.5g}" for x in _without_rounding(np.quantile(known, list(QUANTILES.values())))),
+            )
     return spread
+
+
+def _without_rounding(values: np.ndarray) -> np.ndarray:
+    """Values with zeros in place of what only rounding leaves."""
+    return np.where(np.abs(values) < 1e-12, 0.0, values)
 
 
 def _extremes(swept: Computed) -> list[str]:

@@ -59,8 +59,10 @@ class Passive(Part):
 class Buffer(Part):
     """Axial and torsional spring-dampers, the cylinder between them, and the buffer's end.
 
-    - ``k_A`` [N/m], ``c_A`` [N s/m]: stiffness and damping along the cylinder (M23).
-    - ``k_T`` [N m/rad], ``c_T`` [N m s/rad]: stiffness and damping about the hinge (M26).
+    - ``k_A``: stiffness along the cylinder [N/m] (M23).
+    - ``c_A``: damping along the cylinder [N s/m] (M23).
+    - ``k_T``: stiffness about the hinge [N m/rad] (M26).
+    - ``c_T``: damping about the hinge [N m s/rad] (M26).
     - ``free_length``: l_0 of the axial spring [m].
     - ``cylinder_mass`` m_B [kg], ``cylinder_length`` L_C [m]: a slender rod (M5).
     - ``max_stroke``: stroke s_m at which the buffer is at its end [m]; None: ``free_length``, where the spring's ends
