@@ -20,6 +20,7 @@ from jaxbuffer.output.provenance import made
 from jaxbuffer.output.results import run_files, sensitivity_files
 from jaxbuffer.report.compare import comparison
 from jaxbuffer.report.page import Cell, Table, shown
+from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
 from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
 
@@ -234,7 +235,7 @@ def test_the_safe_rectangle_in_words(folders):
     told = " ".join(text)
     assert f"{record['safe_runs']} of {record['runs']} runs are" in told
     for part in record["rectangle"]:
-        assert f"{part['path']} from {shown(part['low'])} to {shown(part['high'])}" in told
+        assert f"{field_name(part['path'])} from {shown(part['low'])} to {shown(part['high'])}" in told
     assert len(section.figures) == 2
 
 

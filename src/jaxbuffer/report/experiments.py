@@ -9,7 +9,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import ended, in_figures, words
+from .records import ended, field_name, in_figures, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 STANDING = {"front": "good", "front, not converged": "unsure"}
@@ -19,7 +19,7 @@ def sweep(found: Results) -> Section | None:
     """What a sweep covers, how its runs ended, its maps, and where it is safe."""
     if found.sweep is None:
         return None
-    sizes = " × ".join(f"{count} {path}" for path, count in found.sweep.sizes.items())
+    sizes = " × ".join(f"{count} values of {field_name(str(path))}" for path, count in found.sweep.sizes.items())
     names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
     outcomes = dict(zip(map(str, names), map(int, counts), strict=True))
     record = found.records.get("sweep", {})
@@ -36,7 +36,8 @@ def envelope_in_words(envelope: Record) -> list[str]:
     if not envelope["rectangle"]:
         return [*told, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(
-        f"{part['path']} from {_ends(part['low'], part['high'], part['unit'])}" for part in envelope["rectangle"]
+        f"{field_name(part['path'])} from {_ends(part['low'], part['high'], part['unit'])}"
+        for part in envelope["rectangle"]
     )
     told.append(
         f"Every run of the largest safe rectangle, {envelope['runs_in_rectangle']} of them, is safe: {ranges}."
@@ -47,8 +48,9 @@ def envelope_in_words(envelope: Record) -> list[str]:
 
 
 def _ends(low: float, high: float, unit: str) -> str:
-    told = f"{shown(low)} to {shown(high)} {unit}".rstrip(" -")
-    return f"{told} ({math.degrees(low):+.3g}° to {math.degrees(high):+.3g}°)" if unit == "rad" else told
+    if unit == "rad":
+        return f"{math.degrees(low):+.3g}° to {math.degrees(high):+.3g}°"
+    return f"{shown(low)} to {shown(high)} {unit}".rstrip(" -")
 
 
 def sample(found: Results) -> Section | None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .records import by_name, scenario_of
+from .records import by_name, in_figures, scenario_of
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,6 +55,22 @@ def has_limits(found: Results) -> bool:
 
 def _limiting(found: Results) -> Record | None:
     return found.tuned if found.tuned is not None else found.records.get("run")
+
+
+def elsewhere(found: Results, scenario: Record) -> list[str]:
+    """A line that says in which scenarios of a tuning its limited quantities and the peak force are largest, where a
+    run of another ``scenario`` is shown; no line where it is one of those."""
+    if found.tuned is None:
+        return []
+    mechanism, cases = found.mechanism, [by_name(case["after"]) for case in found.tuned["scenarios"]]
+    met, labels = [scenario_of(mechanism, case) for case in found.tuned["scenarios"]], case_labels(found)
+    names = dict.fromkeys(["peak_force", *found.tuned["limits"]])
+    own = found.tuned.get("quantities", {})
+    largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
+    if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
+        return []
+    told = ", ".join(f"{in_figures(mechanism, name, own)[0]} at {labels[k]}" for name, k in largest.items())
+    return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {told}."]
 
 
 def case_labels(found: Results, among: Sequence[Any] = ()) -> list[str]:

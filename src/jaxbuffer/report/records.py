@@ -8,6 +8,7 @@ from typing import Any
 from ..fields import paths
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record
+from ..output.words import called
 from .page import Cell, shown
 
 UNIT = re.compile(r"^(.*) \[(.*)\]$")
@@ -29,6 +30,11 @@ def same(value: Any, other: Any) -> bool:
 def words(name: str) -> str:
     """A name as one reads it."""
     return name.replace("_", " ")
+
+
+def field_name(path: str) -> str:
+    """A field in words, without its section: "approach speed", "k_A"."""
+    return called(path.rsplit(".", 1)[-1])
 
 
 def scenario_of(mechanism: Mechanism, record: Record) -> Any:

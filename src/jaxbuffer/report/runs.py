@@ -6,8 +6,9 @@ from typing import Any
 from ..output.folder import Record, Results
 from .designs import other_design
 from .figures import figure
+from .judged import elsewhere
 from .page import Cell, Section, Table, shown
-from .records import by_name, quantity, same, scenario_of, words
+from .records import by_name, in_figures, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
@@ -38,7 +39,7 @@ def run(found: Results, first: Results) -> Section | None:
     text = [f"{words(record['outcome']).capitalize()}; {mechanism.label(scenario)}."]
     return Section(
         mechanism.run_name.capitalize(),
-        [*text, *other_design(found, first, record)],
+        [*text, *other_design(found, first, record), *elsewhere(first, record["scenario"])],
         figure(found, mechanism.run_name, f"The {mechanism.run_name} over time"),
         tables,
         found.records.get("motion"),
@@ -100,15 +101,21 @@ def sensitivity(found: Results, first: Results) -> Section | None:
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
         values = [shown(row["elasticity [-]"]) for row in derivatives]
-        rows.append([words(name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
+        rows.append([_title(found, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
     parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
     caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
     text, certificate = other_design(found, first, record), record["certificate"]
+    text += elsewhere(first, record["scenario"])
     if certificate is not None:
         text.append(f"Certificate: {certificate['verdict']}; {certificate['reason']}.")
     tables = [Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)] if rows else []
-    signed = {name: found for name, found in of_quantity.items() if _signed(found)}
+    signed = {_title(found, name): derivatives for name, derivatives in of_quantity.items() if _signed(derivatives)}
     return Section("Sensitivity", text, tables=[*tables, *_slopes(signed)])
+
+
+def _title(found: Results, name: str) -> str:
+    """A quantity's title, or what one of an impact is called."""
+    return in_figures(found.mechanism, name)[0] if name in found.mechanism.quantities else words(name)
 
 
 def _signed(rows: Sequence[Record]) -> bool:
@@ -119,9 +126,9 @@ def _signed(rows: Sequence[Record]) -> bool:
 def _slopes(signed: Mapping[str, Sequence[Record]]) -> list[Table]:
     """Derivatives of quantities that have no elasticities."""
     rows = [
-        [words(name), row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
-        for name, found in signed.items()
-        for row in found
+        [title, row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
+        for title, derivatives in signed.items()
+        for row in derivatives
     ]
     headings = ("quantity", "by", "derivative", "unit", "verdict")
     return [Table("Derivatives of what can change sign", headings, rows)] if rows else []
