@@ -11,7 +11,8 @@ if TYPE_CHECKING:  # the command line's own errors need neither: they are import
     import numpy as np
 
 CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
-MEANT = {"rad": ("deg", math.pi / 180.0), "rad/s": ("deg/s", math.pi / 180.0), "m": ("mm", 1e-3)}  # by mistake
+# what may be meant by a number of this unit from this size on: a unit, and how many of the first one it is
+MEANT = {"rad": (2.0, "deg", math.pi / 180.0), "rad/s": (2.0, "deg/s", math.pi / 180.0), "m": (1.0, "mm", 1e-3)}
 LONGEST = 60  # characters of a value that a message shows
 
 
@@ -122,8 +123,9 @@ def check_number(
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
     bad = ~inside(array, **limits)
     if np.any(bad):
-        first = float(array[bad].flat[0])
-        hint = f'; "{first:g} {meant[0]}" if that is meant' if meant and inside(first * meant[1], **limits) else ""
+        first, hint = float(array[bad].flat[0]), ""
+        if meant is not None and abs(first) > meant[0] and inside(first * meant[2], **limits):
+            hint = f'; "{first:g} {meant[1]}" if that is meant'
         raise InputError(f"{path} = {first:g}{unit} is out of range; allowed: {allowed}{hint}")
 
 

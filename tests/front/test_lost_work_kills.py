@@ -6,6 +6,7 @@ import subprocess
 import time
 
 import pytest
+from determinism import computed_part
 from test_lost_work import started
 
 KILLS = 10  # of each command
