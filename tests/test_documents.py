@@ -1,38 +1,18 @@
-"""Every example of the documents runs: Python of README, docs and docstrings, commands of the guides."""
+"""Examples in docstrings run, and the reference and the notebook are whole."""
 
 import doctest
 import json
-import os
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
 import jaxbuffer
 from jaxbuffer.contact.laws import _all as laws
+from pages import DOCS, ROOT, blocks
 
-ROOT = Path(__file__).resolve().parents[1]
 HEADING = "**Example:**"
 COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|diffeqsolve)\(")
 PARSER = doctest.DocTestParser()
-
-
-def blocks(page: Path) -> str:
-    """A page's Python examples, one after the other."""
-    return "\n".join(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL))
-
-
-def commands(page: Path) -> str:
-    """A page's shell examples, one after the other, but for those that a comment above marks as not run."""
-    parts = re.findall(r"(<!-- not run.*?-->\n)?```bash\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-    return "\n".join(text for comment, text in parts if not comment)
-
-
-DOCS = ROOT / "docs"
-GUIDES = [DOCS / "quickstart.md", *sorted((DOCS / "howto").glob("*.md"))]
-PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *GUIDES[1:]) if blocks(page)]
 
 
 def docstring(name: str) -> str:
@@ -63,30 +43,6 @@ def begun(tmp_path, monkeypatch):
     yield run(jaxbuffer.__doc__, "jaxbuffer", {"__name__": "example"})
     laws.clear()
     laws.update(before)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_examples_of_a_page_run(page, tmp_path, programs):
-    kept = f"import jaxbuffer\njaxbuffer.configure(cache={str(programs)!r})\n"
-    command = [sys.executable, "-W", "error", "-c", kept + blocks(page)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
-    assert done.returncode == 0, done.stderr[-2000:]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in GUIDES if commands(page)], ids=lambda page: page.name)
-def test_commands_of_a_guide_run(page, tmp_path, programs):
-    folder = tmp_path / "bin"
-    folder.mkdir()
-    for name, words in (("jaxbuffer", " -m jaxbuffer"), ("python", "")):
-        script = folder / name
-        script.write_text(f'#!/bin/sh\nexec "{sys.executable}"{words} "$@"\n')
-        script.chmod(0o755)
-    names = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}", "JAXBUFFER_CACHE": str(programs)}
-    command = ["bash", "-e", "-u", "-o", "pipefail", "-c", commands(page)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, env=names)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
 
 
 def test_the_reference_has_every_public_name_once():
