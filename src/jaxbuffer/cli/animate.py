@@ -7,6 +7,7 @@ import typer
 from ..errors import InputError
 from .exits import OK, fail
 from .request import Request, ScenarioNumber
+from .simulate import simulated
 
 Format = Annotated[str, typer.Option("--format", metavar="gif|mp4", help="gif (default), or mp4 where ffmpeg is.")]
 
@@ -27,23 +28,12 @@ def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Form
     if request.output is None:
         raise InputError("animate needs --output DIR, the folder for its file")
     from ..output.animation import animation, check_format, frames_of
-    from ..run.simulate import simulate as compute
-    from .progress import sweeping, working
+    from .progress import sweeping
 
     check_format(kind)
-    name, options = f"motion.{kind}", study.options
+    name = f"motion.{kind}"
     files = request.files(name)
-    run = working(
-        "simulating",
-        lambda: compute(
-            study.design,
-            study.scenario,
-            options.duration,
-            solver=options.stepper(),
-            rtol=options.rtol,
-            history=True,
-        ),
-    )
+    run = simulated(study, history=True)
     if run.outcome.failed:
         return fail(run.outcome.reason)
     count = len(frames_of(run).times)

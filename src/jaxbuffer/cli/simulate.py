@@ -1,9 +1,15 @@
 """`jaxbuffer simulate`: one run."""
 
+from typing import TYPE_CHECKING
+
 from .exits import fail
 from .limits import asked_limits, keeps_limits
 from .request import Request, ScenarioNumber
 from .streams import note
+
+if TYPE_CHECKING:
+    from ..mechanisms.run import Run
+    from ..study.config import Config
 
 
 def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
@@ -31,21 +37,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     limits, name = asked_limits(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
-    from ..run.simulate import simulate as compute
-    from .progress import working
-
-    options = study.options
-    run = working(
-        "simulating",
-        lambda: compute(
-            study.design,
-            study.scenario,
-            options.duration,
-            solver=options.stepper(),
-            rtol=options.rtol,
-            history=request.output is not None,
-        ),
-    )
+    run = simulated(study, history=request.output is not None)
     if run.outcome.failed:
         return fail(run.outcome.reason)
     if study.mechanism.chaotic:
@@ -59,3 +51,13 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     contents = run_files(run, request.made(study), limits)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
     return keeps_limits(limits, run)
+
+
+def simulated(study: "Config", history: bool) -> "Run":
+    """The study's run, with a spinner while it is computed."""
+    from ..run.simulate import simulate as compute
+    from .progress import working
+
+    options = study.options
+    asked = (study.design, study.scenario, options.duration)
+    return working("simulating", lambda: compute(*asked, solver=options.stepper(), rtol=options.rtol, history=history))
