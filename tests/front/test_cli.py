@@ -167,7 +167,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
         "0.15 m/s",
         "350 → 280",
         "converged: in a test",
-        "first-order residual 1.5e-05",
+        "0.0015 % of the objective left to gain",
         "+150.000 % above it",
         "none gets below 90 N",
     ):

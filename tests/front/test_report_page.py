@@ -413,7 +413,7 @@ def test_broken_limits_are_in_one_box_and_a_table(tmp_path):
         (case, *_) = record["scenarios"]
         after = {**case["after"], "stroke [m]": stroke}
         record["scenarios"].append({**case, "approach_speed [m/s]": speed, "after": after})
-    record |= {"converged": False, "message": "stopped at the limit of 40 steps"}
+    record |= {"converged": False, "ended": "limit_of_steps"}
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     page = review([load(tmp_path)])
     section, _, _ = section_text(page, "Limits")
@@ -422,4 +422,14 @@ def test_broken_limits_are_in_one_box_and_a_table(tmp_path):
     (stroke,) = [row for row in worst.rows if row[0] == "buffer stroke"]
     assert stroke[2:5] == ["40", "0.3 m/s, +2.865°", "≤ 25"]
     assert [row[3] for row in beyond.rows] == ["40", "30"] and [row[-1] for row in beyond.rows] == ["60 %", "20 %"]
-    assert ("the search stopped at its limit of steps", "unsure") in [(it.text, it.mark) for it in page.verdicts]
+    assert ("the search found no feasible design", "unsure") in [(it.text, it.mark) for it in page.verdicts]
+
+
+@pytest.mark.parametrize(
+    ("ended", "said"),
+    [("limit_of_steps", "the search stopped at its limit of steps"), ("stalled", "the search stalled")],
+)
+def test_a_search_that_did_not_converge_says_how_it_ended(tmp_path, ended, said):
+    record = tuned_record(0.02, True) | {"converged": False, "ended": ended}
+    (tmp_path / "tuned.json").write_text(json.dumps(record))
+    assert (said, "unsure") in [(it.text, it.mark) for it in review([load(tmp_path)]).verdicts]

@@ -50,7 +50,8 @@ def run(arguments: Sequence[str]) -> int:
             raise
         message = error.format_message()
         quotes = '; a value with its unit needs quotes: "-4 deg"' if "unexpected extra argument" in message else ""
-        return fail(f"{message}{quotes}", BAD_INPUT)
+        none = "; 'jaxbuffer COMMAND --help' says what it needs" if "Missing argument" in message else ""
+        return fail(f"{message.rstrip('.')}{quotes}{none}", BAD_INPUT)
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK

@@ -15,6 +15,11 @@ def _vector(name: str) -> tuple[str, ...]:
     return (f"{name.removesuffix('.png')}.svg",) if name.endswith(".png") else ()
 
 
+def _listed(paths: Sequence[str]) -> str:
+    """The first of some paths, and how many more there are."""
+    return paths[0] if len(paths) == 1 else f"{paths[0]} and {len(paths) - 1} more"
+
+
 class Output:
     """The files of one command in a folder, or nothing at all without a folder."""
 
@@ -38,7 +43,7 @@ class Output:
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         if taken and not self.force:
             goes_on = "--resume goes on, " if begun else ""
-            raise InputError(f"{', '.join(taken)} exist{'s' if len(taken) == 1 else ''}; {goes_on}--force overwrites")
+            raise InputError(f"{_listed(taken)} exist{'s' if len(taken) == 1 else ''}; {goes_on}--force overwrites")
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
         if not os.access(parent, os.W_OK | os.X_OK):

@@ -101,11 +101,9 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
             note(f"{told}; the same command with --resume goes on in {request.output}")
         if not stop.done.any():
             return INTERRUPTED
-    envelope = None
-    if limits is not None:
-        from ..experiments.rectangle import safe_rectangle
+    from ..experiments.rectangle import safe_rectangle
 
-        envelope = safe_rectangle(swept, limits)
+    envelope = None if limits is None else safe_rectangle(swept, limits)
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
     about = request.made(study, resume)
     files.save_and_show(lambda: swept_files(swept, envelope, about), shown, lambda: swept_json(swept))

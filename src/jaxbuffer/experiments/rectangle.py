@@ -54,7 +54,7 @@ class SafeRectangle:
         for sign, sides in (("≤", self.limits.at_most), ("≥", self.limits.at_least)):
             for name, limit in sides.items():
                 quantity = self.swept.mechanism.quantities[name]
-                unit, factor = quantity.shown or (quantity.unit, 1.0)
+                unit, factor = quantity.in_figures
                 yield name, sign, f"{factor * limit:.6g} {unit}".rstrip(" -")
         if self.limits.impacts is not None:
             yield "impacts", "≤", str(self.limits.impacts)

@@ -174,7 +174,7 @@ def response_surface(
     return Surface(
         quantity=quantity,
         unit=mechanism.quantities[quantity].unit,
-        shown=mechanism.quantities[quantity].shown or (mechanism.quantities[quantity].unit, 1.0),
+        shown=mechanism.quantities[quantity].in_figures,
         run_name=mechanism.run_name,
         axes=sample.grid.axes,
         kind=chosen,

@@ -153,6 +153,11 @@ class Mechanism:
         """Quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
 
+    def meant(self, design: Callable[[str], Any]) -> tuple[str, ...]:
+        """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
+        bending of what does not bend."""
+        return tuple(name for name in self.swept if not (part := self.quantities[name].part) or design(part))
+
     @property
     def tuned(self) -> tuple[str, ...]:
         """Quantities that objectives and limits may use."""

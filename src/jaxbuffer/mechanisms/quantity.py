@@ -17,7 +17,8 @@ class Quantity(NamedTuple):
     ``unit``; ``of``: its value from the `Run`; ``description``: what it is, in a line of help; ``title``: its name in
     figures; ``signed``: whether it can change sign, when a relative change of it means little and derivatives are shown
     instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
-    or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself).
+    or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself);
+    ``part``: path of the field of the design without which it means nothing (None or 0 there), or "".
     """
 
     unit: str
@@ -28,6 +29,12 @@ class Quantity(NamedTuple):
     swept: bool = False
     tuned: bool = False
     shown: tuple[str, float] | None = None
+    part: str = ""
+
+    @property
+    def in_figures(self) -> tuple[str, float]:
+        """The unit that people are shown, and how many of those its own unit is."""
+        return self.shown or (self.unit, 1.0)
 
 
 Catalogue = Mapping[str, Quantity]

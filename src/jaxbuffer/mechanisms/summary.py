@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 import jax
 import numpy as np
 
+from ..fields import get
+
 if TYPE_CHECKING:
     from .run import Run
 
@@ -19,9 +21,9 @@ def plain_summary(run: "Run") -> str:
         f"  {'scenario':24} {mechanism.label(run.scenario)}",
         f"  {'impacts':24} {int(run.impact_count)}",
     ]
-    for name in mechanism.swept:
+    for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
-        symbol, factor = quantity.shown or (quantity.unit, 1.0)
+        symbol, factor = quantity.in_figures
         value = factor * float(np.asarray(quantity.of(run)))
         lines.append(f"  {quantity.title or name:24} {value:.6g} {symbol}".rstrip(" -"))
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))

@@ -166,6 +166,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "kind": problem.mechanism.name,
         "message": tuned.message,
         "converged": tuned.converged,
+        "ended": tuned.ended,
         "feasible": tuned.feasible,
         "why": tuned.why,
         "broken": tuned.goal.broken(tuned.after),

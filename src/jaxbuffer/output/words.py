@@ -16,7 +16,7 @@ ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
 
 def shown(quantity: Any) -> tuple[str, str, float]:
     """A quantity's title, its unit in figures, and how many of those a unit of it is."""
-    unit, factor = quantity.shown or (quantity.unit, 1.0)
+    unit, factor = quantity.in_figures
     return quantity.title, "°" if unit == "deg" else unit, factor
 
 

@@ -11,7 +11,7 @@ from .judged import case_labels
 from .limits import limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
-from .records import ROUNDING, ended, in_figures, same, scenario_of, words
+from .records import ROUNDING, by_name, ended, in_figures, same, scenario_of, words
 from .review import distinct, verdicts
 
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
@@ -92,7 +92,8 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     ends: list[list[Any]] = [["scenario", *_marked([mechanism.label(scenario, met) for scenario in met])]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
-    for name in mechanism.swept:
+    designs = [by_name(record["design"]) for record in records]
+    for name in mechanism.meant(lambda path: any(design.get(path) for design in designs)):
         title, symbol, factor = in_figures(mechanism, name)
         values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
         in_unit = [None if value is None else factor * value for value in values]

@@ -66,5 +66,4 @@ def in_figures(
     if name in own:
         return words(name), str(own[name]["unit"]), 1.0
     known = mechanism.quantities[name]
-    symbol, factor = known.shown or (known.unit, 1.0)
-    return known.title or words(name), symbol, factor
+    return known.title or words(name), *known.in_figures

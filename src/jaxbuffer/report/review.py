@@ -4,7 +4,7 @@ import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 
-from ..output.folder import Results
+from ..output.folder import Record, Results
 from .designs import design
 from .experiments import STANDING, front, sample, sweep
 from .limits import broken_limits, limits
@@ -15,13 +15,19 @@ from .runs import MARKS, diagnosis, run, sensitivity
 from .tunings import scenarios, search
 
 Parts = list[tuple[Results, Section]]
+STOPPED = {
+    "limit_of_steps": "the search stopped at its limit of steps",
+    "stalled": "the search stalled",
+    "cliff": "the search stopped where one bounce more or less makes a run fail",
+}
 
 
 def review(every: Sequence[Results], title: str = "") -> Page:
     """One page of all folders together: the first one's design, then what each of them holds."""
     first = next((found for found in every if found.tuned), next((f for f in every if f.records), every[0]))
     made = [(first, design(first))]
-    made += [(found, make(found)) for make in (limits, scenarios) for found in every]
+    made += [(found, limits(found, every)) for found in every]
+    made += [(found, scenarios(found)) for found in every]
     for found in every:
         made += [(found, run(found, first)), (found, diagnosis(found, every))]
     made += [(found, sensitivity(found, first)) for found in every]
@@ -29,7 +35,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     parts = distinct([(found, section) for found, section in made if section is not None])
     subtitle = f"{first.mechanism.title} · {', '.join(str(found.folder) for found in every)}"
     title = title or f"{first.mechanism.title}: design review"
-    return Page(title, subtitle, verdicts(every), [*parts, origin(every), verification()])
+    return Page(title, subtitle, verdicts(every, every), [*parts, origin(every), verification()])
 
 
 def distinct(parts: Parts) -> list[Section]:
@@ -58,7 +64,7 @@ def _of_tuning(found: Results, lenders: Sequence[Results]) -> list[Cell]:
     told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} N ({100 * (after / before - 1):+.2g} %)"
     good = tuned["feasible"] and not broken_limits(found, lenders)
     kept = Cell("all limits kept", "good") if good else Cell(_broken(broken_limits(found, lenders)), "bad")
-    stopped = [] if tuned.get("converged", True) else [Cell(_stopped(tuned["message"]), "unsure")]
+    stopped = [] if tuned.get("converged", True) else [Cell(_stopped(tuned), "unsure")]
     return [kept, Cell(told, "good" if after <= before else "bad"), *stopped]
 
 
@@ -67,11 +73,11 @@ def _broken(count: int) -> str:
     return f"{count} limit{'s' if count > 1 else ''} broken" if count else "limits broken"
 
 
-def _stopped(message: str) -> str:
+def _stopped(tuned: Record) -> str:
     """Why a search did not converge, in a few words."""
-    if "no feasible" in message:
+    if not tuned["feasible"]:
         return "the search found no feasible design"
-    return "the search stopped at its limit of steps" if "limit of" in message else "the search did not converge"
+    return STOPPED.get(tuned.get("ended", ""), "the search did not converge")
 
 
 def _of_run(found: Results, lenders: Sequence[Results]) -> list[Cell]:

@@ -22,9 +22,8 @@ def run(found: Results, first: Results) -> Section | None:
     if record is None:
         return None
     values, hits = by_name(record), record["impacts"]
-    tables = [
-        Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in mechanism.swept])
-    ]
+    meant = mechanism.meant(by_name(record["design"]).get)
+    tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
         tables.append(

@@ -105,8 +105,8 @@ def _spread(swept: Computed) -> Table:
     what = f"Quantities of the {int(solved.sum())} {mechanism.run_name}s that were solved"
     spread = table(what, ("quantity",), tuple(QUANTILES))
     for name in mechanism.swept:
-        values, symbol = swept.found.columns[name][solved], mechanism.quantities[name].unit
-        known = values[np.isfinite(values)]
+        values, (symbol, factor) = swept.found.columns[name][solved], mechanism.quantities[name].in_figures
+        known = factor * values[np.isfinite(values)]
         if known.size:
             spread.add_row(
                 f"{name} [{symbol}]",

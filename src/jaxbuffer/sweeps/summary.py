@@ -26,8 +26,8 @@ def sweep_table(result: "Sweep") -> Table:
     for heading in ("quantity", "least", "median", "greatest"):
         shown.add_column(heading, justify="left" if heading == "quantity" else "right")
     for name in result.mechanism.swept:
-        values = result.columns[name]
-        known = values[np.isfinite(values)]
+        values, (symbol, factor) = result.columns[name], result.mechanism.quantities[name].in_figures
+        known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
-        shown.add_row(f"{name} [{result.mechanism.quantities[name].unit}]", *figures)
+        shown.add_row(f"{name} [{symbol}]", *figures)
     return shown

@@ -85,4 +85,7 @@ def _values(axis: Axis) -> str:
         return ", ".join(axis.words(value) for value in values)
     few = [f"{value:g}" for value in values]
     listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
+    if axis.unit == "rad":
+        low, high = np.degrees([min(values), max(values)])
+        return f"{listed} rad ({low:+.3g}° … {high:+.3g}°)"
     return f"{listed} {axis.unit}".rstrip(" -")

@@ -14,7 +14,7 @@ from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .judged import judged, objective_slope
-from .message import infeasible
+from .message import ending, infeasible, left_to_gain
 from .model_step import residual
 from .problem import Problem
 from .record import record
@@ -75,7 +75,7 @@ def descended(
         best.best,
         scale,
         SCREENING_PENALTY,
-        best.status == CONVERGED,
+        ending(best, settings),
         lambda after: _message(goal, after, ended, best),
         store.records,
     )
@@ -84,7 +84,7 @@ def descended(
 def _message(goal: Goal, after: Evaluation, ended: str, best: Branch) -> str:
     if not goal.feasible(after):
         return infeasible(goal, after, ended)
-    return f"{ended}; first-order residual {best.residual:.1e}"
+    return f"{ended}; {left_to_gain(best)}"
 
 
 def _descent(

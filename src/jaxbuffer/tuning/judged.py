@@ -24,7 +24,7 @@ def judged(
     best: Evaluation,
     scale: float,
     penalty: float,
-    converged: bool,
+    ended: str,
     message: Callable[[Evaluation], str],
     records: Sequence[Record],
 ) -> Tuned:
@@ -32,7 +32,7 @@ def judged(
 
     **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
     tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
-    ``message``: what to say of the end, from the best design at tight tolerance; ``records``: every evaluation.
+    ``ended``, ``records``: as of `Tuned`; ``message``: what to say of the end, from the best design at tight tolerance.
     """
     problem, scaled = goal.problem, best.scaled
     before, after = evaluator([first, scaled], rtol=TIGHT)
@@ -45,7 +45,7 @@ def judged(
         after=after,
         residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
         gradient_error=disagreement(goal, best, after),
-        converged=converged,
+        ended=ended,
         message=message(after),
         floor=floor(problem, scaled),
         records=tuple(records),

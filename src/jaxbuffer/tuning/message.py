@@ -11,6 +11,9 @@ from .starts import AGREE
 from .why import broken_limits
 
 INFEASIBLE = "no feasible design found: "
+ENDED = ("converged", "limit_of_steps", "stalled", "cliff")
+"""How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
+tolerance though more seems to be left, or where one bounce more or less makes a run fail."""
 
 
 def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
@@ -35,15 +38,29 @@ def headline(message: str, feasible: bool) -> str:
     return f"Tuned: {message}" if feasible else f"No feasible design found: {message.removeprefix(INFEASIBLE)}"
 
 
-def _ending(branch: Branch, settings: Settings) -> str:
+def ending(branch: Branch, settings: Settings) -> str:
+    """How a search ended, one of `ENDED`."""
     if branch.status == CONVERGED:
-        return f"converged: first-order residual {branch.residual:.1e} within {settings.tolerance:g}"
+        return "converged"
     if branch.steps >= settings.iterations:
-        return f"stopped at the limit of {settings.iterations} steps, first-order residual {branch.residual:.1e}"
-    where = "stalled: steps gain less than the tolerance"
-    if np.any(np.isfinite(branch.cliffs)):
-        where = "stopped at a cliff: ahead one bounce more or less makes a run fail"
-    return f"{where}; to first order {branch.residual:.1e} of the objective would be left to gain"
+        return "limit_of_steps"
+    return "cliff" if np.any(np.isfinite(branch.cliffs)) else "stalled"
+
+
+def left_to_gain(branch: Branch) -> str:
+    """The first-order residual in words."""
+    return f"small changes would gain {100.0 * branch.residual:.2g} % of the objective"
+
+
+def _ending(branch: Branch, settings: Settings) -> str:
+    told = {
+        "converged": "converged",
+        "limit_of_steps": f"stopped at the limit of {settings.iterations} steps",
+        "stalled": "stalled: steps gain less than the tolerance",
+        "cliff": "stopped at a cliff: ahead one bounce more or less makes a run fail",
+    }
+    within = f", the tolerance being {100.0 * settings.tolerance:g} %" if branch.status == CONVERGED else ""
+    return f"{told[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
 
 
 def borne_out(progress: Progress, more: str) -> str:

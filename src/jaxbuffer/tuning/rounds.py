@@ -9,11 +9,11 @@ from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
 from .judged import judged
-from .message import message
+from .message import ending, message
 from .problem import Problem
 from .progress import Progress
 from .record import record
-from .search import CONVERGED, RUNNING, Branch, Search, advanced, without_hopeless
+from .search import RUNNING, Branch, Search, advanced, without_hopeless
 from .settings import Settings
 from .starts import Scaled, Standing, anywhere, around
 from .store import Record, Store
@@ -146,7 +146,7 @@ class Rounds:
             branch.best,
             search.scale,
             branch.penalty,
-            branch.status == CONVERGED,
+            ending(branch, self.settings),
             lambda after: message(search.goal, branch, after, progress, self.settings),
             self.store.records,
         )

@@ -39,8 +39,8 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
     facts = [
         *_floor_facts(tuned),
-        f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes"
-        f" (first-order residual {tuned.residual:.1e}); the search's slopes are right to"
+        f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes;"
+        f" the search's slopes are right to"
         f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
         f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
@@ -94,14 +94,14 @@ def _tuned_cases(tuned: "Tuned") -> Table:
     headings = ["peak force [N]", "change"]
     for name in others:
         quantity = catalogue[name]
-        headings.append(f"{quantity.title} [{(quantity.shown or (quantity.unit,))[0]}]")
+        headings.append(f"{quantity.title} [{quantity.in_figures[0]}]")
     for heading in (*headings, "impacts", "before", "after"):
         cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
     first, last = before.quantities, after.quantities
     for k in sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN]):
         shown = []
         for name in others:
-            factor, q = (catalogue[name].shown or ("", 1.0))[1], problem.names.index(name)
+            factor, q = catalogue[name].in_figures[1], problem.names.index(name)
             shown.append(f"{factor * first[k, q]:.4g} → {factor * last[k, q]:.4g}")
         cases.add_row(
             problem.cases[k].label(problem.cases),

@@ -30,8 +30,7 @@ class Tuned:
     relative to the objective [-].
     - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
       to the largest [-].
-    - ``converged``: whether the search ended because no larger reduction than its tolerance was left to gain.
-    - ``message``: why it ended, in a sentence.
+    - ``ended``: how the search ended, a name of `message.ENDED`; ``message``: the same in a sentence.
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
@@ -52,7 +51,7 @@ class Tuned:
     after: Evaluation
     residual: float
     gradient_error: float
-    converged: bool
+    ended: str
     message: str
     floor: Floor | None
     records: tuple[Record, ...]
@@ -69,6 +68,11 @@ class Tuned:
         """How many of the captures were solved without derivatives."""
         alone = self.settings.starts == 1
         return 0 if alone else len(self.problem.cases) * sum(it["status"] == "start" for it in self.records)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the search ended because no larger reduction than its tolerance was left to gain."""
+        return self.ended == "converged"
 
     @property
     def feasible(self) -> bool:

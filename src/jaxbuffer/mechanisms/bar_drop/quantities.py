@@ -32,6 +32,7 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=("µm", 1e6),
+        part="plate.modes",
     ),
     "bar_deflection": Quantity(
         "m",
@@ -41,6 +42,7 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=("µm", 1e6),
+        part="bar.modes",
     ),
     "contact_time": CONTACT_TIME._replace(description="time on the plate", tuned=True),
     "end_time": END_TIME,

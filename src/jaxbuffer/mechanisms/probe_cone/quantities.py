@@ -48,6 +48,7 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=MILLIMETRES,
+        part="probe.bending_stiffness",
     ),
     "end_time": Quantity(
         "s",
@@ -64,6 +65,7 @@ QUANTITIES: dict[str, Quantity] = {
         "peak force of the end stop",
         swept=True,
         tuned=True,
+        part="buffer.stop_stiffness",
     ),
     "stroke_share": Quantity(
         "-",

@@ -62,6 +62,7 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=("µm", 1e6),
+        part="rod.modes",
     ),
     "rod_stress": Quantity(
         "Pa",
@@ -71,6 +72,7 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=("MPa", 1e-6),
+        part="rod.modes",
     ),
     "end_time": END_TIME,
     "dissipated": DISSIPATED,
