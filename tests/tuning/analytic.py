@@ -68,6 +68,7 @@ class Functions:
             rest=np.column_stack([rest, own.values]),
             margin=margin,
             first=peaks[:, 0],
+            rising=np.zeros((count, len(self.problem.mechanism.tuned)), bool),
             peaks_slope=peaks_slope,
             rest_slope=np.concatenate([rest_slope, own.slopes], axis=1),
             margin_slope=margin_slope,

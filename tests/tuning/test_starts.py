@@ -72,7 +72,10 @@ def test_where_searches_end_apart_the_message_says_so(solve):
     [
         (0.004, "Of 4 searches the best two that began apart agree within 0.4 %"),
         (0.05, "Of 4 searches the best two that began apart differ by 5 %; a better design may exist: raise"),
-        (np.inf, "Of 4 searches no other that began apart came within 1 % of it; a better design may exist: raise"),
+        (
+            np.inf,
+            "Of 4 searches no other that began apart ended feasible within 1 % of it; a better design may exist: raise",
+        ),
     ],
 )
 def test_the_message_claims_no_more_than_the_searches_show(apart, said):

@@ -42,6 +42,7 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
 those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], bending [m], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
+  stroke_rising [m/s], hinge_angle_rising [rad/s]  their rates at the end where they are largest there, else 0
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
   capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
   stroke_margin [m]    stroke left before the buffer's end

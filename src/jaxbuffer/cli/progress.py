@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 STACK = 64 * 2**20  # bytes; compilers recurse deeply, and some systems give threads little
-PERIOD = 5.0  # s between lines of a sweep where nobody watches
+PERIOD = 5.0  # s between lines where nobody watches
 SPINNER, TEXT, CLOCK = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
 COMPILING = "compiling (first run only)…"
 
@@ -45,14 +45,19 @@ def working(text: str, work: Callable[[], T]) -> T:
 
 
 def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None = None, most: int | None = None) -> T:
-    """Run ``work``, which reports each evaluation: a spinner on a terminal, a plain line each with the time elapsed
-    elsewhere. ``success``: how runs should end; ``most`` evaluations that there can be."""
+    """Run ``work``, which reports each evaluation: a spinner on a terminal; elsewhere plain lines with the time
+    elapsed, of every start and step in the first seconds and then of one every few. ``success``: how runs should end; ``most`` evaluations that there can be."""
     from ..tuning.summary import in_words
 
-    begin = time.monotonic()
+    begin = said = time.monotonic()
 
     def line(it: "Record") -> None:
-        minutes, seconds = divmod(int(time.monotonic() - begin), 60)
+        nonlocal said
+        now = time.monotonic()
+        if now - begin > PERIOD and now - said < PERIOD:
+            return
+        said = now
+        minutes, seconds = divmod(int(now - begin), 60)
         print(f"{minutes}:{seconds:02d}, {in_words(it, success, most)}", file=sys.stderr, flush=True)
 
     console = Console(stderr=True)

@@ -18,7 +18,8 @@ class Quantity(NamedTuple):
     figures; ``signed``: whether it can change sign, when a relative change of it means little and derivatives are shown
     instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
     or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself);
-    ``part``: path of the field of the design without which it means nothing (None or 0 there), or "".
+    ``part``: path of the field of the design without which it means nothing (None or 0 there), or "";
+    ``rising``: for a largest value the quantity that is its rate at the end of the run, 0 where it does not rise there.
     """
 
     unit: str
@@ -30,6 +31,7 @@ class Quantity(NamedTuple):
     tuned: bool = False
     shown: tuple[str, float] | None = None
     part: str = ""
+    rising: str = ""
 
     @property
     def in_figures(self) -> tuple[str, float]:

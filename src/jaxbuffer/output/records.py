@@ -229,8 +229,11 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
             "impacts": int(impacts),
             "first_peak [N]": _number(first),
             **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
+            "rising": [name for name, rises in zip(problem.mechanism.tuned, rising, strict=True) if rises],
         }
-        for code, impacts, first, row in zip(point.code, point.impacts, point.first, point.quantities, strict=True)
+        for code, impacts, first, row, rising in zip(
+            point.code, point.impacts, point.first, point.quantities, point.rising, strict=True
+        )
     ]
 
 

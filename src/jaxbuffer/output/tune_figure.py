@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 PEAK = 0  # the column of a case's peak force among its quantities
 ROW = 0.2  # inch a scenario
+WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 
 
 @styled
@@ -83,7 +84,7 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     axes.set_yticks(row, [case.label(problem.cases) for case in problem.cases])
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
-    label(axes, "Peak contact force", "peak force [N]", "scenario [-]", legend=False)
+    label(axes, "Peak contact force", "peak force [N]", "", legend=False)
 
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
@@ -115,7 +116,7 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
     axes.set_xlim(-0.03, 1.55)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
-    label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "variable [-]", False)
+    label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "", False)
 
 
 def _limits(axes: "Axes", tuned: "Tuned") -> None:
@@ -130,7 +131,9 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     row, texts = np.arange(len(names)), []
     for (name, colour, marker), values in zip(POINTS, (before, after), strict=True):
         share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
-        axes.plot(share, row, marker, color=colour, markersize=5, label=name)
+        beyond = share > WIDEST
+        axes.plot(share[~beyond], row[~beyond], marker, color=colour, markersize=5, label=name)
+        axes.plot(np.full(beyond.sum(), WIDEST), row[beyond], ">", color=colour, markersize=6)
     for k, name in enumerate(names):
         title, symbol, factor = shown(catalogue[name])
         symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
@@ -140,9 +143,9 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
     axes.set_yticks(row, texts, fontsize=7)
     axes.set_ylim(len(row) - 0.5, -0.5)
-    axes.set_xlim(left=0.0)
+    axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"
-    label(axes, "Worst over the scenarios, before → after", x, "quantity [-]", False)
+    label(axes, "Worst over the scenarios, before → after", x, "", False)
 
 
 def _shown(tuned: "Tuned") -> list[int]:

@@ -80,7 +80,18 @@ def what_was_found(swept: Computed, file: str) -> list[str | Table]:
     parts: list[str | Table] = []
     if swept.solved.any():
         parts += [_spread(swept), *_extremes(swept)]
-    return [*parts, *_beyond_validity(swept), *_failures(swept, file)]
+    return [*parts, *_beyond_validity(swept), *_rising(swept), *_failures(swept, file)]
+
+
+def _rising(swept: Computed) -> list[str]:
+    """In how many runs that succeeded a largest value is the last one, and would go on to rise."""
+    found, mechanism, lines = swept.found, swept.mechanism, list[str]()
+    good = swept.solved if mechanism.success is None else found.code == mechanism.outcomes[mechanism.success]
+    for name, quantity in mechanism.quantities.items():
+        if quantity.rising and (count := int(np.sum(good & (found.columns[quantity.rising] > 0.0)))):
+            runs = f"{count} of {int(good.sum())} {mechanism.success or 'solved'} {mechanism.run_name}s"
+            lines.append(f"{name} is still rising where the run ends, in {runs}: it is the largest up to there only")
+    return lines
 
 
 def _beyond_validity(swept: Computed) -> list[str]:

@@ -28,8 +28,9 @@ class Evaluation(NamedTuple):
     cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
     of that); ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts
     they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
-    the run succeeds; ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest peak, ``by_peak``
-    [unit/N]: by that peak, zero for all but own quantities (see `composed`).
+    the run succeeds; ``first`` [N]: the first impact's peak; ``rising``: which of the mechanism's tuned quantities are
+    largest at the end of a run that succeeded, and still rising there; ``rest_slope``: at a fixed largest peak,
+    ``by_peak`` [unit/N]: by that peak, zero for all but own quantities (see `composed`).
     """
 
     scaled: Float[np.ndarray, " variables"]
@@ -42,6 +43,7 @@ class Evaluation(NamedTuple):
     rest: Float[np.ndarray, "cases rest"]
     margin: Float[np.ndarray, " cases"]
     first: Float[np.ndarray, " cases"]
+    rising: Bool[np.ndarray, "cases tuned"]
     peaks_slope: Float[np.ndarray, "cases peaks variables"]
     rest_slope: Float[np.ndarray, "cases rest variables"]
     margin_slope: Float[np.ndarray, "cases variables"]
@@ -116,6 +118,7 @@ class Measured(NamedTuple):
     rest: Float[np.ndarray, " rest"]
     margin: float
     first: float
+    rising: Bool[np.ndarray, " tuned"]
     peaks_slope: Float[np.ndarray, "peaks paths"]
     rest_slope: Float[np.ndarray, "rest paths"]
     margin_slope: Float[np.ndarray, " paths"]
@@ -126,7 +129,17 @@ class Measured(NamedTuple):
         rest, paths = len(problem.measured) - 1, len(problem.paths)
         code, peaks, unknown = int(problem.mechanism.outcomes["failed_input"]), np.full(PEAKS, np.nan), np.nan
         slopes = [np.full((*shape, paths), np.nan) for shape in ((PEAKS,), (rest,), ())]
-        return Measured(code, 0, peaks, np.arange(PEAKS), np.full(rest, np.nan), unknown, unknown, *slopes)
+        return Measured(
+            code,
+            0,
+            peaks,
+            np.arange(PEAKS),
+            np.full(rest, np.nan),
+            unknown,
+            unknown,
+            np.zeros(len(problem.mechanism.tuned), bool),
+            *slopes,
+        )
 
 
 def measure(
@@ -157,10 +170,18 @@ def measure(
         rest=values[: len(rest)],
         margin=float(values[-1]) if margin else 1.0,
         first=float(peaks[0]),
+        rising=_rising(run),
         peaks_slope=of_peaks[slots],
         rest_slope=of_rest,
         margin_slope=others[-1] if margin else np.zeros(len(paths)),
     )
+
+
+def _rising(run: Run) -> np.ndarray:
+    """Which of the tuned quantities are largest at the end of the run and still rising there."""
+    catalogue = run.mechanism.quantities
+    rates = [catalogue[name].rising for name in run.mechanism.tuned]
+    return np.array([bool(rate) and float(catalogue[rate].of(run)) > 0.0 for rate in rates])
 
 
 def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -199,6 +220,7 @@ def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Ev
         scaled=scaled,
         **run
         | {
+            "rising": run["rising"] & run["succeeded"][:, None],
             "rest": np.column_stack([run["rest"][:, :others], np.where(kept, own.values, 0.0)]),
             "rest_slope": np.concatenate(
                 [run["rest_slope"][:, :others], np.where(kept[:, :, None], own.slopes, 0.0)], axis=1
@@ -225,4 +247,4 @@ def _settled(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray)
     run["rest"][ended_otherwise, time] = problem.duration
     run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": succeeded}
-    return run | states | {name: stacked[name] for name in ("impacts", "slots")}
+    return run | states | {name: stacked[name] for name in ("impacts", "slots", "rising")}

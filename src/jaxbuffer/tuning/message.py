@@ -23,14 +23,17 @@ def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, s
         " study; starts and seed also by --starts and --seed"
     )
     if not goal.feasible(after):
-        return f"{infeasible(goal, after, _counted(progress.searches))}. To search on, {more}"
+        return f"{infeasible(goal, after, _counted(progress.searches))}. To search on within the bounds, {more}"
     return f"{_ending(branch, settings)}. {borne_out(progress, more)}"
 
 
 def infeasible(goal: Goal, after: Evaluation, searched: str) -> str:
     """That no design keeps to the limits, and which limits; ``searched``: by how much searching."""
-    broken = "; ".join(limit.heading for limit in broken_limits(goal, after))
-    return f"{INFEASIBLE}after {searched}, {broken}"
+    found = broken_limits(goal, after)
+    broken = "; ".join(limit.heading for limit in found)
+    held = dict.fromkeys(path for limit in found for path in limit.held)
+    widen = f"widen the bounds of {', '.join(held)}, which hold them back, or relax" if held else "relax"
+    return f"{INFEASIBLE}after {searched}, {broken}. To keep the limits, {widen} the limits"
 
 
 def headline(message: str, feasible: bool) -> str:
@@ -70,7 +73,7 @@ def borne_out(progress: Progress, more: str) -> str:
         return f"Only one search was made; for others {more}"
     if not np.isfinite(progress.apart):
         return (
-            f"Of {searches} no other that began apart came within {100.0 * AGREE:g} % of it; "
+            f"Of {searches} no other that began apart ended feasible within {100.0 * AGREE:g} % of it; "
             f"a better design may exist: {more}"
         )
     percent = f"{100.0 * progress.apart:.2g} %"

@@ -54,13 +54,19 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
 
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
-    """In how many scenarios the tuned design lies beyond a limit of validity, a line each."""
+    """In how many scenarios the tuned design lies beyond a limit of validity, or a quantity still rises at the end of
+    the run, a line each."""
     problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, peaks, strict=True):
         for limit in problem.mechanism.validity(case.of(tuned.design), peak):
             count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
-    return [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
+    lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
+    for name, rising in zip(problem.mechanism.tuned, tuned.after.rising.T, strict=True):
+        if n := int(np.sum(rising)):
+            where = f"where the {problem.mechanism.run_name} ends, in {n} of {len(problem.cases)} scenarios"
+            lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
+    return lines
 
 
 def _floor_facts(tuned: "Tuned") -> list[str]:
@@ -87,7 +93,7 @@ def _tuned_cases(tuned: "Tuned") -> Table:
     """The largest peak, the own quantities or else those drawn of a sweep that are tuned, impacts and outcomes."""
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
-    cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} worst of {count} scenarios")
+    cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force")
     cases.add_column("scenario")
     usual = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names]
     others = list(problem.quantities)[:OWN] or usual
@@ -98,7 +104,8 @@ def _tuned_cases(tuned: "Tuned") -> Table:
     for heading in (*headings, "impacts", "before", "after"):
         cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
     first, last = before.quantities, after.quantities
-    for k in sorted(np.argsort(-last[:, 0], kind="stable")[:SHOWN]):
+    highest = np.argsort(-last[:, 0], kind="stable")
+    for k in highest[:SHOWN] if count > SHOWN else range(count):
         shown = []
         for name in others:
             factor, q = catalogue[name].in_figures[1], problem.names.index(name)

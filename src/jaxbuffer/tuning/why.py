@@ -8,21 +8,42 @@ from jaxtyping import Float
 from ..fields import unit
 from .evaluation import Evaluation
 from .goal import Goal
+from .problem import Variable
 
 AT_BOUND = 1e-6  # of a variable's range
-LEAST = 1e-3  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable
+LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
+WEAK = {
+    True: 0.01,
+    False: 0.1,
+}  # effects relative to the strongest below which variables at a bound, or not, are not named
+FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
+
+
+class Stated(NamedTuple):
+    """A limit in its worst case: the quantity's ``value``, its ``limit`` and ``size``, of which a change counts; its
+    ``slope`` by the scaled variables; whether it must fall (``falls``) or rise; ``shown``: the unit of figures, and how
+    many of those its own unit is."""
+
+    value: float
+    limit: float
+    size: float
+    slope: Float[np.ndarray, " variables"]
+    falls: bool
+    shown: tuple[str, float]
 
 
 class BrokenLimit(NamedTuple):
     """A limit that some cases do not keep to.
 
     ``excess``: of the worst case, relative to the limit [-]; ``heading``: the limit, in how many cases it is broken,
-    the worst of them; ``reason``: which variables hold it back, to first order, "" where no slope tells.
+    the worst of them; ``reason``: which variables hold it back, to first order, "" where no slope tells; ``held``:
+    paths of those whose bound does.
     """
 
     excess: float
     heading: str
     reason: str = ""
+    held: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.heading}; {self.reason}" if self.reason else self.heading
@@ -46,12 +67,17 @@ def _of_quantity(
     """An upper limit, or with a minus sign a lower one."""
     problem, k = goal.problem, int(np.argmax(excess))
     name = problem.names[q]
-    symbol, value = problem.catalogue[name].unit, float(point.quantities[k, q])
-    stated = f"{name} {'≤' if limit > 0.0 else '≥'} {abs(limit):g} {symbol}".rstrip(" -")
-    heading = _heading(goal, stated, excess, f"{value:.4g} {symbol}".rstrip(" -"))
-    way = "fall" if limit > 0.0 else "rise"
-    slope = point.quantities_slope[k, q]
-    return BrokenLimit(float(excess[k]), heading, reason(goal, point, slope, abs(limit), way, symbol))
+    symbol, factor = shown = problem.catalogue[name].in_figures
+    value, falls = float(point.quantities[k, q]), limit > 0.0
+    heading = _heading(
+        goal,
+        f"{name} {'≤' if falls else '≥'} {factor * abs(limit):g} {symbol}".rstrip(" -"),
+        excess,
+        f"{factor * value:.4g} {symbol}".rstrip(" -"),
+    )
+    return _told(
+        goal, point, excess, heading, Stated(value, abs(limit), abs(limit), point.quantities_slope[k, q], falls, shown)
+    )
 
 
 def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
@@ -61,7 +87,15 @@ def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"
     quantity = mechanism.quantities[mechanism.margin]
     worst = f"{mechanism.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
     heading = f"{_heading(goal, str(mechanism.success), excess, worst)} ({mechanism.margin}: {quantity.description})"
-    return BrokenLimit(float(excess[k]), heading, reason(goal, point, point.margin_slope[k], 1.0, "rise", ""))
+    stated = Stated(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
+    return _told(goal, point, excess, heading, stated)
+
+
+def _told(
+    goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"], heading: str, stated: Stated
+) -> BrokenLimit:
+    held = tuple(it.variable.path for it in helping(goal, point, stated.slope, stated.falls) if it.at_bound)
+    return BrokenLimit(float(np.max(excess)), heading, reason(goal, point, stated), held)
 
 
 def _heading(goal: Goal, stated: str, excess: Float[np.ndarray, " cases"], worst: str) -> str:
@@ -70,34 +104,74 @@ def _heading(goal: Goal, stated: str, excess: Float[np.ndarray, " cases"], worst
     return f"{stated}: broken in {int(np.sum(excess > 0.0))} of {len(cases)} scenarios, worst {worst} at {where}"
 
 
-def reason(
-    goal: Goal, point: Evaluation, slope: Float[np.ndarray, " variables"], size: float, way: str, symbol: str
-) -> str:
-    """Which variables at a bound hold a quantity back that must ``way`` ("fall" or "rise"), to first order.
+class Helping(NamedTuple):
+    """A variable that moves a quantity: ``change`` of it for 1 % more of the variable, in the quantity's unit; ``up``:
+    whether more of the variable helps; ``at_bound``: whether its bound stands against that."""
 
-    **Arguments:** ``slope`` of the quantity [its unit] by the scaled variables; ``size``: its limit's, of which a
-    change by `LEAST` counts; ``symbol``: its unit.
-    """
-    problem, held, inside = goal.problem, list[str](), list[str]()
+    variable: Variable
+    value: float
+    change: float
+    up: bool
+    at_bound: bool
+
+
+def helping(goal: Goal, point: Evaluation, slope: Float[np.ndarray, " variables"], falls: bool) -> list[Helping]:
+    """The variables that make a quantity fall, or else rise, the strongest first, to first order; without those whose
+    effect is weak beside the strongest one's. ``slope``: of the quantity by the scaled variables."""
+    problem, found = goal.problem, list[Helping]()
     values = problem.values(point.scaled)
     for variable, scaled, value, by in zip(problem.variables, point.scaled, values, slope, strict=True):
-        change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))  # for 1 % more of the variable
-        if abs(change) < LEAST * size:
-            continue
-        up = (change < 0.0) == (way == "fall")  # whether more of the variable helps
-        helped = f"({'-' if way == 'fall' else '+'}{abs(change):.2g} {symbol}".rstrip() + " per 1 %)"
-        if (scaled >= 1.0 - AT_BOUND) if up else (scaled <= AT_BOUND):
-            bound = f"{variable.high if up else variable.low:g} {unit(problem.design, variable.path)}".rstrip(" -")
-            held.append(f"{variable.path} {'above' if up else 'below'} its bound of {bound} {helped}")
-        else:
-            inside.append(f"{'more' if up else 'less'} {variable.path} {helped}")
+        change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
+        up = (change < 0.0) == falls
+        at_bound = bool(scaled >= 1.0 - AT_BOUND if up else scaled <= AT_BOUND)
+        found.append(Helping(variable, float(value), change, up, at_bound))
+    strongest = max((abs(it.change) for it in found), default=0.0)
+    return sorted(
+        (it for it in found if abs(it.change) > WEAK[it.at_bound] * strongest), key=lambda it: -abs(it.change)
+    )
+
+
+def reason(goal: Goal, point: Evaluation, stated: Stated) -> str:
+    """Which variables at a bound hold a limited quantity back, and which would help within their bounds."""
+    way = "fall" if stated.falls else "rise"
+    every = helping(goal, point, stated.slope, stated.falls)
+    if not any(abs(it.change) > LEAST * stated.size for it in every):
+        return "no variable changes it: the limit can't be kept by these variables"
+    held = [_beyond(goal, stated, it) for it in every if it.at_bound]
+    inside = [
+        f"{'more' if it.up else 'less'} {it.variable.path} {_effect(stated, it)}" for it in every if not it.at_bound
+    ]
     lines = [f"it would {way} with {' or '.join(held)}"] if held else []
     if inside:
-        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, if nothing else stood against it")
-    return "; ".join(lines) or (
-        f"no variable changes it by more than {100.0 * LEAST:g} % of its limit a %: the limit can't be kept by these"
-        " variables near this design"
-    )
+        lines.append(
+            f"within the bounds it would {way} with {' or '.join(inside)}, but other limits or the objective stand"
+            " against that"
+        )
+    return "; ".join(lines)
+
+
+def _beyond(goal: Goal, stated: Stated, it: Helping) -> str:
+    """A variable beyond its bound, and how far about it would have to go."""
+    symbol = unit(goal.problem.design, it.variable.path)
+    bound = f"{it.variable.high if it.up else it.variable.low:g} {symbol}".rstrip(" -")
+    enough = _enough(stated, it)
+    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {enough:.2g} {symbol}".rstrip(" -")
+    return f"{it.variable.path} {'above' if it.up else 'below'} its bound of {bound}{far} {_effect(stated, it)}"
+
+
+def _effect(stated: Stated, it: Helping) -> str:
+    sign, (symbol, factor) = "-" if stated.falls else "+", stated.shown
+    return f"({sign}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+
+
+def _enough(stated: Stated, it: Helping) -> float | None:
+    """The variable's value at which the quantity would reach its limit if it went as a power of the variable; None for
+    what has no sign of its own, and beyond a factor of `FARTHEST`."""
+    if stated.value * stated.limit <= 0.0 or it.value <= 0.0:
+        return None
+    with np.errstate(over="ignore"):
+        times = float(np.exp(0.01 * stated.value * np.log(stated.limit / stated.value) / it.change))
+    return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
 
 
 def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:

@@ -30,6 +30,15 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=MILLIMETRES,
+        rising="stroke_rising",
+    ),
+    "stroke_rising": Quantity(
+        "m/s",
+        lambda c: c.stroke_rising,
+        "rate of the stroke at the run's end if it is largest there, else 0",
+        "stroke's rate at the end",
+        swept=True,
+        shown=("mm/s", 1e3),
     ),
     "hinge_angle": Quantity(
         "rad",
@@ -39,6 +48,15 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=DEGREES,
+        rising="hinge_angle_rising",
+    ),
+    "hinge_angle_rising": Quantity(
+        "rad/s",
+        lambda c: c.hinge_angle_rising,
+        "rate of the hinge angle at the run's end if it is largest there, else 0",
+        "hinge angle's rate at the end",
+        swept=True,
+        shown=("deg/s", 180.0 / math.pi),
     ),
     "bending": Quantity(
         "m",
