@@ -46,7 +46,10 @@ def working(text: str, work: Callable[[], T]) -> T:
 
 def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None = None, most: int | None = None) -> T:
     """Run ``work``, which reports each evaluation: a spinner on a terminal; elsewhere plain lines with the time
-    elapsed, of every start and step in the first seconds and then of one every few. ``success``: how runs should end; ``most`` evaluations that there can be."""
+    elapsed, at first one each, later one every few seconds.
+
+    ``success``: how runs should end; ``most`` evaluations that there can be.
+    """
     from ..tuning.summary import in_words
 
     begin = said = time.monotonic()
