@@ -39,6 +39,7 @@ def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         **_asked_record(run, asked),
+        "rising": rising(run),
         "outside_validity": mechanism.warnings(run),
         "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
@@ -68,6 +69,12 @@ def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
         "scenario": record(run.scenario),
         "jaxbuffer": version(),
     }
+
+
+def rising(run: Run) -> list[str]:
+    """Quantities that are largest at the run's end, and would go on to rise: those of whose rate there the run knows
+    (``stroke_rising`` is the stroke's) that it is positive."""
+    return [name for name in run.mechanism.swept if float(getattr(run, f"{name}_rising", 0.0)) > 0.0]
 
 
 def _asked_record(run: Run, asked: "Asked | None") -> dict[str, Any]:
@@ -222,15 +229,18 @@ def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
 
 def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
     problem = tuned.problem
-    units = {name: problem.catalogue[name].unit for name in problem.names}
+    units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.margin
     return [
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
             "first_peak [N]": _number(first),
             **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
+            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": _number(room)}),
         }
-        for code, impacts, first, row in zip(point.code, point.impacts, point.first, point.quantities, strict=True)
+        for code, impacts, first, row, room in zip(
+            point.code, point.impacts, point.first, point.quantities, point.margin, strict=True
+        )
     ]
 
 

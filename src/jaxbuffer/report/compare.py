@@ -6,13 +6,14 @@ from typing import Any
 from ..errors import InputError
 from ..fields import get, paths, unit
 from ..output.folder import Record, Results
+from .badges import badges
 from .figures import figure
 from .judged import case_labels
 from .limits import limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, in_figures, same, scenario_of, words
-from .review import distinct, verdicts
+from .review import distinct
 
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
@@ -28,9 +29,7 @@ def comparison(every: Sequence[Results]) -> Page:
     if not tables:
         raise InputError("nothing to compare: the folders need results of simulate or of tune, all of the same command")
     names = ", ".join(str(found.folder) for found in every)
-    told = [
-        Cell(f"{found.folder}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found], every)
-    ]
+    told = [Cell(f"{found.folder}: {badge.text}", badge.mark) for found in every for badge in badges([found], every)]
     parts = [Section(table.caption, tables=[table]) for table in tables]
     parts += distinct(_limits(every))
     if curves := _forces(every):

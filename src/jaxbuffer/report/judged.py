@@ -13,7 +13,7 @@ from .records import by_name, in_figures, scenario_of
 class Judged:
     """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
     where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, how it
-    ended (``outcomes``) and its number of ``impacts``."""
+    ended (``outcomes``), its number of ``impacts``, and which quantities were still ``rising`` at its end."""
 
     asked: Record
     lender: str
@@ -21,6 +21,7 @@ class Judged:
     values: Sequence[Mapping[str, Any]]
     outcomes: Sequence[str]
     impacts: Sequence[int]
+    rising: Sequence[Sequence[str]]
 
 
 def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
@@ -39,10 +40,13 @@ def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
     if found.tuned is None:
         values = by_name(record) | record.get("limited", {})
         said = found.mechanism.label(scenario_of(found.mechanism, record["scenario"]))
-        return Judged(asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])])
+        return Judged(
+            asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])], [record.get("rising", ())]
+        )
     cases = [case["after"] for case in record["scenarios"]]
     outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
-    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts)
+    rising = [case.get("rising", ()) for case in cases]
+    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts, rising)
 
 
 def has_limits(found: Results) -> bool:

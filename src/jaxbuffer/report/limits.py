@@ -46,26 +46,49 @@ def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -
     return Section("Limits", warnings=said, tables=tables)
 
 
-def broken_limits(found: Results, every: Sequence[Results] = ()) -> int:
-    """How many limits are broken, not counting how runs end."""
+class Standing(NamedTuple):
+    """How many limits are ``broken``, kept ``at_limit``, kept by what is still ``rising`` at a run's end, and
+    ``unknown``; how many ``runs`` there are, and of these ``missed``: ended otherwise than they must."""
+
+    broken: int
+    at_limit: int
+    rising: int
+    unknown: int
+    missed: int
+    runs: int
+
+    @property
+    def faults(self) -> int:
+        """Of both kinds."""
+        return self.broken + self.missed
+
+
+def standing(found: Results, every: Sequence[Results] = ()) -> Standing | None:
+    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `judged`."""
     held = judged(found, every)
-    return 0 if held is None else sum(row[-1] == BROKEN for row in _limit_rows(found.mechanism, held))
+    if held is None:
+        return None
+    verdicts = [row[-1] for row in _limit_rows(found.mechanism, held)]
+    counts = [verdicts.count(verdict) for verdict in (BROKEN, AT_LIMIT, RISING, UNKNOWN)]
+    return Standing(*counts, len(_missed(found.mechanism, held)), len(held.outcomes))
 
 
 def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
     """A row for each limit, and how runs must end."""
     rows = _limit_rows(mechanism, held)
     if mechanism.success is not None:
-        missed = _missed(mechanism, held)
-        ends, every = f"{mechanism.run_name}s that end {words(mechanism.success)}", len(held.outcomes)
+        missed, every = _missed(mechanism, held), len(held.outcomes)
         where = held.labels[missed[0]] if missed else "–"
-        rows.append([ends, "-", str(every - len(missed)), where, f"of {every}", "–", BROKEN if missed else KEPT])
+        end = words(mechanism.success)
+        rows.append([end, "-", str(every - len(missed)), where, f"of {every}", "–", BROKEN if missed else KEPT])
     return rows
 
 
 def _missed(mechanism: Mechanism, held: Judged) -> list[int]:
-    """The scenarios that do not end as they must."""
-    return [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
+    """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
+    missed = [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
+    margins = {k: held.values[k].get(mechanism.margin or "") for k in missed}
+    return sorted(missed, key=lambda k: 0.0 if margins[k] is None else margins[k])
 
 
 def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
@@ -85,20 +108,25 @@ def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
 
 
 def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:
-    return in_figures(mechanism, name, held.asked.get("quantities", {}))
+    title, symbol, factor = in_figures(mechanism, name, held.asked.get("quantities", {}))
+    asked = name in held.asked["limits"] or name in held.asked.get("lower_limits", {})
+    return (title if asked else f"{title} (always)"), symbol, factor
 
 
 def _row(title: tuple[str, str, float], held: Judged, limit: Limit) -> list[str | Cell]:
     name, symbol, factor = title
     told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
     if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
-        return [name, symbol, "–", "–", told, "–", Cell("not known", "unsure")]
+        return [name, symbol, "–", "–", told, "–", UNKNOWN]
     values = [case[limit.name] for case in held.values]
     value = worst(values, limit.lowest)
     where, of = held.labels[values.index(value)], None if value is None else factor * value
     share = _margin(value, limit)
     margin = "–" if share is None else f"{100 * share:.3g} %"
-    return [name, symbol, shown(of), where, told, margin, _verdict(value, limit)]
+    verdict = _verdict(value, limit)
+    if verdict == KEPT and not limit.lowest and limit.name in held.rising[values.index(value)]:
+        verdict = RISING
+    return [name, symbol, shown(of), where, told, margin, verdict]
 
 
 def _margin(value: float | None, limit: Limit) -> float | None:
@@ -126,6 +154,8 @@ def broken(value: float | None, limit: float | None, lowest: bool = False) -> bo
 
 
 KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
+RISING = Cell("kept; still rising at the end", "unsure")  # it would go on to rise, had the run gone on
+UNKNOWN = Cell("not known", "unsure")
 
 
 def _verdict(value: float | None, limit: Limit) -> Cell:

@@ -13,6 +13,7 @@ from .records import by_name, in_figures, quantity, same, scenario_of, words
 MANY = 12  # impacts; a longer table is folded
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FIRST = "what to change first"
+MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
 
 
@@ -22,7 +23,7 @@ def run(found: Results, first: Results) -> Section | None:
     if record is None:
         return None
     values, hits = by_name(record), record["impacts"]
-    meant = mechanism.meant(by_name(record["design"]).get)
+    meant = _once(mechanism.meant(by_name(record["design"]).get), values)
     tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
@@ -45,6 +46,13 @@ def run(found: Results, first: Results) -> Section | None:
         forces(found, f"Contact force, {mechanism.label(scenario)}"),
         [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]],
     )
+
+
+def _once(names: Sequence[str], values: Mapping[str, Any]) -> list[str]:
+    """The names, of several margins of equal value the first alone: what is left is then the same."""
+    margins = [values.get(name) for name in names if name.endswith(MARGIN)]
+    twice = [name for name in names if name.endswith(MARGIN) and margins.count(values.get(name)) > 1]
+    return [name for name in names if name not in twice[1:]]
 
 
 def forces(found: Results, caption: str) -> list[dict[str, Any]]:
