@@ -146,7 +146,7 @@ def test_forces_are_read_off_by_keyboard(browser, pages):
     browser.open(pages / "comparison.html")
     data = json.loads(browser.run("document.querySelector('.curves script').textContent"))
     told = browser.run("document.querySelector('.curves .clock').textContent")
-    highest = max(max(curve["force [N]"]) for curve in data)
+    highest = max(data[-1]["force [N]"])
     assert f"{highest:.4g}" in told.replace(",", "")
     browser.run("document.querySelector('.curves .time').focus()")
     browser.press("ArrowRight")

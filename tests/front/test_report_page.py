@@ -24,6 +24,7 @@ from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
 from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
 
+EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 
 
@@ -237,6 +238,21 @@ def test_the_safe_rectangle_in_words(folders):
     for part in record["rectangle"]:
         assert f"{field_name(part['path'])} from {shown(part['low'])} to {shown(part['high'])}" in told
     assert len(section.figures) == 2
+
+
+def test_an_edge_that_was_not_found_is_told(folders, tmp_path):
+    """Made up: the rectangle ends at the sweep's lowest speed, and nowhere else at the sweep's edge."""
+    record = json.loads((folders["sweep"] / "sweep.json").read_text())
+    for name in ("sweep.npz", "sweep.json"):
+        (tmp_path / name).write_bytes((folders["sweep"] / name).read_bytes())
+    speed, stiffness = ({**axis, "values": values} for axis, values in zip(record["axes"], EDGES, strict=True))
+    parts = [{**axis, "low": low, "high": high} for axis, (low, high) in ((speed, (0.1, 0.2)), (stiffness, (20, 30)))]
+    record |= {"axes": [speed, stiffness], "envelope": record["envelope"] | {"rectangle": parts}}
+    (tmp_path / "sweep.json").write_text(json.dumps(record))
+    section, _, _ = section_text(review([load(tmp_path)]), "Envelope")
+    assert section.warnings == [
+        "The edge of what is safe was not found on the side of approach speed below 0.1 m/s: sweep wider."
+    ]
 
 
 def test_indices_and_surfaces_are_those_of_the_table(folders):
@@ -490,3 +506,25 @@ def test_the_farthest_from_capture_is_named(tmp_path):
         case["after"]["capture_share [-]"] = margin
     _, _, rows = told_of(tmp_path, record)
     assert rows[-1][2:5] == ["1", "0.3 m/s, +2.865°", "of 3"]
+
+
+def test_what_breaks_a_limit_first(folders, tmp_path):
+    """A stroke of 20 mm with a limit of 25 mm: with elasticities of -2 and 0.5, the first number needs -12.5 %."""
+    record = json.loads((folders["sensitivity"] / "sensitivity.json").read_text())
+    given = [row for row in record["derivatives"] if row["quantity"] in ("stroke", "peak_force")]
+    elasticity = {("stroke", 0): -2.0, ("stroke", 1): 0.5}
+    seen = {"stroke": 0, "peak_force": 0}
+    for row in given:
+        k = seen[row["quantity"]]
+        row["elasticity [-]"], seen[row["quantity"]] = elasticity.get((row["quantity"], k), 1e-6), k + 1
+    record |= {"derivatives": given, "stroke [m]": 0.02, "peak_force [N]": 310.0}
+    (tmp_path / "sensitivity.json").write_text(json.dumps(record))
+    section, text, _ = section_text(review([load(tmp_path), load(folders["run"])]), "Sensitivity")
+    assert text[0].startswith("At ") and text[0].endswith("; captured.")
+    assert "those below 0.001 counting as 0.001" in " ".join(text)
+    assert "The second largest impact is number 3 with 200 N, 20 % below the peak" in " ".join(text)
+    assert "buffer.c_A -30 % would make it the peak" in " ".join(text)
+    rows = {row[0]: row[2:] for row in section.tables[-1].rows}
+    first = given[[row["quantity"] for row in given].index("stroke")]["parameter"]
+    assert [getattr(it, "text", it) for it in rows["buffer stroke"]] == ["20", "≤ 25", f"{first} -12.5 %"]
+    assert rows["peak contact force"][-1].text == "broken here"

@@ -7,7 +7,7 @@ from .experiments import STANDING
 from .limits import Standing, standing
 from .page import Cell
 from .records import ended, words
-from .runs import MARKS
+from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
 UNCONFIRMED = "no other search found the same: a better design may exist"

@@ -57,6 +57,11 @@ def has_limits(found: Results) -> bool:
     return bool(record.get("limits") or record.get("lower_limits")) or record.get("most_impacts") is not None
 
 
+def lender_of(every: Sequence[Results]) -> Record | None:
+    """The record of the first folder that has limits of its own."""
+    return next((_limiting(found) for found in every if has_limits(found)), None)
+
+
 def _limiting(found: Results) -> Record | None:
     return found.tuned if found.tuned is not None else found.records.get("run")
 

@@ -1,10 +1,10 @@
 """Results against limits: the worst value of each limited quantity, its margin, kept or broken."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Results
+from ..output.folder import Record, Results
 from .judged import Judged, judged
 from .page import Cell, Section, Table, shown
 from .records import ROUNDING, in_figures, words
@@ -102,9 +102,16 @@ def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 
 
 def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
-    always = {name: limit for name, limit in mechanism.always.items() if name in held.values[0]}
-    upper = [Limit(name, limit) for name, limit in {**always, **held.asked["limits"]}.items()]
-    return upper + [Limit(name, limit, True) for name, limit in held.asked.get("lower_limits", {}).items()]
+    always = [name for name in mechanism.always if name in held.values[0]]
+    own = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
+    return asked_limits(mechanism, held.asked, [*always, *own])
+
+
+def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> list[Limit]:
+    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some."""
+    upper = [Limit(name, limit) for name, limit in {**mechanism.always, **asked["limits"]}.items()]
+    lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
+    return [limit for limit in (*upper, *lower) if limit.name in among]
 
 
 def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:

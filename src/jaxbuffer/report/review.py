@@ -11,7 +11,8 @@ from .experiments import front, sample, sweep
 from .limits import limits
 from .origin import origin, verification
 from .page import Page, Section
-from .runs import diagnosis, run, sensitivity
+from .runs import diagnosis, run
+from .sensitivities import sensitivity
 from .tunings import scenarios, search
 
 Parts = list[tuple[Results, Section]]
@@ -25,7 +26,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     made += [(found, scenarios(found)) for found in every]
     for found in every:
         made += [(found, run(found, first)), (found, diagnosis(found, every))]
-    made += [(found, sensitivity(found, first)) for found in every]
+    made += [(found, sensitivity(found, first, every)) for found in every]
     made += [(found, make(found)) for make in (search, sweep, sample, front) for found in every]
     parts = distinct([(found, section) for found, section in made if section is not None])
     subtitle = f"{first.mechanism.title} · {', '.join(str(found.folder) for found in every)}"
