@@ -1,5 +1,6 @@
 """The page of a design review: whole in itself, true to the records, readable by everyone."""
 
+import dataclasses
 import json
 import platform
 from datetime import datetime, timedelta
@@ -9,7 +10,7 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from made_up import END, PULSE, STEPS
+from made_up import END, PULSE, STEPS, made_up_capture
 from report_folders import COMMANDS, STUDY, every_kind
 
 import jaxbuffer as jb
@@ -17,6 +18,7 @@ from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
+from jaxbuffer.output.records import run_record
 from jaxbuffer.output.results import run_files, sensitivity_files
 from jaxbuffer.report.compare import comparison
 from jaxbuffer.report.page import Cell, Table, shown
@@ -225,7 +227,7 @@ def section_text(page, title):
 def test_a_section_for_every_kind_of_result(folders):
     page = review([load(folder) for name, folder in folders.items() if name not in ("other", "missed")])
     titles = [section.title for section in page.sections]
-    assert titles[0] == "Design" and titles[-2:] == ["Where the numbers come from", "Verification"]
+    assert titles[:2] == ["What is asked", "Design"] and titles[-2:] == ["Where the numbers come from", "Verification"]
     assert {"Scenarios", "Capture", "Sensitivity", "Tuning", "Envelope", "Sample", "Front"} <= set(titles)
     Outline(page.html())
 
@@ -359,6 +361,7 @@ def test_verification_is_told_as_it_is(tmp_path, same):
     told = " ".join(lines(verified(file)))
     assert "3 of 4 measured errors" in told
     assert ("these very equations" in told) is same and ("need not hold" in told) is not same
+    assert ("an earlier state of version 0.1.0 (digest another)" in told and "`make verify`" in told) is not same
 
 
 def test_forces_of_compared_runs_are_in_one_figure(folders):
@@ -528,3 +531,51 @@ def test_what_breaks_a_limit_first(folders, tmp_path):
     first = given[[row["quantity"] for row in given].index("stroke")]["parameter"]
     assert [getattr(it, "text", it) for it in rows["buffer stroke"]] == ["20", "≤ 25", f"{first} -12.5 %"]
     assert rows["peak contact force"][-1].text == "broken here"
+
+
+def test_what_is_asked_comes_first(tmp_path):
+    """Two scenarios, of 0.1 and 0.2 m/s; the limit in millimetres."""
+    page, _, _ = told_of(tmp_path, several((0.02, 0.01), ("captured",) * 2, True))
+    section, (left_out,), rows = section_text(page, "What is asked")
+    assert page.sections[0] is section
+    assert ["objective", "peak force", "as small as possible"] in rows
+    assert ["end", "each capture", "captured"] in rows and ["limit", "buffer stroke", "≤ 25 mm"] in rows
+    assert ["2 scenarios", "approach speed", "0.1 m/s to 0.2 m/s"] in rows
+    assert ["2 scenarios", "misalignment", "+2.865°"] in rows
+    assert ["variable", "buffer.k_A", "100 to 900 N/m"] in rows
+    assert "planar" in left_out and "ends at capture" in left_out and "docs/verification.md" in left_out
+
+
+def test_what_the_model_of_a_bar_leaves_out(folder):
+    _, (left_out,), rows = section_text(review([load(folder)]), "What is asked")
+    assert "planar" in left_out and rows[0][:2] == ["scenario", "height"]
+
+
+@pytest.mark.parametrize(("speed", "shown_beside"), [(0.1, False), (0.15, True)])
+def test_limits_of_a_tuned_scenario_are_told_once(folders, tmp_path, speed, shown_beside):
+    """A run of one of the tuning's scenarios needs no table of its own beside the tuning's."""
+    run, record = captured_record(folders, {}), tuned_record(0.0075, True)
+    record |= {"design": run["design"], "limits": run["limits"]}
+    record["scenarios"] = [{**record["scenarios"][0], **run["scenario"]}]
+    run["scenario"]["approach_speed [m/s]"] *= speed / 0.1
+    for name, content in (("tuned", record), ("capture", run)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{name}.json").write_text(json.dumps(content))
+    page = review([load(tmp_path / name) for name in ("tuned", "capture")])
+    assert [section.title for section in page.sections if section.title.startswith("Limits")] == (
+        ["Limits: tuned", "Limits: capture"] if shown_beside else ["Limits"]
+    )
+
+
+def test_what_still_rises_at_the_end_is_in_the_record():
+    run = made_up_capture()
+    assert run_record(run)["rising"] == []
+    rising = dataclasses.replace(run, stroke_rising=jax.numpy.asarray(0.02))
+    assert run_record(rising)["rising"] == ["stroke"]
+
+
+def test_equal_margins_are_told_once(folders, tmp_path):
+    run = captured_record(folders, {"stroke_margin [m]": 0.1, "capture_margin [m]": 0.1})
+    (tmp_path / "capture.json").write_text(json.dumps(run))
+    _, _, rows = section_text(review([load(tmp_path)]), "Capture")
+    assert [row[0] for row in rows if row[0].endswith("margin")] == ["stroke margin"]

@@ -6,7 +6,9 @@ from typing import Any
 
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .records import by_name, in_figures, scenario_of
+from .records import by_name, in_figures, same, scenario_of
+
+LIMITS = ("limits", "lower_limits", "most_impacts")  # what a record has that its study limits
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,6 +57,28 @@ def has_limits(found: Results) -> bool:
     if record is None:
         return False
     return bool(record.get("limits") or record.get("lower_limits")) or record.get("most_impacts") is not None
+
+
+def told_already(found: Results, every: Sequence[Results]) -> bool:
+    """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
+    the same limits: what is said of the tuning's limits holds for it."""
+    run = found.records.get("run")
+    if run is None or found.tuned is not None:
+        return False
+    return any(other.tuned is not None and _is_a_case(run, other.tuned) for other in every)
+
+
+def _is_a_case(run: Record, tuned: Record) -> bool:
+    own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
+    if any(own) and own != others:
+        return False
+    design = tuned["design"]
+    if not all(same(design.get(name), value) for name, value in run["design"].items()):
+        return False
+    return any(
+        not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
+        for case in tuned["scenarios"]
+    )
 
 
 def lender_of(every: Sequence[Results]) -> Record | None:

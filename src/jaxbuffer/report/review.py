@@ -5,9 +5,11 @@ from collections import Counter
 from collections.abc import Sequence
 
 from ..output.folder import Results
+from .asked import asked
 from .badges import INFEASIBLE, badges
 from .designs import design
 from .experiments import front, sample, sweep
+from .judged import told_already
 from .limits import limits
 from .origin import origin, verification
 from .page import Page, Section
@@ -21,8 +23,8 @@ Parts = list[tuple[Results, Section]]
 def review(every: Sequence[Results], title: str = "") -> Page:
     """One page of all folders together: the first one's design, then what each of them holds."""
     first = next((found for found in every if found.tuned), next((f for f in every if f.records), every[0]))
-    made = [(first, design(first))]
-    made += [(found, limits(found, every)) for found in every]
+    made = [(first, asked(first, every)), (first, design(first))]
+    made += [(found, limits(found, every)) for found in every if not told_already(found, every)]
     made += [(found, scenarios(found)) for found in every]
     for found in every:
         made += [(found, run(found, first)), (found, diagnosis(found, every))]
