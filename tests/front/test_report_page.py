@@ -579,3 +579,23 @@ def test_equal_margins_are_told_once(folders, tmp_path):
     (tmp_path / "capture.json").write_text(json.dumps(run))
     _, _, rows = section_text(review([load(tmp_path)]), "Capture")
     assert [row[0] for row in rows if row[0].endswith("margin")] == ["stroke margin"]
+
+
+def test_tunings_under_different_limits_side_by_side(tmp_path):
+    """The second folder's forces are lower, but its stroke breaks its own, smaller limit: no praise for it there."""
+    first = several((0.02, 0.01), ("captured",) * 2, True)
+    second = several((0.018, 0.009), ("captured",) * 2, False) | {"limits": {"stroke": 0.015, "peak_force": 500.0}}
+    for case in second["scenarios"]:
+        case["after"]["peak_force [N]"] = 90.0
+    for name, record in (("first", first), ("second", second)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "tuned.json").write_text(json.dumps(record))
+    page = comparison([load(tmp_path / "first"), load(tmp_path / "second")])
+    (section,) = [section for section in page.sections if "by scenario" in section.title]
+    forces, strokes = section.tables
+    assert [row[2].mark for row in forces.rows] == ["", "good"] and not forces.folded
+    assert [[cell.text for cell in row[1:]] for row in strokes.rows] == [["20", "18"], ["10", "9"]]
+    assert [[cell.mark for cell in row[1:]] for row in strokes.rows] == [["", "bad"], ["", "good"]] and strokes.folded
+    (told,) = [line for section in page.sections for line in section.warnings if "different limits" in line]
+    assert f"buffer stroke: {tmp_path / 'first'} ≤ 25 mm, {tmp_path / 'second'} ≤ 15 mm" in told
+    assert f"peak contact force: {tmp_path / 'first'} not limited, {tmp_path / 'second'} ≤ 500 N" in told

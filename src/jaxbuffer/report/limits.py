@@ -73,6 +73,19 @@ def standing(found: Results, every: Sequence[Results] = ()) -> Standing | None:
     return Standing(*counts, len(_missed(found.mechanism, held)), len(held.outcomes))
 
 
+def keeping(mechanism: Mechanism, held: Judged) -> list[bool]:
+    """Of each scenario, whether its run ends as it must and keeps every limit."""
+    beyond = {k for k, case in enumerate(held.values) if any(_breaks(case, it) for it in _asked(mechanism, held))}
+    most = held.asked.get("most_impacts")
+    beyond |= set() if most is None else {k for k, count in enumerate(held.impacts) if count > most}
+    beyond |= set(_missed(mechanism, held))
+    return [k not in beyond for k in range(len(held.values))]
+
+
+def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
+    return limit.name in case and broken(case[limit.name], limit.value, limit.lowest)
+
+
 def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
     """A row for each limit, and how runs must end."""
     rows = _limit_rows(mechanism, held)
@@ -194,8 +207,8 @@ def _each_broken(mechanism: Mechanism, held: Judged) -> list[tuple[float, list[s
         name, symbol, factor = ("impacts", "-", 1) if limit.name == "impacts" else _title(mechanism, held, limit.name)
         told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
         for where, case in zip(held.labels, cases, strict=True):
-            value = case.get(limit.name)
-            if limit.name in case and broken(value, limit.value, limit.lowest):
+            if _breaks(case, limit):
+                value = case[limit.name]
                 share, of = _margin(value, limit), None if value is None else factor * value
                 by = "–" if share is None else f"{-100 * share:.3g} %"
                 found.append((0.0 if share is None else -share, [where, name, symbol, shown(of), told, by]))
