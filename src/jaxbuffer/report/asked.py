@@ -1,8 +1,9 @@
 """What was asked: limits, scenarios, variables with their bounds; and what the model leaves out."""
 
 from collections.abc import Sequence
+from typing import Any
 
-from ..fields import get, paths, unit
+from ..fields import Part, get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
@@ -57,7 +58,7 @@ def _scenarios(mechanism: Mechanism, cases: Sequence[Record]) -> Rows:
     return rows
 
 
-def _range(met: Sequence[object], usual: object, path: str) -> list[str]:
+def _range(met: Sequence[Any], usual: Part, path: str) -> list[str]:
     """A field's name, and its values from the lowest to the highest."""
     values, symbol = [get(one, path) for one in met], unit(usual, path)
     if not symbol or any(value is None for value in values):

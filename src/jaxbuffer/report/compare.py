@@ -8,13 +8,14 @@ from ..errors import InputError
 from ..fields import get, paths, unit
 from ..output.folder import Results
 from .badges import badges
-from .differing import by_scenario, differing, limited_by_scenario
+from .differing import COLOURS, by_scenario, differing, limited_by_scenario
 from .figures import figure
 from .limits import limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, in_figures, same, scenario_of
 from .review import distinct
+from .runs import once
 
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
@@ -33,7 +34,8 @@ def comparison(every: Sequence[Results]) -> Page:
     told = [Cell(f"{found.folder}: {badge.text}", badge.mark) for found in every for badge in badges([found], every)]
     parts = [Section(table.caption, tables=[table]) for table in tables]
     if all(found.tuned is not None for found in every):
-        parts[-1] = dataclasses.replace(parts[-1], tables=[tables[-1], *limited_by_scenario(every)])
+        every_limit = [tables[-1], *limited_by_scenario(every)]
+        parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
     parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
@@ -105,7 +107,8 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
     designs = [by_name(record["design"]) for record in records]
-    for name in mechanism.meant(lambda path: any(design.get(path) for design in designs)):
+    meant = mechanism.meant(lambda path: any(design.get(path) for design in designs))
+    for name in once(meant, *map(by_name, records)):
         title, symbol, factor = in_figures(mechanism, name)
         values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
         in_unit = [None if value is None else factor * value for value in values]

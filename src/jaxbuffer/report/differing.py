@@ -11,7 +11,9 @@ from .limits import Limit, asked_limits, broken, keeping
 from .page import Cell, Table, shown
 from .records import by_name, in_figures, scenario_of, words
 
-KEPT = "the lowest in green, where its limits are kept"
+Known = tuple[float | None, bool, bool]  # a value, whether it breaks its limit, whether its run keeps all limits
+UNKNOWN: Known = (None, False, False)
+COLOURS = "Red: a limit is broken. Green: the lowest of a scenario, where its run keeps all limits."
 
 
 def differing(every: Sequence[Results]) -> list[str]:
@@ -68,21 +70,21 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     title, symbol, factor = _shown(every, name)
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
-        known = [values[case][0] for values in found if case in values and values[case][0] is not None]
+        known = [value for values in found if (value := values.get(case, UNKNOWN)[0]) is not None]
         least = min(known) if len(known) > 1 else None
-        rows.append([label, *(_cell(values.get(case), least, factor) for values in found)])
-    caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario ({KEPT})"
+        rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in found)])
+    caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario"
     return Table(caption, ("scenario", *folders), rows, folded)
 
 
-def _cell(known: tuple[float | None, bool, bool] | None, least: float | None, factor: float) -> Cell:
-    if known is None or known[0] is None:
-        return Cell(shown(None))
+def _cell(known: Known, least: float | None, factor: float) -> Cell:
     value, beyond, kept = known
+    if value is None:
+        return Cell(shown(None))
     return Cell(shown(factor * value), "bad" if beyond else "good" if kept and value == least else "")
 
 
-def _cells(found: Results, every: Sequence[Results], name: str) -> Mapping[str, tuple[float | None, bool, bool]]:
+def _cells(found: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
     """By scenario: the value, whether it breaks its limit, whether the run keeps all limits."""
     held, limits = judged(found, every), _limits(found, every)
     cases = _cases(found)

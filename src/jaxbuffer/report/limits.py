@@ -69,8 +69,9 @@ def standing(found: Results, every: Sequence[Results] = ()) -> Standing | None:
     if held is None:
         return None
     verdicts = [row[-1] for row in _limit_rows(found.mechanism, held)]
-    counts = [verdicts.count(verdict) for verdict in (BROKEN, AT_LIMIT, RISING, UNKNOWN)]
-    return Standing(*counts, len(_missed(found.mechanism, held)), len(held.outcomes))
+    beyond, at_limit, rising, unknown = map(verdicts.count, (BROKEN, AT_LIMIT, RISING, UNKNOWN))
+    missed = len(_missed(found.mechanism, held))
+    return Standing(beyond, at_limit, rising, unknown, missed, len(held.outcomes))
 
 
 def keeping(mechanism: Mechanism, held: Judged) -> list[bool]:
@@ -100,8 +101,8 @@ def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 def _missed(mechanism: Mechanism, held: Judged) -> list[int]:
     """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
     missed = [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
-    margins = {k: held.values[k].get(mechanism.margin or "") for k in missed}
-    return sorted(missed, key=lambda k: 0.0 if margins[k] is None else margins[k])
+    margins = {k: float(held.values[k].get(mechanism.margin or "") or 0.0) for k in missed}
+    return sorted(missed, key=lambda k: margins[k])
 
 
 def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:

@@ -22,7 +22,7 @@ def run(found: Results, first: Results) -> Section | None:
     if record is None:
         return None
     values, hits = by_name(record), record["impacts"]
-    meant = _once(mechanism.meant(by_name(record["design"]).get), values)
+    meant = once(mechanism.meant(by_name(record["design"]).get), values)
     tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
@@ -47,11 +47,13 @@ def run(found: Results, first: Results) -> Section | None:
     )
 
 
-def _once(names: Sequence[str], values: Mapping[str, Any]) -> list[str]:
-    """The names, of several margins of equal value the first alone: what is left is then the same."""
-    margins = [values.get(name) for name in names if name.endswith(MARGIN)]
-    twice = [name for name in names if name.endswith(MARGIN) and margins.count(values.get(name)) > 1]
-    return [name for name in names if name not in twice[1:]]
+def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
+    """The names, of several margins of equal value in all ``runs`` the first alone: what is left is then the same."""
+    kept: dict[Any, str] = {}
+    for name in names:
+        values = tuple(run.get(name) for run in runs)
+        kept.setdefault((values, None) if name.endswith(MARGIN) else name, name)
+    return [*kept.values()]
 
 
 def forces(found: Results, caption: str) -> list[dict[str, Any]]:

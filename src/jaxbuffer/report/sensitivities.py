@@ -87,7 +87,8 @@ def _until_broken(found: Results, of_quantity: Rows, asked: Record | None) -> li
     """Of each limited quantity, the number whose smallest relative change breaks the limit, to first order."""
     if asked is None or found.sensitivity is None:
         return []
-    values, rows = by_name(found.sensitivity), []
+    values = by_name(found.sensitivity)
+    rows: list[list[str | Cell]] = []
     for limit in asked_limits(found.mechanism, asked, of_quantity):
         title, symbol, factor = in_figures(found.mechanism, limit.name)
         value = values[limit.name]
