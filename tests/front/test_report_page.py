@@ -599,3 +599,9 @@ def test_tunings_under_different_limits_side_by_side(tmp_path):
     (told,) = [line for section in page.sections for line in section.warnings if "different limits" in line]
     assert f"buffer stroke: {tmp_path / 'first'} ≤ 25 mm, {tmp_path / 'second'} ≤ 15 mm" in told
     assert f"peak contact force: {tmp_path / 'first'} not limited, {tmp_path / 'second'} ≤ 500 N" in told
+
+
+def test_a_tunings_record_has_the_margin_of_each_scenario(folders):
+    """Made up with a margin of 1 in every scenario: by it the page finds the farthest from capture."""
+    record = json.loads((folders["tuned"] / "tuned.json").read_text())
+    assert all(case["after"]["capture_share [-]"] == 1.0 for case in record["scenarios"])
