@@ -10,6 +10,7 @@ from report_folders import every_kind
 
 from jaxbuffer.output.folder import load
 from jaxbuffer.report.compare import comparison
+from jaxbuffer.report.page import Page, Section
 from jaxbuffer.report.review import review
 
 PATH = executable()
@@ -146,7 +147,7 @@ def test_forces_are_read_off_by_keyboard(browser, pages):
     browser.open(pages / "comparison.html")
     data = json.loads(browser.run("document.querySelector('.curves script').textContent"))
     told = browser.run("document.querySelector('.curves .clock').textContent")
-    highest = max(max(curve["force [N]"]) for curve in data)
+    highest = max(data[-1]["force [N]"])
     assert f"{highest:.4g}" in told.replace(",", "")
     browser.run("document.querySelector('.curves .time').focus()")
     browser.press("ArrowRight")
@@ -174,3 +175,21 @@ def test_a_run_is_played_by_keyboard(browser, pages):
     assert browser.run(later) >= 2
     browser.press("Enter")
     assert browser.run("document.querySelector('.play').textContent") == "Play"
+
+
+def test_early_impacts_are_shown_first(browser, tmp_path):
+    """Impacts in the first tenth of a run, then a lasting push: the view ends soon after the last touchdown, and the
+    reading begins at the last curve's peak; the whole run is a button away."""
+    one = {"name": "one", "time [s]": [0.0, 0.01, 0.02, 0.03, 1.0], "force [N]": [0.0, 300.0, 0.0, 50.0, 90.0]}
+    other = {**one, "name": "other", "force [N]": [0.0, 100.0, 0.0, 120.0, 0.0]}
+    chart = {"caption": "Contact force", "curves": [one, other]}
+    file = tmp_path / "page.html"
+    file.write_text(Page("Forces", "", [], [Section("Forces", curves=[chart])]).html(), encoding="utf-8")
+    browser.open(file)
+    clock = browser.run("document.querySelector('.clock').textContent")
+    assert clock.startswith("0.03") and clock.endswith("other: 120 N")
+    assert "Shown first: the beginning" in browser.run("document.querySelector('figcaption').textContent")
+    last = "Math.max(...[...document.querySelectorAll('.chart text[text-anchor=middle]')].map(it => +it.textContent))"
+    assert browser.run(last) <= 0.036  # 1.2 times the later of touchdown and peak
+    browser.run("document.querySelector('.whole').click()")
+    assert browser.run(last) == 1.0

@@ -1,5 +1,6 @@
 """The page of a design review: whole in itself, true to the records, readable by everyone."""
 
+import dataclasses
 import json
 import platform
 from datetime import datetime, timedelta
@@ -9,7 +10,7 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from made_up import END, PULSE, STEPS
+from made_up import END, PULSE, STEPS, made_up_capture
 from report_folders import COMMANDS, STUDY, every_kind
 
 import jaxbuffer as jb
@@ -17,6 +18,7 @@ from jaxbuffer.cli.entry import run as command
 from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
+from jaxbuffer.output.records import run_record
 from jaxbuffer.output.results import run_files, sensitivity_files
 from jaxbuffer.report.compare import comparison
 from jaxbuffer.report.page import Cell, Table, shown
@@ -24,6 +26,7 @@ from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
 from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
 
+EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
 VOID = {"meta", "link", "input", "img", "br", "hr"}
 
 
@@ -224,7 +227,7 @@ def section_text(page, title):
 def test_a_section_for_every_kind_of_result(folders):
     page = review([load(folder) for name, folder in folders.items() if name not in ("other", "missed")])
     titles = [section.title for section in page.sections]
-    assert titles[0] == "Design" and titles[-2:] == ["Where the numbers come from", "Verification"]
+    assert titles[:2] == ["What is asked", "Design"] and titles[-2:] == ["Where the numbers come from", "Verification"]
     assert {"Scenarios", "Capture", "Sensitivity", "Tuning", "Envelope", "Sample", "Front"} <= set(titles)
     Outline(page.html())
 
@@ -237,6 +240,21 @@ def test_the_safe_rectangle_in_words(folders):
     for part in record["rectangle"]:
         assert f"{field_name(part['path'])} from {shown(part['low'])} to {shown(part['high'])}" in told
     assert len(section.figures) == 2
+
+
+def test_an_edge_that_was_not_found_is_told(folders, tmp_path):
+    """Made up: the rectangle ends at the sweep's lowest speed, and nowhere else at the sweep's edge."""
+    record = json.loads((folders["sweep"] / "sweep.json").read_text())
+    for name in ("sweep.npz", "sweep.json"):
+        (tmp_path / name).write_bytes((folders["sweep"] / name).read_bytes())
+    speed, stiffness = ({**axis, "values": values} for axis, values in zip(record["axes"], EDGES, strict=True))
+    parts = [{**axis, "low": low, "high": high} for axis, (low, high) in ((speed, (0.1, 0.2)), (stiffness, (20, 30)))]
+    record |= {"axes": [speed, stiffness], "envelope": record["envelope"] | {"rectangle": parts}}
+    (tmp_path / "sweep.json").write_text(json.dumps(record))
+    section, _, _ = section_text(review([load(tmp_path)]), "Envelope")
+    assert section.warnings == [
+        "The edge of what is safe was not found on the side of approach speed below 0.1 m/s: sweep wider."
+    ]
 
 
 def test_indices_and_surfaces_are_those_of_the_table(folders):
@@ -271,7 +289,7 @@ def test_a_run_is_held_against_its_studys_limits(folders):
     assert without_scenario(rows)[0] == ["buffer stroke", "mm", "7.5", "≤ 25", "70 %", "kept"]
     assert without_scenario(rows)[1] == ["peak contact force", "N", "250", "≤ 300", "16.7 %", "kept"]
     _, _, rows = section_text(review([load(folders["missed"])]), title)
-    assert ["captures that end captured", "-", "0", "of 1", "–", "broken"] in without_scenario(rows)
+    assert ["captured", "-", "0", "of 1", "–", "broken"] in without_scenario(rows)
 
 
 @pytest.mark.parametrize(("value", "verdict", "margin"), [(0.6, "kept", "20 %"), (0.4, "broken", "-20 %")])
@@ -343,6 +361,7 @@ def test_verification_is_told_as_it_is(tmp_path, same):
     told = " ".join(lines(verified(file)))
     assert "3 of 4 measured errors" in told
     assert ("these very equations" in told) is same and ("need not hold" in told) is not same
+    assert ("an earlier state of version 0.1.0 (digest another)" in told and "`make verify`" in told) is not same
 
 
 def test_forces_of_compared_runs_are_in_one_figure(folders):
@@ -385,7 +404,7 @@ def test_compared_folders_say_which_limits_they_keep(folders, tmp_path):
     assert [[row[-1].text for row in table.rows[:2]] for table in tables] == [["broken", "kept"], ["kept", "kept"]]
     pills = {verdict.text.rpartition("/")[2]: verdict.mark for verdict in page.verdicts}
     assert pills["first: captured, 1 limit broken, peak force 250 N"] == "bad"
-    assert pills["second: captured, peak force 250 N"] == "good"
+    assert pills["second: captured, limits kept, peak force 250 N"] == "good"
 
 
 def test_a_value_at_its_limit_is_told(folders, tmp_path):
@@ -422,7 +441,7 @@ def test_broken_limits_are_in_one_box_and_a_table(tmp_path):
     (stroke,) = [row for row in worst.rows if row[0] == "buffer stroke"]
     assert stroke[2:5] == ["40", "0.3 m/s, +2.865°", "≤ 25"]
     assert [row[3] for row in beyond.rows] == ["40", "30"] and [row[-1] for row in beyond.rows] == ["60 %", "20 %"]
-    assert ("the search found no feasible design", "unsure") in [(it.text, it.mark) for it in page.verdicts]
+    assert ("no feasible design found", "bad") in [(it.text, it.mark) for it in page.verdicts]
 
 
 @pytest.mark.parametrize(
@@ -433,3 +452,156 @@ def test_a_search_that_did_not_converge_says_how_it_ended(tmp_path, ended, said)
     record = tuned_record(0.02, True) | {"converged": False, "ended": ended}
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     assert (said, "unsure") in [(it.text, it.mark) for it in review([load(tmp_path)]).verdicts]
+
+
+def told_of(tmp_path, record):
+    """The badges of a made-up tuning by their texts, and its table of limits."""
+    (tmp_path / "tuned.json").write_text(json.dumps(record))
+    page = review([load(tmp_path)])
+    section, _, _ = section_text(page, "Limits")
+    return page, {badge.text: badge.mark for badge in page.verdicts}, section.tables[0].rows
+
+
+def several(strokes, outcomes, feasible):
+    """A tuning of as many scenarios as ``strokes`` [m], of rising speeds; limit 25 mm."""
+    record = tuned_record(0.02, feasible)
+    (case,) = record["scenarios"]
+    record["scenarios"] = [
+        {
+            **case,
+            "approach_speed [m/s]": 0.1 * (k + 1),
+            "after": {**case["after"], "stroke [m]": stroke, "outcome": end},
+        }
+        for k, (stroke, end) in enumerate(zip(strokes, outcomes, strict=True))
+    ]
+    return record
+
+
+def test_an_infeasible_tuning_is_red_at_the_top(tmp_path):
+    """Of three scenarios one breaks the stroke's limit, two are not captured; the peak force is not praised."""
+    record = several((0.03, 0.02, 0.02), ("captured", "escaped", "timeout"), False)
+    page, badges, _ = told_of(tmp_path, record)
+    assert page.title.endswith(": no feasible design")
+    assert badges["no feasible design found"] == "bad"
+    assert badges["1 limit broken, 2 of 3 not captured"] == "bad"
+    assert badges["peak force: 250 → 100 N (-60 %)"] == ""
+
+
+def test_what_is_kept_but_not_for_certain_is_amber(tmp_path):
+    """One stroke 0.04 % below its limit; the same with room, but rising at the end of the worst scenario's run."""
+    _, badges, _ = told_of(tmp_path, several((0.02499, 0.01), ("captured",) * 2, True))
+    assert badges["all limits kept, 1 at the limit"] == "unsure"
+    assert badges["peak force: 250 → 100 N (-60 %)"] == "good"
+    record = several((0.02, 0.01), ("captured",) * 2, True)
+    record["scenarios"][0]["after"]["rising"] = ["stroke"]
+    _, badges, rows = told_of(tmp_path, record | {"borne_out": False})
+    assert badges["all limits kept, 1 still rising at the end"] == "unsure"
+    assert badges["no other search found the same: a better design may exist"] == "unsure"
+    assert rows[0][-1].text == "kept; still rising at the end"
+    record["scenarios"][0]["after"]["rising"], record["scenarios"][1]["after"]["rising"] = [], ["stroke"]
+    _, badges, _ = told_of(tmp_path, record)
+    assert badges["all limits kept"] == "good"
+
+
+def test_the_farthest_from_capture_is_named(tmp_path):
+    record = several((0.02,) * 3, ("captured", "timeout", "timeout"), False)
+    for case, margin in zip(record["scenarios"], (0.3, -0.1, -3.0), strict=True):
+        case["after"]["capture_share [-]"] = margin
+    _, _, rows = told_of(tmp_path, record)
+    assert rows[-1][2:5] == ["1", "0.3 m/s, +2.865°", "of 3"]
+
+
+def test_what_breaks_a_limit_first(folders, tmp_path):
+    """A stroke of 20 mm with a limit of 25 mm: with elasticities of -2 and 0.5, the first number needs -12.5 %."""
+    record = json.loads((folders["sensitivity"] / "sensitivity.json").read_text())
+    given = [row for row in record["derivatives"] if row["quantity"] in ("stroke", "peak_force")]
+    elasticity = {("stroke", 0): -2.0, ("stroke", 1): 0.5}
+    seen = {"stroke": 0, "peak_force": 0}
+    for row in given:
+        k = seen[row["quantity"]]
+        row["elasticity [-]"], seen[row["quantity"]] = elasticity.get((row["quantity"], k), 1e-6), k + 1
+    record |= {"derivatives": given, "stroke [m]": 0.02, "peak_force [N]": 310.0}
+    (tmp_path / "sensitivity.json").write_text(json.dumps(record))
+    section, text, _ = section_text(review([load(tmp_path), load(folders["run"])]), "Sensitivity")
+    assert text[0].startswith("At ") and text[0].endswith("; captured.")
+    assert "those below 0.001 counting as 0.001" in " ".join(text)
+    assert "The second largest impact is number 3 with 200 N, 20 % below the peak" in " ".join(text)
+    assert "buffer.c_A -30 % would make it the peak" in " ".join(text)
+    rows = {row[0]: row[2:] for row in section.tables[-1].rows}
+    first = given[[row["quantity"] for row in given].index("stroke")]["parameter"]
+    assert [getattr(it, "text", it) for it in rows["buffer stroke"]] == ["20", "≤ 25", f"{first} -12.5 %"]
+    assert rows["peak contact force"][-1].text == "broken here"
+
+
+def test_what_is_asked_comes_first(tmp_path):
+    """Two scenarios, of 0.1 and 0.2 m/s; the limit in millimetres."""
+    page, _, _ = told_of(tmp_path, several((0.02, 0.01), ("captured",) * 2, True))
+    section, (left_out,), rows = section_text(page, "What is asked")
+    assert page.sections[0] is section
+    assert ["objective", "peak force", "as small as possible"] in rows
+    assert ["end", "each capture", "captured"] in rows and ["limit", "buffer stroke", "≤ 25 mm"] in rows
+    assert ["2 scenarios", "approach speed", "0.1 m/s to 0.2 m/s"] in rows
+    assert ["2 scenarios", "misalignment", "+2.865°"] in rows
+    assert ["variable", "buffer.k_A", "100 to 900 N/m"] in rows
+    assert "planar" in left_out and "ends at capture" in left_out and "docs/verification.md" in left_out
+
+
+def test_what_the_model_of_a_bar_leaves_out(folder):
+    _, (left_out,), rows = section_text(review([load(folder)]), "What is asked")
+    assert "planar" in left_out and rows[0][:2] == ["scenario", "height"]
+
+
+@pytest.mark.parametrize(("speed", "shown_beside"), [(0.1, False), (0.15, True)])
+def test_limits_of_a_tuned_scenario_are_told_once(folders, tmp_path, speed, shown_beside):
+    """A run of one of the tuning's scenarios needs no table of its own beside the tuning's."""
+    run, record = captured_record(folders, {}), tuned_record(0.0075, True)
+    record |= {"design": run["design"], "limits": run["limits"]}
+    record["scenarios"] = [{**record["scenarios"][0], **run["scenario"]}]
+    run["scenario"]["approach_speed [m/s]"] *= speed / 0.1
+    for name, content in (("tuned", record), ("capture", run)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"{name}.json").write_text(json.dumps(content))
+    page = review([load(tmp_path / name) for name in ("tuned", "capture")])
+    assert [section.title for section in page.sections if section.title.startswith("Limits")] == (
+        ["Limits: tuned", "Limits: capture"] if shown_beside else ["Limits"]
+    )
+
+
+def test_what_still_rises_at_the_end_is_in_the_record():
+    run = made_up_capture()
+    assert run_record(run)["rising"] == []
+    rising = dataclasses.replace(run, stroke_rising=jax.numpy.asarray(0.02))
+    assert run_record(rising)["rising"] == ["stroke"]
+
+
+def test_equal_margins_are_told_once(folders, tmp_path):
+    run = captured_record(folders, {"stroke_margin [m]": 0.1, "capture_margin [m]": 0.1})
+    (tmp_path / "capture.json").write_text(json.dumps(run))
+    _, _, rows = section_text(review([load(tmp_path)]), "Capture")
+    assert [row[0] for row in rows if row[0].endswith("margin")] == ["stroke margin"]
+
+
+def test_tunings_under_different_limits_side_by_side(tmp_path):
+    """The second folder's forces are lower, but its stroke breaks its own, smaller limit: no praise for it there."""
+    first = several((0.02, 0.01), ("captured",) * 2, True)
+    second = several((0.018, 0.009), ("captured",) * 2, False) | {"limits": {"stroke": 0.015, "peak_force": 500.0}}
+    for case in second["scenarios"]:
+        case["after"]["peak_force [N]"] = 90.0
+    for name, record in (("first", first), ("second", second)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "tuned.json").write_text(json.dumps(record))
+    page = comparison([load(tmp_path / "first"), load(tmp_path / "second")])
+    (section,) = [section for section in page.sections if "by scenario" in section.title]
+    forces, strokes = section.tables
+    assert [row[2].mark for row in forces.rows] == ["", "good"] and not forces.folded
+    assert [[cell.text for cell in row[1:]] for row in strokes.rows] == [["20", "18"], ["10", "9"]]
+    assert [[cell.mark for cell in row[1:]] for row in strokes.rows] == [["", "bad"], ["", "good"]] and strokes.folded
+    (told,) = [line for section in page.sections for line in section.warnings if "different limits" in line]
+    assert f"buffer stroke: {tmp_path / 'first'} ≤ 25 mm, {tmp_path / 'second'} ≤ 15 mm" in told
+    assert f"peak contact force: {tmp_path / 'first'} not limited, {tmp_path / 'second'} ≤ 500 N" in told
+
+
+def test_a_tunings_record_has_the_margin_of_each_scenario(folders):
+    """Made up with a margin of 1 in every scenario: by it the page finds the farthest from capture."""
+    record = json.loads((folders["tuned"] / "tuned.json").read_text())
+    assert all(case["after"]["capture_share [-]"] == 1.0 for case in record["scenarios"])

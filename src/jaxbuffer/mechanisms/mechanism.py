@@ -105,6 +105,7 @@ class Mechanism:
       ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``drawing``: what a
       design looks like, from it and its bodies' names; ``record``: tables of numbers that a run's record has besides,
       by name; ``notes``: lines below a table of a run's sensitivities;
+    - ``leaves_out``: what the model leaves out, a line each, and where it is told;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
       peak forces [N] and penetrations [m];
     - ``diagnosis``: of a run that did not end in ``success``, what held it back, a text by heading;
@@ -131,6 +132,7 @@ class Mechanism:
     summary: Callable[[Any], str] = plain_summary
     label: Callable[..., str] = plain_label
     approach: Callable[[Any], str] = plain_label
+    leaves_out: tuple[str, ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: []
     validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
     notes: Callable[[Any], list[str]] = lambda run: []

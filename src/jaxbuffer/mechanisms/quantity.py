@@ -110,6 +110,13 @@ def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, .
     return names
 
 
+def rising(run: "Run") -> list[str]:
+    """The quantities that are largest at the end of the run and would go on to rise."""
+    catalogue = run.mechanism.quantities
+    rates = {name: catalogue[quantity.rising] for name, quantity in catalogue.items() if quantity.rising}
+    return [name for name, rate in rates.items() if float(rate.of(run)) > 0.0]
+
+
 def value_of(run: "Run", name: str) -> float:
     """A quantity of a finished run; NaN if it failed or has no such impact."""
     asked = of_impact(name)

@@ -11,7 +11,7 @@ import numpy as np
 from ..fields import get
 from ..fields.record import record
 from ..mechanisms.history_table import history_columns
-from ..mechanisms.quantity import unit_of
+from ..mechanisms.quantity import rising, unit_of
 from ..mechanisms.run import Run
 from ..sensitivities.advice import advice
 from ..sensitivities.dataset import sensitivity_rows
@@ -39,6 +39,7 @@ def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         **_asked_record(run, asked),
+        "rising": rising(run),
         "outside_validity": mechanism.warnings(run),
         "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
@@ -167,6 +168,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "message": tuned.message,
         "converged": tuned.converged,
         "ended": tuned.ended,
+        "borne_out": tuned.borne_out,
         "feasible": tuned.feasible,
         "why": tuned.why,
         "broken": tuned.goal.broken(tuned.after),
@@ -222,17 +224,18 @@ def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
 
 def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
     problem = tuned.problem
-    units = {name: problem.catalogue[name].unit for name in problem.names}
+    units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.margin
     return [
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
             "first_peak [N]": _number(first),
             **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
-            "rising": [name for name, rises in zip(problem.mechanism.tuned, rising, strict=True) if rises],
+            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": _number(room)}),
+            "rising": [name for name, it in zip(problem.mechanism.tuned, still, strict=True) if it],
         }
-        for code, impacts, first, row, rising in zip(
-            point.code, point.impacts, point.first, point.quantities, point.rising, strict=True
+        for code, impacts, first, row, room, still in zip(
+            point.code, point.impacts, point.first, point.quantities, point.margin, point.rising, strict=True
         )
     ]
 

@@ -1,18 +1,21 @@
 """Several folders of results side by side."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any
 
 from ..errors import InputError
 from ..fields import get, paths, unit
-from ..output.folder import Record, Results
+from ..output.folder import Results
+from .badges import badges
+from .differing import COLOURS, by_scenario, differing, limited_by_scenario
 from .figures import figure
-from .judged import case_labels
 from .limits import limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
-from .records import ROUNDING, by_name, ended, in_figures, same, scenario_of, words
-from .review import distinct, verdicts
+from .records import ROUNDING, by_name, ended, in_figures, same, scenario_of
+from .review import distinct
+from .runs import once
 
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
@@ -28,11 +31,12 @@ def comparison(every: Sequence[Results]) -> Page:
     if not tables:
         raise InputError("nothing to compare: the folders need results of simulate or of tune, all of the same command")
     names = ", ".join(str(found.folder) for found in every)
-    told = [
-        Cell(f"{found.folder}: {verdict.text}", verdict.mark) for found in every for verdict in verdicts([found], every)
-    ]
+    told = [Cell(f"{found.folder}: {badge.text}", badge.mark) for found in every for badge in badges([found], every)]
     parts = [Section(table.caption, tables=[table]) for table in tables]
-    parts += distinct(_limits(every))
+    if all(found.tuned is not None for found in every):
+        every_limit = [tables[-1], *limited_by_scenario(every)]
+        parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
+    parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
         parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
@@ -44,6 +48,16 @@ def comparison(every: Sequence[Results]) -> Page:
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
     """Which limits each folder keeps; one without limits is held against those of the first that has some."""
     return [(found, section) for found in every if (section := limits(found, every, named=True)) is not None]
+
+
+def _with_differences(sections: list[Section], every: Sequence[Results]) -> list[Section]:
+    """The sections, the first of which says on what the folders are held against different limits."""
+    told = differing(every)
+    if not told or not sections:
+        return sections
+    first = sections[0]
+    said = f"The folders are held against different limits: {'; '.join(told)}."
+    return [dataclasses.replace(first, warnings=[said, *first.warnings]), *sections[1:]]
 
 
 def kept(every: Sequence[Results]) -> list[Table]:
@@ -70,7 +84,7 @@ def compared(every: Sequence[Results]) -> list[Table]:
     if all("run" in found.records for found in every):
         tables += _runs(every, folders)
     if all(found.tuned is not None for found in every):
-        tables.append(_scenarios(every, folders))
+        tables.append(by_scenario(every, folders, "peak_force"))
     return tables[1:] and tables
 
 
@@ -93,7 +107,8 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
     designs = [by_name(record["design"]) for record in records]
-    for name in mechanism.meant(lambda path: any(design.get(path) for design in designs)):
+    meant = mechanism.meant(lambda path: any(design.get(path) for design in designs))
+    for name in once(meant, *map(by_name, records)):
         title, symbol, factor = in_figures(mechanism, name)
         values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
         in_unit = [None if value is None else factor * value for value in values]
@@ -124,37 +139,3 @@ def _change(first: float, value: float) -> str:
 
 def _marked(texts: Sequence[str]) -> list[Cell]:
     return [Cell(text, "" if text == texts[0] else "changed") for text in texts]
-
-
-def _scenarios(every: Sequence[Results], folders: Sequence[str]) -> Table:
-    """The largest force of each scenario that any folder has met, the lowest one of a row marked."""
-    mechanism = every[0].mechanism
-    forces = [{_case(mechanism, record): record["after"]["peak_force [N]"] for record in _cases(it)} for it in every]
-    met = {
-        _case(mechanism, record): label for it, among in _labels(every) for record, label in zip(it, among, strict=True)
-    }
-    rows: list[list[Any]] = []
-    for case, label in met.items():
-        values = [known.get(case) for known in forces]
-        known = [value for value in values if value is not None]
-        least = min(known) if len(known) > 1 else None
-        rows.append([label, *(Cell(shown(x), "good" if x is not None and x == least else "") for x in values)])
-    return Table("Peak force [N] after tuning, by scenario (the lowest in green)", ("scenario", *folders), rows)
-
-
-def _labels(every: Sequence[Results]) -> list[tuple[list[Record], list[str]]]:
-    """Each folder's cases with their labels, which tell all folders' scenarios apart."""
-    among = [scenario_of(found.mechanism, record) for found in every for record in _cases(found)]
-    return [(_cases(found), case_labels(found, among)) for found in every]
-
-
-def _cases(found: Results) -> list[Record]:
-    return [] if found.tuned is None else list(found.tuned["scenarios"])
-
-
-def _case(mechanism: Any, record: Record) -> str:
-    """All fields of a scenario, and where the built mechanism differs from the drawn one: the same text for the same
-    case."""
-    scenario = scenario_of(mechanism, record)
-    fields = [f"{words(name)} {shown(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
-    return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])

@@ -1,7 +1,7 @@
 """What a page says of many runs: a sweep with its envelope, a sample, a front of objectives."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -27,7 +27,9 @@ def sweep(found: Results) -> Section | None:
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
     figures = figure(found, "envelope", "Which runs are safe, and the largest rectangle of them")
     figures += figure(found, "sweep", "The sweep's quantities over the swept numbers")
-    return Section("Sweep" if envelope is None else "Envelope", text, figures, [_outcomes(found.mechanism, outcomes)])
+    title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(found.mechanism, outcomes)]
+    open_sides = [] if envelope is None else not_found(envelope, record["axes"])
+    return Section(title, text, figures, tables, warnings=open_sides)
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
@@ -45,6 +47,24 @@ def envelope_in_words(envelope: Record) -> list[str]:
     )
     reasons = ", ".join(f"{reason} ({count})" for reason, count in envelope["reasons"].items())
     return [*told, f"Why the others are not: {reasons}."] if reasons else told
+
+
+def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
+    """On which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no side."""
+    values = {axis["path"]: axis["values"] for axis in axes}
+    sides = [
+        f"{field_name(part['path'])} {where} {_end(part[end], part['unit'])}"
+        for part in envelope["rectangle"]
+        for end, where, last in (("low", "below", min), ("high", "above", max))
+        if part[end] == last(values[part["path"]])
+    ]
+    if not sides:
+        return []
+    return [f"The edge of what is safe was not found on the side of {', '.join(sides)}: sweep wider."]
+
+
+def _end(value: float, unit: str) -> str:
+    return f"{math.degrees(value):+.3g}°" if unit == "rad" else f"{shown(value)} {unit}".rstrip(" -")
 
 
 def _ends(low: float, high: float, unit: str) -> str:

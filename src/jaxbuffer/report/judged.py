@@ -6,14 +6,16 @@ from typing import Any
 
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .records import by_name, in_figures, scenario_of
+from .records import by_name, in_figures, same, scenario_of
+
+LIMITS = ("limits", "lower_limits", "most_impacts")  # what a record has that its study limits
 
 
 @dataclasses.dataclass(frozen=True)
 class Judged:
     """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
     where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, how it
-    ended (``outcomes``) and its number of ``impacts``."""
+    ended (``outcomes``), its number of ``impacts``, and which quantities were still ``rising`` at its end."""
 
     asked: Record
     lender: str
@@ -21,6 +23,7 @@ class Judged:
     values: Sequence[Mapping[str, Any]]
     outcomes: Sequence[str]
     impacts: Sequence[int]
+    rising: Sequence[Sequence[str]]
 
 
 def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
@@ -39,10 +42,13 @@ def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
     if found.tuned is None:
         values = by_name(record) | record.get("limited", {})
         said = found.mechanism.label(scenario_of(found.mechanism, record["scenario"]))
-        return Judged(asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])])
+        return Judged(
+            asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])], [record.get("rising", ())]
+        )
     cases = [case["after"] for case in record["scenarios"]]
     outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
-    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts)
+    rising = [case.get("rising", ()) for case in cases]
+    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts, rising)
 
 
 def has_limits(found: Results) -> bool:
@@ -51,6 +57,33 @@ def has_limits(found: Results) -> bool:
     if record is None:
         return False
     return bool(record.get("limits") or record.get("lower_limits")) or record.get("most_impacts") is not None
+
+
+def told_already(found: Results, every: Sequence[Results]) -> bool:
+    """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
+    the same limits: what is said of the tuning's limits holds for it."""
+    run = found.records.get("run")
+    if run is None or found.tuned is not None:
+        return False
+    return any(other.tuned is not None and _is_a_case(run, other.tuned) for other in every)
+
+
+def _is_a_case(run: Record, tuned: Record) -> bool:
+    own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
+    if any(own) and own != others:
+        return False
+    design = tuned["design"]
+    if not all(same(design.get(name), value) for name, value in run["design"].items()):
+        return False
+    return any(
+        not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
+        for case in tuned["scenarios"]
+    )
+
+
+def lender_of(every: Sequence[Results]) -> Record | None:
+    """The record of the first folder that has limits of its own."""
+    return next((_limiting(found) for found in every if has_limits(found)), None)
 
 
 def _limiting(found: Results) -> Record | None:

@@ -1,10 +1,10 @@
 """Results against limits: the worst value of each limited quantity, its margin, kept or broken."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Results
+from ..output.folder import Record, Results
 from .judged import Judged, judged
 from .page import Cell, Section, Table, shown
 from .records import ROUNDING, in_figures, words
@@ -46,26 +46,63 @@ def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -
     return Section("Limits", warnings=said, tables=tables)
 
 
-def broken_limits(found: Results, every: Sequence[Results] = ()) -> int:
-    """How many limits are broken, not counting how runs end."""
+class Standing(NamedTuple):
+    """How many limits are ``broken``, kept ``at_limit``, kept by what is still ``rising`` at a run's end, and
+    ``unknown``; how many ``runs`` there are, and of these ``missed``: ended otherwise than they must."""
+
+    broken: int
+    at_limit: int
+    rising: int
+    unknown: int
+    missed: int
+    runs: int
+
+    @property
+    def faults(self) -> int:
+        """Of both kinds."""
+        return self.broken + self.missed
+
+
+def standing(found: Results, every: Sequence[Results] = ()) -> Standing | None:
+    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `judged`."""
     held = judged(found, every)
-    return 0 if held is None else sum(row[-1] == BROKEN for row in _limit_rows(found.mechanism, held))
+    if held is None:
+        return None
+    verdicts = [row[-1] for row in _limit_rows(found.mechanism, held)]
+    beyond, at_limit, rising, unknown = map(verdicts.count, (BROKEN, AT_LIMIT, RISING, UNKNOWN))
+    missed = len(_missed(found.mechanism, held))
+    return Standing(beyond, at_limit, rising, unknown, missed, len(held.outcomes))
+
+
+def keeping(mechanism: Mechanism, held: Judged) -> list[bool]:
+    """Of each scenario, whether its run ends as it must and keeps every limit."""
+    beyond = {k for k, case in enumerate(held.values) if any(_breaks(case, it) for it in _asked(mechanism, held))}
+    most = held.asked.get("most_impacts")
+    beyond |= set() if most is None else {k for k, count in enumerate(held.impacts) if count > most}
+    beyond |= set(_missed(mechanism, held))
+    return [k not in beyond for k in range(len(held.values))]
+
+
+def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
+    return limit.name in case and broken(case[limit.name], limit.value, limit.lowest)
 
 
 def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
     """A row for each limit, and how runs must end."""
     rows = _limit_rows(mechanism, held)
     if mechanism.success is not None:
-        missed = _missed(mechanism, held)
-        ends, every = f"{mechanism.run_name}s that end {words(mechanism.success)}", len(held.outcomes)
+        missed, every = _missed(mechanism, held), len(held.outcomes)
         where = held.labels[missed[0]] if missed else "–"
-        rows.append([ends, "-", str(every - len(missed)), where, f"of {every}", "–", BROKEN if missed else KEPT])
+        end = words(mechanism.success)
+        rows.append([end, "-", str(every - len(missed)), where, f"of {every}", "–", BROKEN if missed else KEPT])
     return rows
 
 
 def _missed(mechanism: Mechanism, held: Judged) -> list[int]:
-    """The scenarios that do not end as they must."""
-    return [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
+    """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
+    missed = [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
+    margins = {k: float(held.values[k].get(mechanism.margin or "") or 0.0) for k in missed}
+    return sorted(missed, key=lambda k: margins[k])
 
 
 def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
@@ -79,26 +116,38 @@ def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 
 
 def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
-    always = {name: limit for name, limit in mechanism.always.items() if name in held.values[0]}
-    upper = [Limit(name, limit) for name, limit in {**always, **held.asked["limits"]}.items()]
-    return upper + [Limit(name, limit, True) for name, limit in held.asked.get("lower_limits", {}).items()]
+    always = [name for name in mechanism.always if name in held.values[0]]
+    own = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
+    return asked_limits(mechanism, held.asked, [*always, *own])
+
+
+def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> list[Limit]:
+    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some."""
+    upper = [Limit(name, limit) for name, limit in {**mechanism.always, **asked["limits"]}.items()]
+    lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
+    return [limit for limit in (*upper, *lower) if limit.name in among]
 
 
 def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:
-    return in_figures(mechanism, name, held.asked.get("quantities", {}))
+    title, symbol, factor = in_figures(mechanism, name, held.asked.get("quantities", {}))
+    asked = name in held.asked["limits"] or name in held.asked.get("lower_limits", {})
+    return (title if asked else f"{title} (always)"), symbol, factor
 
 
 def _row(title: tuple[str, str, float], held: Judged, limit: Limit) -> list[str | Cell]:
     name, symbol, factor = title
     told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
     if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
-        return [name, symbol, "–", "–", told, "–", Cell("not known", "unsure")]
+        return [name, symbol, "–", "–", told, "–", UNKNOWN]
     values = [case[limit.name] for case in held.values]
     value = worst(values, limit.lowest)
     where, of = held.labels[values.index(value)], None if value is None else factor * value
     share = _margin(value, limit)
     margin = "–" if share is None else f"{100 * share:.3g} %"
-    return [name, symbol, shown(of), where, told, margin, _verdict(value, limit)]
+    verdict = _verdict(value, limit)
+    if verdict == KEPT and not limit.lowest and limit.name in held.rising[values.index(value)]:
+        verdict = RISING
+    return [name, symbol, shown(of), where, told, margin, verdict]
 
 
 def _margin(value: float | None, limit: Limit) -> float | None:
@@ -126,6 +175,8 @@ def broken(value: float | None, limit: float | None, lowest: bool = False) -> bo
 
 
 KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
+RISING = Cell("kept; still rising at the end", "unsure")  # it would go on to rise, had the run gone on
+UNKNOWN = Cell("not known", "unsure")
 
 
 def _verdict(value: float | None, limit: Limit) -> Cell:
@@ -157,8 +208,8 @@ def _each_broken(mechanism: Mechanism, held: Judged) -> list[tuple[float, list[s
         name, symbol, factor = ("impacts", "-", 1) if limit.name == "impacts" else _title(mechanism, held, limit.name)
         told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
         for where, case in zip(held.labels, cases, strict=True):
-            value = case.get(limit.name)
-            if limit.name in case and broken(value, limit.value, limit.lowest):
+            if _breaks(case, limit):
+                value = case[limit.name]
                 share, of = _margin(value, limit), None if value is None else factor * value
                 by = "–" if share is None else f"{-100 * share:.3g} %"
                 found.append((0.0 if share is None else -share, [where, name, symbol, shown(of), told, by]))

@@ -1,4 +1,4 @@
-"""What a page says of a run, of what held it back, and of its sensitivities."""
+"""What a page says of a run, and of what held it back."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,12 +7,12 @@ from ..output.folder import Record, Results
 from .designs import other_design
 from .figures import figure
 from .judged import elsewhere
-from .page import Cell, Section, Table, shown
-from .records import by_name, in_figures, quantity, same, scenario_of, words
+from .page import Section, Table, shown
+from .records import by_name, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
-MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FIRST = "what to change first"
+MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
 
 
@@ -22,7 +22,7 @@ def run(found: Results, first: Results) -> Section | None:
     if record is None:
         return None
     values, hits = by_name(record), record["impacts"]
-    meant = mechanism.meant(by_name(record["design"]).get)
+    meant = once(mechanism.meant(by_name(record["design"]).get), values)
     tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
@@ -45,6 +45,15 @@ def run(found: Results, first: Results) -> Section | None:
         forces(found, f"Contact force, {mechanism.label(scenario)}"),
         [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]],
     )
+
+
+def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
+    """The names, of several margins of equal value in all ``runs`` the first alone: what is left is then the same."""
+    kept: dict[Any, str] = {}
+    for name in names:
+        values = tuple(run.get(name) for run in runs)
+        kept.setdefault((values, None) if name.endswith(MARGIN) else name, name)
+    return [*kept.values()]
 
 
 def forces(found: Results, caption: str) -> list[dict[str, Any]]:
@@ -82,52 +91,3 @@ def what_to_change(found: Results, every: Sequence[Results]) -> str:
 def _same_run(one: Record, other: Record) -> bool:
     parts = ("design", "scenario")
     return all(same(one[part].get(name), value) for part in parts for name, value in other[part].items())
-
-
-def sensitivity(found: Results, first: Results) -> Section | None:
-    """Elasticities with their verdicts."""
-    record = found.sensitivity
-    if record is None:
-        return None
-    of_quantity: dict[str, list[Record]] = {}
-    for row in record["derivatives"]:
-        of_quantity.setdefault(row["quantity"], []).append(row)
-    rows: list[list[str | Cell]] = []
-    for name, derivatives in of_quantity.items():
-        if _signed(derivatives):
-            continue
-        verdict = derivatives[0]["verdict"] or "not certified"
-        errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
-        worst = f"{max(errors):.1e}" if errors else "–"
-        values = [shown(row["elasticity [-]"]) for row in derivatives]
-        rows.append([_title(found, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
-    parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
-    caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
-    text, certificate = other_design(found, first, record), record["certificate"]
-    text += elsewhere(first, record["scenario"])
-    if certificate is not None:
-        text.append(f"Certificate: {certificate['verdict']}; {certificate['reason']}.")
-    tables = [Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)] if rows else []
-    signed = {_title(found, name): derivatives for name, derivatives in of_quantity.items() if _signed(derivatives)}
-    return Section("Sensitivity", text, tables=[*tables, *_slopes(signed)])
-
-
-def _title(found: Results, name: str) -> str:
-    """A quantity's title, or what one of an impact is called."""
-    return in_figures(found.mechanism, name)[0] if name in found.mechanism.quantities else words(name)
-
-
-def _signed(rows: Sequence[Record]) -> bool:
-    """Whether a quantity has no elasticities, as it can change sign."""
-    return all(row["elasticity [-]"] is None for row in rows)
-
-
-def _slopes(signed: Mapping[str, Sequence[Record]]) -> list[Table]:
-    """Derivatives of quantities that have no elasticities."""
-    rows = [
-        [title, row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
-        for title, derivatives in signed.items()
-        for row in derivatives
-    ]
-    headings = ("quantity", "by", "derivative", "unit", "verdict")
-    return [Table("Derivatives of what can change sign", headings, rows)] if rows else []

@@ -39,11 +39,14 @@ def lines(found: Mapping[str, Any] | None) -> list[str]:
     """The same in a few sentences. ``found``: as of `verified`."""
     if found is None:
         return [UNKNOWN]
-    same = found["sources"] == sources()
-    which = "these very equations and solvers" if same else "its equations or solvers were not quite these"
-    told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}; {which}."]
-    if not same:
-        told.append(f"What follows need not hold for what is installed, jaxbuffer {version()}.")
+    if found["sources"] == sources():
+        told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}; these very equations and solvers."]
+    else:
+        told = [
+            f"The checks were run on {found['date']} on an earlier state of version {found['jaxbuffer']} (digest"
+            f" {found['sources']}); the computing code has changed since (jaxbuffer {version()}, digest {sources()});"
+            " what follows need not hold for it. Run `make verify` to check what is installed."
+        ]
     count = lambda name: f"{found[name][0]} of {found[name][1]}"  # noqa: E731
     told.append(
         f"{count('claims')} measured errors against closed forms, published numbers and independent programs are within"

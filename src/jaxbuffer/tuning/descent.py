@@ -14,7 +14,7 @@ from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
 from .judged import judged, objective_slope
-from .message import ending, infeasible, left_to_gain
+from .message import End, ending, infeasible, left_to_gain
 from .model_step import residual
 from .problem import Problem
 from .record import record
@@ -75,8 +75,7 @@ def descended(
         best.best,
         scale,
         SCREENING_PENALTY,
-        ending(best, settings),
-        lambda after: _message(goal, after, ended, best),
+        lambda after: End(ending(best, settings), False, _message(goal, after, ended, best)),
         store.records,
     )
 

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float, Int
 from ..compiling.pool import Pool
 from ..errors import InputError
 from ..fields import Part, get
+from ..mechanisms.quantity import rising
 from ..mechanisms.run import Run
 from ..run.simulate import check_pair, simulate
 from ..sensitivities.gradients import gradients
@@ -170,18 +171,11 @@ def measure(
         rest=values[: len(rest)],
         margin=float(values[-1]) if margin else 1.0,
         first=float(peaks[0]),
-        rising=_rising(run),
+        rising=np.isin(problem.mechanism.tuned, rising(run)),
         peaks_slope=of_peaks[slots],
         rest_slope=of_rest,
         margin_slope=others[-1] if margin else np.zeros(len(paths)),
     )
-
-
-def _rising(run: Run) -> np.ndarray:
-    """Which of the tuned quantities are largest at the end of the run and still rising there."""
-    catalogue = run.mechanism.quantities
-    rates = [catalogue[name].rising for name in run.mechanism.tuned]
-    return np.array([bool(rate) and float(catalogue[rate].of(run)) > 0.0 for rate in rates])
 
 
 def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

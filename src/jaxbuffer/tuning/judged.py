@@ -8,6 +8,7 @@ from jaxtyping import Float
 from .evaluation import Evaluation, Evaluator
 from .floor import floor
 from .goal import Goal, Tangent
+from .message import End
 from .model_step import residual
 from .settings import Settings
 from .store import Record
@@ -24,15 +25,14 @@ def judged(
     best: Evaluation,
     scale: float,
     penalty: float,
-    ended: str,
-    message: Callable[[Evaluation], str],
+    end: Callable[[Evaluation], End],
     records: Sequence[Record],
 ) -> Tuned:
     """The result of a tuning.
 
     **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
     tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
-    ``ended``, ``records``: as of `Tuned`; ``message``: what to say of the end, from the best design at tight tolerance.
+    ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
     before, after = evaluator([first, scaled], rtol=TIGHT)
@@ -45,8 +45,7 @@ def judged(
         after=after,
         residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
         gradient_error=disagreement(goal, best, after),
-        ended=ended,
-        message=message(after),
+        **end(after)._asdict(),
         floor=floor(problem, scaled),
         records=tuple(records),
         captures=evaluator.captures,

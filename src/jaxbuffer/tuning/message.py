@@ -1,5 +1,7 @@
 """What a tuning says of its end: how the best search ended, how far others bear it out, and what to do."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .evaluation import Evaluation
@@ -16,8 +18,21 @@ ENDED = ("converged", "limit_of_steps", "stalled", "cliff")
 tolerance though more seems to be left, or where one bounce more or less makes a run fail."""
 
 
-def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
+class End(NamedTuple):
+    """How a tuning ended; fields as of `Tuned`."""
+
+    ended: str
+    borne_out: bool
+    message: str
+
+
+def end(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> End:
     """How the best search ended, how far others bear it out, and what to do."""
+    agree = progress.searches > 1 and progress.apart <= AGREE
+    return End(ending(branch, settings), agree, _message(goal, branch, after, progress, settings))
+
+
+def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
     more = (
         f"raise starts (now {settings.starts}) or rounds (now {settings.rounds}), or change seed, in [tune] of the"
         " study; starts and seed also by --starts and --seed"

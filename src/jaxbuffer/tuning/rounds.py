@@ -9,7 +9,7 @@ from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
 from .judged import judged
-from .message import ending, message
+from .message import end
 from .problem import Problem
 from .progress import Progress
 from .record import record
@@ -146,8 +146,7 @@ class Rounds:
             branch.best,
             search.scale,
             branch.penalty,
-            ending(branch, self.settings),
-            lambda after: message(search.goal, branch, after, progress, self.settings),
+            lambda after: end(search.goal, branch, after, progress, self.settings),
             self.store.records,
         )
 

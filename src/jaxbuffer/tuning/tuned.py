@@ -30,7 +30,8 @@ class Tuned:
     relative to the objective [-].
     - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
       to the largest [-].
-    - ``ended``: how the search ended, a name of `message.ENDED`; ``message``: the same in a sentence.
+    - ``ended``: how the search ended, a name of `message.ENDED`; ``borne_out``: whether another search that began apart
+      found the same; ``message``: both in words.
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
@@ -52,6 +53,7 @@ class Tuned:
     residual: float
     gradient_error: float
     ended: str
+    borne_out: bool
     message: str
     floor: Floor | None
     records: tuple[Record, ...]

@@ -58,6 +58,11 @@ PROBE_CONE = register(
         summary=summary,
         label=scenario_label,
         approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+        leaves_out=(
+            "The motion is planar: nothing moves or turns out of the plane.",
+            "The run ends at capture: what the parts do afterwards is not simulated.",
+            "The forces have not been compared with a test of hardware: docs/verification.md.",
+        ),
         warnings=warnings,
         validity=limits,
         notes=lambda run: [first_impact_line(run)],

@@ -40,6 +40,10 @@ SLIDER_CRANK = register(
         summary=summary,
         label=label,
         approach=label,
+        leaves_out=(
+            "The motion is planar: nothing moves or turns out of the plane.",
+            "The forces have not been compared with a measurement: docs/verification.md.",
+        ),
         warnings=warnings,
         validity=validity,
         panels=panels,

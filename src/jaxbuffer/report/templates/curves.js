@@ -3,6 +3,7 @@
 {
 const NAMESPACE = "http://www.w3.org/2000/svg", HEIGHT = 300, LEFT = 56, RIGHT = 12, TOP = 28, BOTTOM = 36, ZOOM = 4, PAD = 8;
 const ROOM = 70; // pixels for a label of the time axis
+const EARLY = 0.25, BEYOND = 1.2; // impacts within this share of the run are shown first, with some time after them
 
 function ticks(low, high, count) {
   const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
@@ -20,6 +21,12 @@ function valueAt({ times, forces }, time) {
   return forces[low] + share * (forces[high] - forces[low]);
 }
 
+function lastTouchdown({ times, forces }) { // 0 where nothing touches after the beginning
+  let k = forces.length - 2;
+  while (k >= 0 && !(forces[k] === 0 && forces[k + 1] > 0)) k--;
+  return k < 0 ? 0 : times[k];
+}
+
 class Curves {
   constructor(root) {
     const data = JSON.parse(root.querySelector("script").textContent);
@@ -29,15 +36,17 @@ class Curves {
     this.clock = root.querySelector(".clock");
     this.end = Math.max(...this.curves.map(it => it.times[it.times.length - 1]));
     this.largest = Math.max(1e-12, ...this.curves.map(it => it.forces.reduce((a, b) => Math.max(a, b), 0)));
-    this.highest = this.curves.reduce((a, it) => it.forces.includes(this.largest) ? it.times[it.forces.indexOf(this.largest)] : a, 0);
+    const last = this.curves[this.curves.length - 1];
+    this.time = last.times[last.forces.indexOf(last.forces.reduce((a, b) => Math.max(a, b), 0))];
     this.slider.addEventListener("input", () => this.read(this.from + this.slider.value / 1000 * (this.to - this.from)));
     this.svg.addEventListener("pointermove", event => this.follow(event));
     const on = (name, act) => root.querySelector(name).addEventListener("click", act);
     on(".closer", () => this.zoom(1 / ZOOM));
     on(".wider", () => this.zoom(ZOOM));
     on(".whole", () => this.view(0, this.end));
-    this.time = this.highest;
-    this.view(0, this.end);
+    const impacts = BEYOND * Math.max(this.time, ...this.curves.map(lastTouchdown)), early = impacts < EARLY * this.end;
+    if (early) root.querySelector("figcaption").append(". Shown first: the beginning, with all impacts");
+    this.view(0, early ? impacts : this.end);
     new ResizeObserver(() => this.draw()).observe(this.svg);
   }
 

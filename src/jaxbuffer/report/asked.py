@@ -1,0 +1,75 @@
+"""What was asked: limits, scenarios, variables with their bounds; and what the model leaves out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..fields import Part, get, paths, unit
+from ..mechanisms.mechanism import Mechanism
+from ..output.folder import Record, Results
+from ..output.words import said
+from .judged import lender_of
+from .limits import asked_limits
+from .page import Section, Table, shown
+from .records import field_name, in_figures, scenario_of, words
+
+TITLE = "What is asked"
+Rows = list[list[str]]
+
+
+def asked(first: Results, every: Sequence[Results]) -> Section | None:
+    """Of the page's tuning, or else of its run; limits from the first folder that has some."""
+    mechanism, tuned = first.mechanism, first.tuned
+    run = first.records.get("run")
+    rows = _limits(mechanism, lender_of([first, *every]))
+    if tuned is not None:
+        rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
+        rows += [*_scenarios(mechanism, tuned["scenarios"]), *_variables(mechanism, tuned["variables"])]
+    elif run is not None:
+        rows += _scenarios(mechanism, [run["scenario"]])
+    text = [f"What the model leaves out: {' '.join(mechanism.leaves_out)}"] if mechanism.leaves_out else []
+    if not rows and not text:
+        return None
+    return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
+
+
+def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
+    """How runs must end, and what is limited."""
+    if asked is None:
+        return []
+    rows = [] if mechanism.success is None else [["end", f"each {mechanism.run_name}", words(mechanism.success)]]
+    named = [*asked["limits"], *asked.get("lower_limits", {})]
+    for limit in asked_limits(mechanism, asked, named):
+        title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
+        value = f"{shown(factor * limit.value)} {symbol}".rstrip(" -")
+        rows.append(["limit", title, f"{'≥' if limit.lowest else '≤'} {value}"])
+    if (most := asked.get("most_impacts")) is not None:
+        rows.append(["limit", "impacts", f"≤ {most}"])
+    return rows
+
+
+def _scenarios(mechanism: Mechanism, cases: Sequence[Record]) -> Rows:
+    """How many there are, and the range of each field; ranges of what is built otherwise than drawn."""
+    met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
+    rows = [["scenario" if len(met) == 1 else f"{len(met)} scenarios", *_range(met, usual, p)] for p in paths(usual)]
+    built = dict.fromkeys(path for case in cases for path in case.get("factors", {}))
+    for path in built:
+        factors = [case.get("factors", {}).get(path, 1.0) for case in cases]
+        rows.append(["as built, of the drawn", path, f"{min(factors):.4g} to {max(factors):.4g}"])
+    return rows
+
+
+def _range(met: Sequence[Any], usual: Part, path: str) -> list[str]:
+    """A field's name, and its values from the lowest to the highest."""
+    values, symbol = [get(one, path) for one in met], unit(usual, path)
+    if not symbol or any(value is None for value in values):
+        return [field_name(path), ", ".join(dict.fromkeys(map(shown, values)))]
+    low, high = (said(float(end), symbol) for end in (min(values), max(values)))
+    return [field_name(path), low if low == high else f"{low} to {high}"]
+
+
+def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
+    usual = mechanism.design()
+    return [
+        ["variable", it["path"], f"{shown(it['low'])} to {shown(it['high'])} {unit(usual, it['path'])}".rstrip(" -")]
+        for it in variables
+    ]

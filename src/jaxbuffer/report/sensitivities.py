@@ -1,0 +1,137 @@
+"""What a page says of sensitivities: elasticities, how sure they are, and what would break a limit."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ..output.folder import Record, Results
+from ..sensitivities.evidence import FLOOR
+from .designs import other_design
+from .judged import elsewhere, lender_of
+from .limits import Limit, asked_limits, broken
+from .page import Cell, Section, Table, shown
+from .records import by_name, in_figures, scenario_of, words
+
+MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
+FAR = 0.5  # relative change beyond which first order says little
+Rows = Mapping[str, Sequence[Record]]  # derivatives by quantity
+
+
+def sensitivity(found: Results, first: Results, every: Sequence[Results] = ()) -> Section | None:
+    """Elasticities with their verdicts, at one scenario.
+
+    **Arguments:** ``first``: the page's folder; ``every``: all of them, of which the first with limits says what is
+    limited.
+    """
+    record = found.sensitivity
+    if record is None:
+        return None
+    derivatives = _by_quantity(record)
+    signed = {name: rows for name, rows in derivatives.items() if _signed(rows)}
+    relative = {name: rows for name, rows in derivatives.items() if name not in signed}
+    tables = [_elasticities(found, relative)] if relative else []
+    tables += _slopes({_title(found, name): rows for name, rows in signed.items()})
+    tables += _until_broken(found, relative, lender_of([found, first, *every]))
+    return Section("Sensitivity", _text(found, first, record), tables=tables)
+
+
+def _by_quantity(record: Record) -> dict[str, list[Record]]:
+    found: dict[str, list[Record]] = {}
+    for row in record["derivatives"]:
+        found.setdefault(row["quantity"], []).append(row)
+    return found
+
+
+def _text(found: Results, first: Results, record: Record) -> list[str]:
+    """Where they were computed, how sure they are, and which other impact may become the peak."""
+    mechanism, certificate = found.mechanism, record["certificate"]
+    text = [f"At {mechanism.label(scenario_of(mechanism, record['scenario']))}; {words(record['outcome'])}."]
+    text += [*other_design(found, first, record), *elsewhere(first, record["scenario"])]
+    if certificate is None:
+        return text
+    text.append(
+        f"Certificate: {certificate['verdict']}; {certificate['reason']}. Errors are relative to the elasticity, those"
+        f" below {FLOOR:g} counting as {FLOOR:g}."
+    )
+    return text + _runner_up(certificate.get("runner_up"))
+
+
+def _runner_up(other: Record | None) -> list[str]:
+    """Which impact would be the peak if the largest were not, and what would make it so."""
+    if other is None:
+        return []
+    told = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
+    told += f" {100 * other['margin [-]']:.3g} % below the peak"
+    path, change = other["swapped_by"], other["swapped_by_change [-]"]
+    if path is None or change is None:
+        return [f"{told}."]
+    beyond = "; so far that only the direction counts" if abs(change) > FAR else ""
+    return [
+        f"{told}; to first order {path} {100 * change:+.3g} % would make it the peak, whose elasticities are"
+        f" others{beyond}."
+    ]
+
+
+def _elasticities(found: Results, of_quantity: Rows) -> Table:
+    rows: list[list[str | Cell]] = []
+    for name, derivatives in of_quantity.items():
+        verdict = derivatives[0]["verdict"] or "not certified"
+        errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
+        worst = f"{max(errors):.1e}" if errors else "–"
+        values = [shown(row["elasticity [-]"]) for row in derivatives]
+        rows.append([_title(found, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
+    parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
+    caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
+    return Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)
+
+
+def _until_broken(found: Results, of_quantity: Rows, asked: Record | None) -> list[Table]:
+    """Of each limited quantity, the number whose smallest relative change breaks the limit, to first order."""
+    if asked is None or found.sensitivity is None:
+        return []
+    values = by_name(found.sensitivity)
+    rows: list[list[str | Cell]] = []
+    for limit in asked_limits(found.mechanism, asked, of_quantity):
+        title, symbol, factor = in_figures(found.mechanism, limit.name)
+        value = values[limit.name]
+        sign = "≥" if limit.lowest else "≤"
+        told = Cell("broken here", "bad") if broken(value, limit.value, limit.lowest) else None
+        told = told or _smallest(value, limit, of_quantity[limit.name])
+        rows.append([title, symbol, shown(factor * value), f"{sign} {shown(factor * limit.value)}", told])
+    headings = ("quantity", "unit", "here", "limit", "what breaks it")
+    caption = "What smallest change of a number breaks a limit in this scenario, to first order"
+    return [Table(caption, headings, rows)] if rows else []
+
+
+def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
+    changes = [(change, path) for change, path in _changes(value, limit, rows) if abs(change) <= FAR]
+    if not changes:
+        return Cell(f"no number alone by less than {100 * FAR:g} %")
+    change, path = min(changes, key=lambda it: abs(it[0]))
+    return Cell(f"{path} {100 * change:+.3g} %")
+
+
+def _changes(value: float, limit: Limit, rows: Sequence[Record]) -> Iterator[tuple[float, str]]:
+    """By how much each number alone would have to change: (limit / value - 1) / elasticity."""
+    for row in rows:
+        if value and row["elasticity [-]"]:
+            yield (limit.value / value - 1.0) / row["elasticity [-]"], row["parameter"]
+
+
+def _title(found: Results, name: str) -> str:
+    """A quantity's title, or what one of an impact is called."""
+    return in_figures(found.mechanism, name)[0] if name in found.mechanism.quantities else words(name)
+
+
+def _signed(rows: Sequence[Record]) -> bool:
+    """Whether a quantity has no elasticities, as it can change sign."""
+    return all(row["elasticity [-]"] is None for row in rows)
+
+
+def _slopes(signed: Rows) -> list[Table]:
+    """Derivatives of quantities that have no elasticities."""
+    rows = [
+        [title, row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
+        for title, derivatives in signed.items()
+        for row in derivatives
+    ]
+    headings = ("quantity", "by", "derivative", "unit", "verdict")
+    return [Table("Derivatives of what can change sign", headings, rows)] if rows else []
