@@ -425,6 +425,19 @@ def test_differences_are_told_so_that_they_can_be_read(folders, tmp_path):
     assert told["time of the peak"] == shown(2.0 * run["peak_time [s]"])
 
 
+def test_runs_of_different_scenarios_are_not_compared_in_per_cent(tmp_path, folders):
+    """One folder's run is at 0.1 m/s; the other's is said to be at 0.2 m/s."""
+    for name, speed in (("one", 0.1), ("two", 0.2)):
+        (tmp_path / name).mkdir()
+        record = json.loads((folders["run"] / "capture.json").read_text())
+        record["scenario"]["approach_speed [m/s]"] = speed
+        record["peak_force [N]"] *= speed
+        (tmp_path / name / "capture.json").write_text(json.dumps(record))
+    (runs,) = [it for it in compared([load(tmp_path / name) for name in ("one", "two")]) if "Runs" in it.caption]
+    assert "of different scenarios" in runs.caption
+    assert not any("%" in str(cell) for row in runs.rows for cell in row)
+
+
 def test_broken_limits_are_in_one_box_and_a_table(tmp_path):
     """Three scenarios: strokes of 20, 30 and 40 mm with a limit of 25 mm."""
     record = tuned_record(0.02, False)

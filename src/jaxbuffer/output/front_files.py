@@ -43,7 +43,7 @@ def front_json(front: "Front") -> str:
 
 
 def _design(point: "Tuned") -> Callable[[], str]:
-    return lambda: tuned_toml(point.design, point.problem, tuned_comment(point))
+    return lambda: tuned_toml(point.design, point.problem, tuned_comment(point), point.worst_first)
 
 
 def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:

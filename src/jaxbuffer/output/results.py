@@ -87,7 +87,7 @@ def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None]
         return []
 
     return {
-        "design.toml": lambda: tuned_toml(tuned.design, tuned.problem, tuned_comment(tuned)),
+        "design.toml": lambda: tuned_toml(tuned.design, tuned.problem, tuned_comment(tuned), tuned.worst_first),
         "tuned.json": lambda: json_text(_told(tuned_record(tuned), made)),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: compact_json(

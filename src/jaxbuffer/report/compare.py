@@ -103,6 +103,7 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     mechanism = every[0].mechanism
     records = [found.records["run"] for found in every]
     met = [scenario_of(mechanism, record["scenario"]) for record in records]
+    alike = all(scenario == met[0] for scenario in met)
     ends: list[list[Any]] = [["scenario", *_marked([mechanism.label(scenario, met) for scenario in met])]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
@@ -112,9 +113,12 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
         title, symbol, factor = in_figures(mechanism, name)
         values = [record.get(f"{name} [{mechanism.quantities[name].unit}]") for record in records]
         in_unit = [None if value is None else factor * value for value in values]
-        rows.append([title, symbol, *_beside(in_unit, merit=name not in NO_MERIT)])
-    rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records])])
-    return [Table("How they ended", ("of", *folders), ends), Table("Runs", ("quantity", "unit", *folders), rows)]
+        rows.append([title, symbol, *_beside(in_unit, merit=alike and name not in NO_MERIT)])
+    rows.append(["impacts", "-", *_beside([len(record["impacts"]) for record in records], merit=alike)])
+    caption = (
+        "Runs" if alike else "Runs of different scenarios, which tell little of the designs: simulate the same one"
+    )
+    return [Table("How they ended", ("of", *folders), ends), Table(caption, ("quantity", "unit", *folders), rows)]
 
 
 def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:

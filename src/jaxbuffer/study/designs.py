@@ -76,9 +76,10 @@ def save_design(
         raise InputError(f"{path} exists; overwrite=True replaces it") from None
 
 
-def tuned_toml(design: Part, problem: Problem, comment: str) -> str:
-    """A design that was tuned, with the problem's scenarios and limits: a study for the other commands."""
-    return f"{design_toml(design, problem.scenarios_met, comment)}\n{_limits_toml(problem)}"
+def tuned_toml(design: Part, problem: Problem, comment: str, scenarios: Iterable[Part] = ()) -> str:
+    """A design that was tuned, with the problem's limits and its ``scenarios`` (default: in the problem's order): a
+    study for the other commands, of which `simulate` takes the first."""
+    return f"{design_toml(design, tuple(scenarios) or problem.scenarios_met, comment)}\n{_limits_toml(problem)}"
 
 
 def _limits_toml(problem: Problem) -> str:

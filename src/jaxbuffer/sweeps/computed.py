@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from rich.table import Table
 
-from ..fields import Part
+from ..fields import Part, get
 from ..mechanisms.mechanism import Mechanism
 from ..tables import table
 from .found import Sweep
@@ -89,7 +89,7 @@ def _rising(swept: Computed) -> list[str]:
     good = swept.solved if mechanism.success is None else found.code == mechanism.outcomes[mechanism.success]
     for name, quantity in mechanism.quantities.items():
         if quantity.rising and (count := int(np.sum(good & (found.columns[quantity.rising] > 0.0)))):
-            runs = f"{count} of {int(good.sum())} {mechanism.success or 'solved'} {mechanism.run_name}s"
+            runs = f"{count} of {int(good.sum())} {mechanism.run_name}s that ended {mechanism.success or 'solved'}"
             lines.append(f"{name} is still rising where the run ends, in {runs}: it is the largest up to there only")
     return lines
 
@@ -115,7 +115,8 @@ def _spread(swept: Computed) -> Table:
     mechanism = swept.found.mechanism
     what = f"Quantities of the {int(solved.sum())} {mechanism.run_name}s that were solved"
     spread = table(what, ("quantity",), tuple(QUANTILES))
-    for name in mechanism.swept:
+    moved = {axis.path for axis in swept.grid.axes}
+    for name in mechanism.meant(lambda path: path in moved or get(swept.design, path)):
         values, (symbol, factor) = swept.found.columns[name][solved], mechanism.quantities[name].in_figures
         known = factor * values[np.isfinite(values)]
         if known.size:

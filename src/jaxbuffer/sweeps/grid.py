@@ -69,7 +69,8 @@ class Axis:
         """One of the values in words: "0.1 m/s", "hertz", "true"."""
         if not self.unit:
             return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
-        return f"{value:.{digits}g} {self.unit}".rstrip(" -")
+        degrees = f" ({np.degrees(value):+.3g}°)" if self.unit == "rad" else ""
+        return f"{value:.{digits}g} {self.unit}".rstrip(" -") + degrees
 
 
 class Batch(NamedTuple):

@@ -66,6 +66,11 @@ class Tuned:
         return first.value(self.before), first.value(self.after)
 
     @property
+    def worst_first(self) -> tuple[Part, ...]:
+        """The cases' scenarios by their peak contact force with the tuned design, the largest first."""
+        return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.quantities[:, 0], kind="stable"))
+
+    @property
     def screened(self) -> int:
         """How many of the captures were solved without derivatives."""
         alone = self.settings.starts == 1

@@ -12,7 +12,9 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """What people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; its contact distance and the
     passive rate too where those differ ``among`` several."""
     angle = np.degrees(float(scenario.misalignment)) + 0.0
-    label = f"{float(scenario.approach_speed):g} m/s, {angle:{'+' if angle else ''}.4g}°"
+    speed = float(scenario.approach_speed)
+    alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
+    label = f"{speed:{'.9g' if alike else '.4g'}} m/s, {angle:{'+' if angle else ''}.4g}°"
     for name in ("contact_distance", "passive_rate"):
         if len({float(getattr(other, name)) for other in among}) > 1:
             label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
