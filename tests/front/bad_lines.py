@@ -7,6 +7,10 @@ MATCHING = "[problem.variables]\nbuffer.k_A = [100, 2000]\n"
 
 LINES = [
     line("simulate --scenario.misalignment=-4", 'allowed: (-1.5708, 1.5708) rad; "-4 deg" if that is meant'),
+    line("simulate --scenario.misalignment=1", 'allowed: (-0.785398, 0.785398) rad; "1 deg" if that is meant'),
+    line("sweep --over scenario.misalignment=-1,0,1", '; "-1 deg" if that is meant'),
+    line("sweep --over scenario.misalignment=-1:1:3", '; "-1 deg" if that is meant'),
+    line("tune study.toml", '; "1 deg" if that is meant', study="[problem.grid]\nmisalignment = [0, 1]"),
     line("simulate --scenario.misalignment -4 deg", "deg: no such file", 'needs quotes: "-4 deg"'),
     line("simulate study.toml 4 deg", "Got unexpected extra argument", 'needs quotes: "-4 deg"'),
     line("simulate studdy.toml", "studdy.toml: no such file; did you mean study.toml?"),

@@ -138,6 +138,12 @@ STUDIES = [
     toml("[problem.objective]\nlevel = 1", "objective.level = 1 is out of range; allowed: [0, 1)"),
     toml("[problem.constraints]\nfizz = 1", "problem.constraints.fizz is unknown; known: captured, impacts"),
     toml("[problem.constraints]\nstroke = 0", "problem.constraints.stroke = 0 m is out of range; allowed: (0, inf) m"),
+    line(
+        "tune study.toml",
+        "problem.constraints.stroke = 30 m is out of range",
+        '; "30 mm" if that is meant',
+        study="[problem.constraints]\nstroke = 30",
+    ),
     toml("[problem.constraints]\nstroke = 'x'", "problem.constraints.stroke: 'x' is not a number", "(0, inf) m"),
     toml("[problem.constraints]\nimpacts = 0", "constraints.impacts = 0 must be a whole number of at least 1"),
     toml("[problem.constraints]\ncaptured = 1", "constraints.captured = 1 must be true or false"),

@@ -34,19 +34,22 @@ def read_problem(
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     units = _units(table, mechanism)
-    return Problem(
-        design=design,
-        scenarios=_cases(table, design, base, listed),
-        variables=_variables(
-            by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
-        ),
-        objective=_objective(_table(table, "objective", {}), "objective", units),
-        limits=limits(table, mechanism),
-        then=_then(_table(table, "then", {}), units) if "then" in table else None,
-        duration=duration,
-        rtol=rtol,
-        quantities=own_quantities(table, mechanism, folder),
-    )
+    try:
+        return Problem(
+            design=design,
+            scenarios=_cases(table, design, base, listed),
+            variables=_variables(
+                by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
+            ),
+            objective=_objective(_table(table, "objective", {}), "objective", units),
+            limits=limits(table, mechanism),
+            then=_then(_table(table, "then", {}), units) if "then" in table else None,
+            duration=duration,
+            rtol=rtol,
+            quantities=own_quantities(table, mechanism, folder),
+        )
+    except InputError as error:
+        raise InputError(f"problem.{error}" if str(error).startswith(SECTIONS) else error) from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
