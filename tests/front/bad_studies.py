@@ -210,6 +210,27 @@ STUDIES = [
         "the start, buffer.k_A = 500 N/m, is outside its bounds [600, 2000] N/m",
         study="[problem.variables]\nbuffer.k_A = [600, 2000]",
     ),
+    # tables and lines, as a newcomer writes them
+    toml("[chaser]\nmass = 1", "[chaser] is unknown; did you mean [active] (the active vehicle S, the chaser, which"),
+    toml("[target]\nmass = 1", "[target] is unknown; did you mean [passive] (the passive vehicle T, the target, which"),
+    toml("[satellite]\nmass = 1", "[satellite] is unknown; known: active, passive, buffer"),
+    line(
+        "simulate study.toml",
+        "Invalid value (at line 2, column 12): free_tip = yes; write true or false",
+        study="[probe]\nfree_tip = yes",
+    ),
+    line(
+        "simulate study.toml",
+        '): misalignment = 3 deg # small; a value with its unit needs quotes: "3 deg"',
+        study="[scenario]\nmisalignment = 3 deg  # small",
+    ),
+    line("simulate study.toml", "line 2", 'law = hertz; text needs quotes: "hertz"', study="[contact]\nlaw = hertz"),
+    line("simulate study.toml", "k_A = 0,5; numbers have a point", study="[buffer]\nk_A = 0,5"),
+    *[
+        line("simulate study.toml", "line 2", "law = ", "a quote is open", study=f"[contact]\nlaw = {quote}hertz{end}")
+        for quote in ("'", '"', '"""')
+        for end in ("", "\nfriction = 0.1")
+    ],
     # files
     line("simulate study.toml", "study.toml is not valid TOML", "line 1", study="[buffer\nk_A = 1"),
     line("simulate study.toml", "study.toml is not valid TOML", "line 2", study="[buffer]\nk_A = \n"),
