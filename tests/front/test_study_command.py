@@ -59,6 +59,23 @@ def test_an_example_is_never_written_over_a_file(computed, capsys, tmp_path):
     assert "did you mean bar_drop?" in capsys.readouterr().err
 
 
+def test_default_bounds_that_do_not_hold_the_start_are_said_not_refused(computed, capsys, tmp_path):
+    """As of a design that was tuned within other bounds: bounds of its own are what tuning it again needs."""
+    (tmp_path / "tuned.toml").write_text("[buffer]\nk_T = 10.77\n[problem.constraints]\nstroke = 0.02\n")
+    assert run(["check", "tuned.toml"]) == 0
+    shown = capsys.readouterr().out
+    assert (
+        "buffer.k_T = 10.77 N m/rad is outside the default bounds [50, 1500]: tune needs [problem.variables]" in shown
+    )
+    assert "stroke ≤ 0.02 m" in shown and "needs [problem.variables] first" in shown
+    assert run(["tune", "tuned.toml"]) == 2
+    assert "default bounds [50, 1500] N m/rad; give bounds in [problem.variables]" in capsys.readouterr().err
+    (tmp_path / "bounded.toml").write_text("[problem.variables]\nbuffer.k_A = [600, 2000]\n")
+    assert run(["check", "bounded.toml"]) == 2
+    told = capsys.readouterr().err
+    assert told.endswith("[600, 2000] N/m; widen the bounds in [problem.variables] or change the start\n")
+
+
 def test_a_study_is_explained(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text(
         """

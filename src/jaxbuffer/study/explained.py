@@ -1,5 +1,7 @@
 """What a study says, in words: what differs from the defaults, and what each command would do with it."""
 
+import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 from ..fields import Part, get, metadata, paths
@@ -18,7 +20,10 @@ def explained(study: Config, name: str) -> str:
     **Raises:** `InputError` where its problem can't be tuned.
     """
     mechanism = study.mechanism
-    problem = study.problem() if study.table else None
+    kept, missing = _variables_with_start(study)
+    problem = study.problem() if study.table and not missing else None
+    if study.table and missing and kept:  # everything else of the problem
+        problem = dataclasses.replace(study, table={**study.table, "variables": kept}).problem()
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
         "mechanism": [f'{mechanism.title}, kind = "{mechanism.name}"'],
@@ -26,13 +31,13 @@ def explained(study: Config, name: str) -> str:
         "scenario": [mechanism.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
-        "variables": [] if problem is None else _variables(problem),
+        "variables": missing or ([] if problem is None else _variables(problem)),
         "objective": [] if problem is None else [str(problem.objective)],
         "own quantities": [] if problem is None else _own(problem),
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
         "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
-        "commands": _commands(study, name, problem, swept),
+        "commands": _commands(study, name, problem, swept, bool(missing)),
     }
     lines = [f"Study {name}: valid"]
     for heading, told in parts.items():
@@ -70,6 +75,20 @@ def _variables(problem: Problem) -> list[str]:
     ]
 
 
+def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
+    """Of a study without bounds of its own: the default ones that hold the start, and a line for each other."""
+    if "variables" in study.table:
+        return {}, []
+    design, usual = study.design, study.mechanism.defaults.variables
+    kept = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
+    return kept, [
+        f"{path} = {_value(design, path)} is outside the default bounds [{bounds[0]:g}, {bounds[1]:g}]: tune needs"
+        " [problem.variables]"
+        for path, bounds in usual.items()
+        if path not in kept
+    ]
+
+
 def _own(problem: Problem) -> list[str]:
     return [f"{name} [{own.unit}] = {own.signature}" for name, own in problem.quantities.items()]
 
@@ -83,8 +102,8 @@ def _limits(problem: Problem) -> list[str]:
     return [*lines, f"every case must end {mechanism.success}"] if limits.captured and mechanism.success else lines
 
 
-def _commands(study: Config, name: str, problem: Problem | None, swept: Grid) -> list[str]:
-    """What each command would do."""
+def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
+    """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism, defaults = study.mechanism, study.mechanism.defaults
     run = mechanism.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
@@ -95,6 +114,8 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid) ->
         f"{'':{len(name) + 23}} by {by}",
         f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
     ]
+    if missing:
+        return [*told, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*told, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"

@@ -1,13 +1,13 @@
 """The ``[problem]`` section of a study: from TOML tables to a `Problem`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, by_path, check_ends, check_path, in_unit, limits_of, paths, unit
+from ..fields import Part, by_path, check_ends, check_path, get, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
@@ -34,13 +34,13 @@ def read_problem(
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     units = _units(table, mechanism)
+    variables = _variables_of(table, design)
+    _check_start(design, variables, "variables" in table)
     try:
         return Problem(
             design=design,
             scenarios=_cases(table, design, base, listed),
-            variables=_variables(
-                by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
-            ),
+            variables=variables,
             objective=_objective(_table(table, "objective", {}), "objective", units),
             limits=limits(table, mechanism),
             then=_then(_table(table, "then", {}), units) if "then" in table else None,
@@ -56,7 +56,7 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    _variables(by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design)
+    _variables_of(table, design)
     _cases(table, design, base, ())
     units = _units(table, mechanism)
     _objective(_table(table, "objective", {}), "objective", units)
@@ -71,10 +71,27 @@ def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
-def _variables(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
-    if not table:
+def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
+    """The variables of a [problem], by default the mechanism's."""
+    asked = _table(table, "variables", mechanism_of(design).defaults.variables)
+    if not asked:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
-    return tuple(_variable(path, given, design) for path, given in table.items())
+    by_name = by_path(asked, where="problem.variables")
+    return tuple(_variable(path, given, design) for path, given in by_name.items())
+
+
+def _check_start(design: Part, variables: Sequence[Variable], own: bool) -> None:
+    """Raise `InputError` for a start outside its bounds. ``own``: whether the study gives them."""
+    for v in variables:
+        value, symbol = get(design, v.path), f" {unit(design, v.path)}".rstrip(" -")
+        if isinstance(value, float) and not v.low <= value <= v.high:
+            bounds = f"bounds [{v.low:g}, {v.high:g}]{symbol}"
+            told = (
+                f"its {bounds}; widen the bounds in [problem.variables] or change the start"
+                if own
+                else f"the default {bounds}; give bounds in [problem.variables] or change the start"
+            )
+            raise InputError(f"the start, {v.path} = {value:g}{symbol}, is outside {told}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
