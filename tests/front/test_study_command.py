@@ -52,7 +52,7 @@ def test_the_defaults_in_the_comments_are_the_defaults(kind):
 def test_an_example_is_never_written_over_a_file(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text("mine")
     assert run(["init"]) == 2
-    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites\n"
+    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites, another FILE keeps it\n"
     assert (tmp_path / "study.toml").read_text() == "mine"
     assert run(["init", "--force"]) == 0 and load("study.toml").design
     assert run(["init", "--kind", "bar_dropp", "x.toml"]) == 2

@@ -117,7 +117,7 @@ def test_files(computed, capsys, tmp_path):
     assert repr(back) in printed
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
-    assert "envelope.png and 8 more exist; --force overwrites" in capsys.readouterr().err
+    assert "envelope.png and 8 more exist; --force overwrites, another --output keeps them" in capsys.readouterr().err
     assert run(["sweep", "--output", "out", "--force"]) == 0
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
