@@ -80,6 +80,8 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text(
         """
         buffer.k_A = "0.8 kN/m"
+        active.mass = "42 g"
+        passive.mass = 8000
         options.duration = 4
         scenario.misalignment = "3 deg"
         [problem.variables]
@@ -97,9 +99,11 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
     shown = capsys.readouterr().out
     for line in (
         "Study study.toml: valid",
-        "buffer.k_A 800 N/m (default 500 N/m)",
+        "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)",
+        "active.mass 42 g = 0.042 kg (1/523.1 of the default 21.9706 kg)",
+        "passive.mass 8000 kg (339.4 times the default 23.5731 kg)",
         "options.duration 4 s (default 8 s)",
-        "scenario.misalignment 0.0523599 rad (default 0 rad)",
+        "scenario.misalignment 3 deg = 0.0523599 rad (default 0 rad)",
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
         "stroke ≤ 0.025 m",
         "stroke ≥ 0.001 m",

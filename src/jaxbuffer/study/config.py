@@ -79,6 +79,7 @@ class Config:
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
     sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
     folder: Path = Path()
+    texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)  # typed with a unit, by address
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -247,7 +248,9 @@ def _config(data: dict[str, Any]) -> Config:
         for name in ("grid", "sample"):
             if scenarios and name in table:
                 raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample)
+    typed = fields | {f"{SCENARIO}{name}": value for name, value in _table(data, "scenario").items()}
+    texts = {path: value for path, value in typed.items() if isinstance(value, str)}
+    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, texts=texts)
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:

@@ -4,12 +4,13 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..fields import Part, get, metadata, paths
+from ..fields import Part, get, metadata, paths, unit
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from .config import Config, Options
 
 SHOWN = 12  # scenarios that are listed one by one
+FAR = 100.0  # a factor to the default from which on it is told: a unit may be mistyped
 
 
 def explained(study: Config, name: str) -> str:
@@ -46,18 +47,31 @@ def explained(study: Config, name: str) -> str:
 
 
 def _differences(study: Config) -> list[str]:
-    """Each field that is not at its default: "buffer.k_A 800 N/m (default 500 N/m)"."""
+    """Each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     mechanism, found = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
         for path in paths(part):
             if get(part, path) != get(default, path):
-                found.append(f"{_shown(part, path, prefix)} (default {_value(default, path)})")
+                text = study.texts.get(prefix + path, "")
+                typed = f"{text} = " if text and unit(part, path) else ""
+                found.append(f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})")
     default_options = Options(duration=mechanism.defaults.duration)
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
             found.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
     return found
+
+
+def _beside_default(part: Part, default: Part, path: str) -> str:
+    """The default, and by which factor a number is away from it, where that is large."""
+    value, usual = get(part, path), get(default, path)
+    if isinstance(value, float) and isinstance(usual, float) and value and usual:
+        ratio = abs(value / usual)
+        if max(ratio, 1.0 / ratio) > FAR:
+            times = f"{ratio:.4g} times" if ratio > 1.0 else f"1/{1.0 / ratio:.4g} of"
+            return f"{times} the default {_value(default, path)}"
+    return f"default {_value(default, path)}"
 
 
 def _scenarios(study: Config) -> list[str]:
