@@ -117,6 +117,7 @@ STUDIES = [
         'problem.grid.approach_speed: 5 has no unit; give both ends one, or none: {from = "5 cm/s", to = "20 cm/s"',
     ),
     toml("[sample.ranges]\nscenario.approach_speed = ['5 cm/s', 20]", "20 has no unit", '["5 cm/s", "20 cm/s"]'),
+    toml("[sample.ranges]\nscenario.approach_speed = [5, '20 cm/s', 'log']", "5 has no unit", '["5 cm/s", "20 cm/s"]'),
     toml(
         "[problem.sample]\nscenario.approach_speed = {uniform = [5, '20 cm/s']}",
         "5 has no unit",
@@ -211,8 +212,8 @@ STUDIES = [
         study="[problem.variables]\nbuffer.k_A = [600, 2000]",
     ),
     # tables and lines, as a newcomer writes them
-    toml("[chaser]\nmass = 1", "[chaser] is unknown; did you mean [active] (the active vehicle S, the chaser, which"),
-    toml("[target]\nmass = 1", "[target] is unknown; did you mean [passive] (the passive vehicle T, the target, which"),
+    toml("[chaser]\nmass = 1", "[chaser] is unknown; did you mean [active] (the active vehicle S, which"),
+    toml("[target]\nmass = 1", "[target] is unknown; did you mean [passive] (the passive vehicle T, which"),
     toml("[satellite]\nmass = 1", "[satellite] is unknown; known: active, passive, buffer"),
     line(
         "simulate study.toml",

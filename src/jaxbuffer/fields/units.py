@@ -90,9 +90,11 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
 def check_ends(where: str, ends: Sequence[Any], written: Callable[[str, str], str]) -> None:
     """Raise `InputError` where one end of a range has a unit and the other has none: "5" before "20 cm/s" means m/s.
 
-    **Arguments:** ``where``: the range, as shown to the user; ``ends``: as typed; ``written``: the range from the texts
+    **Arguments:** ``where``: the range, as shown to the user; ``ends``: as typed, what follows the first two is
+    passed over; ``written``: the range from the texts
     of both ends, to show it with a unit at each.
     """
+    ends = ends[:2]
     units = [found[2].strip() for end in ends if isinstance(end, str) and (found := _TEXT.fullmatch(end))]
     bare = [f"{as_number(end):.12g}" for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
     if len(units) == len(bare) == 1:

@@ -17,6 +17,7 @@ HINTS = (  # what the line of an error looks like, and what to write
     (re.compile(rf"{VALUE}([-+]?[\d.]+\s*[A-Za-z°%µ][^\],}}#]*)"), 'a value with its unit needs quotes: "{}"'),
     (re.compile(r"=\s*([A-Za-z][\w-]*)\s*(?:#|$)"), 'text needs quotes: "{}"'),
 )
+ALSO = {"chaser": "active", "servicer": "active", "target": "passive", "client": "passive"}  # what others call a part
 ALIKE = 3  # tables that are offered for an unknown one at most
 
 
@@ -57,10 +58,11 @@ def no_table(name: str, known: Iterable[str], parts: Mapping[str, type]) -> str:
     """
     first, names = name.split(".", maxsplit=1)[0], list(known)
     told = {part: _first_sentence(kind) for part, kind in parts.items()}
-    found = [
-        part for part, words in told.items() if len(first) > 2 and re.search(rf"\b{re.escape(first)}", words, re.I)
-    ]
-    if nearest(first, names) or not found:
+    begins = re.compile(rf"\b{re.escape(first)}", re.IGNORECASE)
+    found = [part for part, words in told.items() if len(first) > 2 and begins.search(words)]
+    if ALSO.get(first.lower()) in parts:
+        found = [ALSO[first.lower()]]
+    if not found or nearest(first, names):
         return suggest(first, names)
     return f"; did you mean {' or '.join(f'[{part}] ({told[part]})' for part in found[:ALIKE])}?"
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
 from ..fields import Part, by_path, check_ends, check_path, get, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
@@ -49,7 +49,12 @@ def read_problem(
             quantities=own_quantities(table, mechanism, folder),
         )
     except InputError as error:
-        raise InputError(f"problem.{error}" if str(error).startswith(SECTIONS) else error) from None
+        if not str(error).startswith(SECTIONS):
+            raise
+        asked = limits(table, mechanism).at_most
+        broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
+        hints = (meant(asked[name], units[name], low=0.0) for name in broken)
+        raise InputError(f"problem.{error}{next(hints, '')}") from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:

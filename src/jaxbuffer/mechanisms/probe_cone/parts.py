@@ -31,7 +31,7 @@ BENDING_MODES = 3
 
 
 class Active(Part):
-    """The active vehicle S, the chaser, which carries the probe.
+    """The active vehicle S, which carries the probe.
 
     - ``mass``: m_S [kg].
     - ``inertia``: I_S about its centre of mass [kg m²].
@@ -45,7 +45,7 @@ class Active(Part):
 
 
 class Passive(Part):
-    """The passive vehicle T, the target, which carries the cone.
+    """The passive vehicle T, which carries the cone.
 
     - ``mass``: m_T [kg].
     - ``inertia``: I_T about its centre of mass [kg m²].

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, meant
+from ...errors import InputError
 from ...fields import replace
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
@@ -19,5 +19,4 @@ def check_problem(problem: Any) -> None:
         raise InputError(
             f"constraints.stroke = {limit:g} m is out of range; allowed: (0, {most:g}] m, the buffer's end"
             " (buffer.max_stroke, or buffer.free_length with an end stop or without max_stroke)"
-            + meant(limit, "m", low=0.0, high=most, low_open=True)
         )
