@@ -11,8 +11,8 @@ if TYPE_CHECKING:  # the command line's own errors need neither: they are import
     import numpy as np
 
 CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
-# what may be meant by a number of this unit from this size on: a unit, and how many of the first one it is
-MEANT = {"rad": (2.0, "deg", math.pi / 180.0), "rad/s": (2.0, "deg/s", math.pi / 180.0), "m": (1.0, "mm", 1e-3)}
+# what may be meant by a number of this unit above this size: a unit, and how many of the first one it is
+MEANT = {"rad": (0.0, "deg", math.pi / 180.0), "rad/s": (2.0, "deg/s", math.pi / 180.0), "m": (1.0, "mm", 1e-3)}
 LONGEST = 60  # characters of a value that a message shows
 
 
@@ -116,17 +116,23 @@ def check_number(
     if isinstance(value, jax.core.Tracer):
         return
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": low_open, "high_open": high_open}
-    meant = MEANT.get(unit)
-    unit = "" if unit in ("", "-") else f" {unit}"
-    allowed = f"{range_text(low, high, low_open, high_open)}{unit}"
+    shown_unit = "" if unit in ("", "-") else f" {unit}"
+    allowed = f"{range_text(low, high, low_open, high_open)}{shown_unit}"
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
     bad = ~inside(array, **limits)
     if np.any(bad):
-        first, hint = float(array[bad].flat[0]), ""
-        if meant is not None and abs(first) > meant[0] and inside(first * meant[2], **limits):
-            hint = f'; "{first:g} {meant[1]}" if that is meant'
-        raise InputError(f"{path} = {first:g}{unit} is out of range; allowed: {allowed}{hint}")
+        first = float(array[bad].flat[0])
+        hint = meant(first, unit, **limits)
+        raise InputError(f"{path} = {first:g}{shown_unit} is out of range; allowed: {allowed}{hint}")
+
+
+def meant(value: float, unit: str, **limits: Any) -> str:
+    """A hint at the smaller unit in which a number out of range is inside it (degrees, millimetres); "" for none."""
+    least, smaller, factor = MEANT.get(unit, (math.inf, "", 1.0))
+    return (
+        f'; "{value:g} {smaller}" if that is meant' if abs(value) > least and inside(value * factor, **limits) else ""
+    )
 
 
 def range_text(low: float, high: float, low_open: bool, high_open: bool) -> str:

@@ -108,6 +108,21 @@ STUDIES = [
     toml("[problem.variables]\nbuffer.k_A = [100]", "problem.variables.buffer.k_A = [100", "[low, high] in N/m"),
     toml("[problem.variables]\nbuffer.k_A = ['a', 5]", "problem.variables.buffer.k_A", "[low, high] in N/m"),
     toml("[problem.variables]\nbuffer.k_A = [2e3, 1e2]", "[2000, 100] N/m: the low bound must be below the high one"),
+    toml(
+        "[problem.variables]\nprobe.tip_mass = [5, '200 g']",
+        'problem.variables.probe.tip_mass: 5 has no unit; give both ends one, or none: ["5 g", "200 g"]',
+    ),
+    toml(
+        "[problem.grid]\napproach_speed = {from = 5, to = '20 cm/s', count = 4}",
+        'problem.grid.approach_speed: 5 has no unit; give both ends one, or none: {from = "5 cm/s", to = "20 cm/s"',
+    ),
+    toml("[sample.ranges]\nscenario.approach_speed = ['5 cm/s', 20]", "20 has no unit", '["5 cm/s", "20 cm/s"]'),
+    toml("[sample.ranges]\nscenario.approach_speed = [5, '20 cm/s', 'log']", "5 has no unit", '["5 cm/s", "20 cm/s"]'),
+    toml(
+        "[problem.sample]\nscenario.approach_speed = {uniform = [5, '20 cm/s']}",
+        "5 has no unit",
+        '{ uniform = ["5 cm/s", "20 cm/s"] }',
+    ),
     toml("[problem.variables]\nbuffer.k_A = [0, 1e2]", "problem.variables.buffer.k_A = 0 N/m", "(0, inf) N/m"),
     toml(f"[problem.variables]\nbuffer.k_A = [1, 1{400 * '0'}]", "buffer.k_A = inf N/m", "(0, inf) N/m"),
     toml("[problem.variables]\nbuffer.k_A = [1, 2, 'cubic']", "scale = 'cubic' is unknown; choose one of log, linear"),
@@ -124,6 +139,12 @@ STUDIES = [
     toml("[problem.objective]\nlevel = 1", "objective.level = 1 is out of range; allowed: [0, 1)"),
     toml("[problem.constraints]\nfizz = 1", "problem.constraints.fizz is unknown; known: captured, impacts"),
     toml("[problem.constraints]\nstroke = 0", "problem.constraints.stroke = 0 m is out of range; allowed: (0, inf) m"),
+    line(
+        "tune study.toml",
+        "problem.constraints.stroke = 30 m is out of range",
+        '; "30 mm" if that is meant',
+        study="[problem.constraints]\nstroke = 30",
+    ),
     toml("[problem.constraints]\nstroke = 'x'", "problem.constraints.stroke: 'x' is not a number", "(0, inf) m"),
     toml("[problem.constraints]\nimpacts = 0", "constraints.impacts = 0 must be a whole number of at least 1"),
     toml("[problem.constraints]\ncaptured = 1", "constraints.captured = 1 must be true or false"),
@@ -190,6 +211,27 @@ STUDIES = [
         "the start, buffer.k_A = 500 N/m, is outside its bounds [600, 2000] N/m",
         study="[problem.variables]\nbuffer.k_A = [600, 2000]",
     ),
+    # tables and lines, as a newcomer writes them
+    toml("[chaser]\nmass = 1", "[chaser] is unknown; did you mean [active] (the active vehicle S, which"),
+    toml("[target]\nmass = 1", "[target] is unknown; did you mean [passive] (the passive vehicle T, which"),
+    toml("[satellite]\nmass = 1", "[satellite] is unknown; known: active, passive, buffer"),
+    line(
+        "simulate study.toml",
+        "Invalid value (at line 2, column 12): free_tip = yes; write true or false",
+        study="[probe]\nfree_tip = yes",
+    ),
+    line(
+        "simulate study.toml",
+        '): misalignment = 3 deg # small; a value with its unit needs quotes: "3 deg"',
+        study="[scenario]\nmisalignment = 3 deg  # small",
+    ),
+    line("simulate study.toml", "line 2", 'law = hertz; text needs quotes: "hertz"', study="[contact]\nlaw = hertz"),
+    line("simulate study.toml", "k_A = 0,5; numbers have a point", study="[buffer]\nk_A = 0,5"),
+    *[
+        line("simulate study.toml", "line 2", "law = ", "a quote is open", study=f"[contact]\nlaw = {quote}hertz{end}")
+        for quote in ("'", '"', '"""')
+        for end in ("", "\nfriction = 0.1")
+    ],
     # files
     line("simulate study.toml", "study.toml is not valid TOML", "line 1", study="[buffer\nk_A = 1"),
     line("simulate study.toml", "study.toml is not valid TOML", "line 2", study="[buffer]\nk_A = \n"),

@@ -276,7 +276,7 @@ def test_existing_files_stay_unless_forced(computed, capsys, tmp_path, command, 
     mine = tmp_path / "out" / names[1]
     mine.write_text("mine")
     message = refused(capsys, tmp_path, command, "--output", "out")
-    assert f"{os.path.join('out', names[1])} exists; --force overwrites" in message
+    assert f"{os.path.join('out', names[1])} exists; --force overwrites, another --output keeps it" in message
     assert computed.calls[-1][0] == "configure" and mine.read_text() == "mine"
     assert run([command, "--output", "out", "--force"]) == 0
     assert mine.read_text() != "mine" and {path.name for path in (tmp_path / "out").iterdir()} == set(names)

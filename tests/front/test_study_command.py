@@ -52,17 +52,36 @@ def test_the_defaults_in_the_comments_are_the_defaults(kind):
 def test_an_example_is_never_written_over_a_file(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text("mine")
     assert run(["init"]) == 2
-    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites\n"
+    assert capsys.readouterr().err == "error: study.toml exists; --force overwrites, another FILE keeps it\n"
     assert (tmp_path / "study.toml").read_text() == "mine"
     assert run(["init", "--force"]) == 0 and load("study.toml").design
     assert run(["init", "--kind", "bar_dropp", "x.toml"]) == 2
     assert "did you mean bar_drop?" in capsys.readouterr().err
 
 
+def test_default_bounds_that_do_not_hold_the_start_are_said_not_refused(computed, capsys, tmp_path):
+    """As of a design that was tuned within other bounds: bounds of its own are what tuning it again needs."""
+    (tmp_path / "tuned.toml").write_text("[buffer]\nk_T = 10.77\n[problem.constraints]\nstroke = 0.02\n")
+    assert run(["check", "tuned.toml"]) == 0
+    shown = capsys.readouterr().out
+    assert (
+        "buffer.k_T = 10.77 N m/rad is outside the default bounds [50, 1500]: tune needs [problem.variables]" in shown
+    )
+    assert "stroke ≤ 0.02 m" in shown and "needs [problem.variables] first" in shown
+    assert run(["tune", "tuned.toml"]) == 2
+    assert "default bounds [50, 1500] N m/rad; give bounds in [problem.variables]" in capsys.readouterr().err
+    (tmp_path / "bounded.toml").write_text("[problem.variables]\nbuffer.k_A = [600, 2000]\n")
+    assert run(["check", "bounded.toml"]) == 2
+    told = capsys.readouterr().err
+    assert told.endswith("[600, 2000] N/m; widen the bounds in [problem.variables] or change the start\n")
+
+
 def test_a_study_is_explained(computed, capsys, tmp_path):
     (tmp_path / "study.toml").write_text(
         """
         buffer.k_A = "0.8 kN/m"
+        active.mass = "42 g"
+        passive.mass = 8000
         options.duration = 4
         scenario.misalignment = "3 deg"
         [problem.variables]
@@ -80,9 +99,11 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
     shown = capsys.readouterr().out
     for line in (
         "Study study.toml: valid",
-        "buffer.k_A 800 N/m (default 500 N/m)",
+        "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)",
+        "active.mass 42 g = 0.042 kg (1/523.1 of the default 21.9706 kg)",
+        "passive.mass 8000 kg (339.4 times the default 23.5731 kg)",
         "options.duration 4 s (default 8 s)",
-        "scenario.misalignment 0.0523599 rad (default 0 rad)",
+        "scenario.misalignment 3 deg = 0.0523599 rad (default 0 rad)",
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
         "stroke ≤ 0.025 m",
         "stroke ≥ 0.001 m",

@@ -117,7 +117,7 @@ def test_files(computed, capsys, tmp_path):
     assert repr(back) in printed
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
-    assert "envelope.png and 8 more exist; --force overwrites" in capsys.readouterr().err
+    assert "envelope.png and 8 more exist; --force overwrites, another --output keeps them" in capsys.readouterr().err
     assert run(["sweep", "--output", "out", "--force"]) == 0
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
@@ -169,6 +169,7 @@ def test_a_tuned_design_keeps_its_limits(computed, capsys, tmp_path):
     assert limits(load(tmp_path / "tuned" / "design.toml").table, PROBE_CONE) == limits(
         load(tmp_path / "study.toml").table, PROBE_CONE
     )
+    assert "\ncaptured = true\n" in (tmp_path / "tuned" / "design.toml").read_text()
     assert run(["simulate", "tuned/design.toml"]) == 1
     assert "[problem.constraints] not kept: peak_force 250 N is above 240 N" in capsys.readouterr().err
     assert run(["sweep", "tuned/design.toml", *TWO]) == 0

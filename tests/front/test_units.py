@@ -68,11 +68,11 @@ def test_a_study_takes_text_everywhere():
         scenario.misalignment = "3 deg"
         options.duration = "4000 ms"
         problem.variables.buffer.k_A = ["0.1 kN/m", "2 kN/m"]
-        problem.variables.buffer.c_A = ["1 N s/m", 60, "linear"]
+        problem.variables.buffer.c_A = ["1 N s/m", "60 N s/m", "linear"]
         problem.constraints.stroke = "25 mm"
         problem.constraints.end_time = {min = "500 ms", max = 5}
         problem.grid.approach_speed = ["10 cm/s", 0.2]
-        sweep.buffer.k_A = {from = "0.1 kN/m", to = 2000, count = 3}
+        sweep.buffer.k_A = {from = "0.1 kN/m", to = "2 kN/m", count = 3}
         sweep.buffer.c_A = ["2 N s/m", 5]
         """,
         "study.toml",
@@ -89,7 +89,7 @@ def test_a_grid_of_a_tuning_takes_a_span():
     """Equal steps between ends with their units, and equal ratios: 0.05, 0.1, 0.2."""
     study = loads(
         b"""
-        problem.grid.approach_speed = {from = "5 cm/s", to = 0.2, count = 3, scale = "log"}
+        problem.grid.approach_speed = {from = "5 cm/s", to = "20 cm/s", count = 3, scale = "log"}
         problem.grid.misalignment = {from = "-1 deg", to = "1 deg", count = 2}
         """,
         "study.toml",
@@ -105,7 +105,7 @@ def test_the_command_line_takes_text(computed):
     assert run(["simulate", *words]) == 0
     asked = computed.calls[-1][1]
     assert (asked["scenario"].approach_speed, asked["design"].buffer.k_A, asked["duration"]) == (0.2, 800.0, 0.5)
-    assert run(["sweep", "--over", "scenario.approach_speed=5cm/s:0.3:6", "--over", "buffer.k_A=0.1 kN/m,200"]) == 0
+    assert run(["sweep", "--over", "scenario.approach_speed=5cm/s:0.3m/s:6", "--over", "buffer.k_A=0.1 kN/m,200"]) == 0
     assert computed.calls[-1][1]["scenarios"].approach_speed.max() == pytest.approx(0.3)
 
 

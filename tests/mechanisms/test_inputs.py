@@ -22,7 +22,11 @@ OUT_OF_RANGE = [
     ("contact.restitution", 0.0, "contact.restitution = 0 is out of range; allowed: (0, 1]"),
     ("contact.poisson_ratio", 0.6, "contact.poisson_ratio = 0.6 is out of range; allowed: (-1, 0.5]"),
     ("contact.stiffness", 0.0, "contact.stiffness = 0 N/m^1.5 is out of range; allowed: (0, inf) N/m^1.5"),
-    ("cone.half_angle", 2.0, "cone.half_angle = 2 rad is out of range; allowed: (0, 1.5708) rad"),
+    (
+        "cone.half_angle",
+        2.0,
+        'cone.half_angle = 2 rad is out of range; allowed: (0, 1.5708) rad; "2 deg" if that is meant',
+    ),
     # The mouth's radius is 0.015 m + 0.0735 m sin 45°.
     ("probe.tip_radius", 0.07, "probe.tip_radius = 0.07 m is out of range; allowed: (0, 0.0669723) m"),
 ]
@@ -99,7 +103,11 @@ def test_every_number_declares_its_unit():
     [
         ({"approach_speed": 0.0}, "scenario.approach_speed = 0 m/s is out of range; allowed: (0, inf) m/s"),
         ({"contact_distance": -0.01}, "scenario.contact_distance = -0.01 m is out of range; allowed: (0, inf) m"),
-        ({"misalignment": 1.6}, "scenario.misalignment = 1.6 rad is out of range; allowed: (-1.5708, 1.5708) rad"),
+        (
+            {"misalignment": 1.6},
+            "scenario.misalignment = 1.6 rad is out of range; allowed: (-1.5708, 1.5708) rad;"
+            ' "1.6 deg" if that is meant',
+        ),
         ({"passive_rate": math.nan}, "scenario.passive_rate = nan rad/s is out of range; allowed: (-inf, inf) rad/s"),
     ],
 )
@@ -118,7 +126,8 @@ def test_scenario_out_of_range(scenario, message):
         ),
         (
             {"misalignment": -0.8},
-            "scenario.misalignment = -0.8 rad is out of range; allowed: (-0.785398, 0.785398) rad",
+            "scenario.misalignment = -0.8 rad is out of range; allowed: (-0.785398, 0.785398) rad;"
+            ' "-0.8 deg" if that is meant',
         ),
     ],
 )

@@ -43,7 +43,9 @@ class Output:
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         if taken and not self.force:
             goes_on = "--resume goes on, " if begun else ""
-            raise InputError(f"{_listed(taken)} exist{'s' if len(taken) == 1 else ''}; {goes_on}--force overwrites")
+            exist, them = ("exists", "it") if len(taken) == 1 else ("exist", "them")
+            keeps = f"another --output keeps {them}"
+            raise InputError(f"{_listed(taken)} {exist}; {goes_on}--force overwrites, {keeps}")
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
         if not os.access(parent, os.W_OK | os.X_OK):

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from typer import Context
 from typer.core import TyperCommand
 
-from ..errors import InputError
+from ..errors import InputError, nearest
 
 FIELDS = """\
 \b
@@ -77,7 +77,29 @@ class Command(Plain):
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Parse what is left without the dotted options."""
         rest, ctx.obj = split(args)
-        return super().parse_args(ctx, rest)
+        try:
+            return super().parse_args(ctx, rest)
+        except Exception as error:
+            option = getattr(error, "option_name", "")
+            unknown = type(error).__name__ == "NoSuchOption" and not getattr(error, "possibilities", None)
+            if not unknown or not (alike := fields_like(option)):
+                raise
+            raise InputError(f"No such option: {option}; did you mean {' or '.join(alike)}?") from None
+
+
+def fields_like(option: str) -> list[str]:
+    """The dotted options that one without a section may mean: of the fields whose last part it is or is in, or of the
+    field nearest to it; a capture's first."""
+    from ..fields import addresses
+    from ..mechanisms import all_mechanisms
+
+    name = option.lstrip("-").replace("-", "_")
+    every = [addresses(mechanism.design(), mechanism.scenario()) for mechanism in all_mechanisms()]
+    exact = ([path for path in known if path.rpartition(".")[2] == name] for known in every)
+    partly = ([path for path in known if name in path.rpartition(".")[2]] for known in every if len(name) > 2)
+    near = ([path] for known in every if (path := nearest(name, known)))
+    found = next((paths for group in (exact, partly, near) for paths in group if paths), [])
+    return [f"--{path}" for path in found]
 
 
 def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:

@@ -10,6 +10,7 @@ from ..files import write
 from ..output.formats import ARRAYS
 from ..report.page import GENERATOR
 from .exits import OK
+from .folders import check_comparable, loaded
 from .streams import note, show
 
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
@@ -34,10 +35,9 @@ def report(
       jaxbuffer report results/table2
       jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
-    from ..output.folder import load
     from ..report.review import review
 
-    page = review([load(folder) for folder in folders], title)
+    page = review([loaded(folder) for folder in folders], title)
     file = _saved(html or folders[0] / "report.html", page.html())
     for folder in folders:
         _print(folder)
@@ -52,12 +52,13 @@ def compare(folders: Folders, html: Html = None) -> int:
     \b
     Example: jaxbuffer compare results/before results/after
     """
-    from ..output.folder import load
     from ..report.compare import compared, comparison, kept
 
     if len(folders) < 2:
         raise InputError("compare needs two folders at least")
-    every = [load(folder) for folder in folders]
+    every = [loaded(folder) for folder in folders]
+    if len({found.mechanism.name for found in every}) == 1:  # what differs otherwise, `comparison` says
+        check_comparable(every)
     page = comparison(every)
     file = _saved(html or folders[0] / "compare.html", page.html())
     for one in [*compared(every), *kept(every)]:

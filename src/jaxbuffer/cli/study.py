@@ -38,7 +38,7 @@ def init(
     try:
         write(file, text, overwrite=force)
     except FileExistsError:
-        raise InputError(f"{file} exists; --force overwrites") from None
+        raise InputError(f"{file} exists; --force overwrites, another FILE keeps it") from None
     show(f"wrote {file}; 'jaxbuffer check {file}' says what it holds")
     return OK
 

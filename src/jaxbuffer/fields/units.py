@@ -8,6 +8,7 @@ text with a unit is met.
 import functools
 import math
 import re
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..errors import InputError, as_number, nearest, range_text, shown
@@ -84,6 +85,21 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
         symbol = "" if unit in ("", "-") else f" {unit}"
         raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}{symbol}")
     return as_unit(value, unit)
+
+
+def check_ends(where: str, ends: Sequence[Any], written: Callable[[str, str], str]) -> None:
+    """Raise `InputError` where one end of a range has a unit and the other has none: "5" before "20 cm/s" means m/s.
+
+    **Arguments:** ``where``: the range, as shown to the user; ``ends``: as typed, what follows the first two is
+    passed over; ``written``: the range from the texts
+    of both ends, to show it with a unit at each.
+    """
+    ends = ends[:2]
+    units = [found[2].strip() for end in ends if isinstance(end, str) and (found := _TEXT.fullmatch(end))]
+    bare = [f"{as_number(end):.12g}" for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
+    if len(units) == len(bare) == 1:
+        low, high = (end.strip() if isinstance(end, str) else f"{bare[0]} {units[0]}" for end in ends)
+        raise InputError(f"{where}: {bare[0]} has no unit; give both ends one, or none: {written(low, high)}")
 
 
 def check_unit(path: str, symbol: Any) -> None:

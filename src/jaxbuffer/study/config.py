@@ -1,7 +1,6 @@
 """Studies as TOML: read into a `Config`, override fields by dotted path, write a design back."""
 
 import dataclasses
-import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import equinox as eqx
 import tomli_w
 
-from ..errors import InputError, as_number, check_number, check_whole, nearest, shown, suggest
+from ..errors import InputError, as_number, check_number, check_whole, shown, suggest
 from ..fields import (
     POSITIVE,
     SCENARIO,
@@ -33,6 +32,7 @@ from ..mechanisms.registry import mechanism_of
 from ..run.simulate import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid
 from ..tuning.settings import Settings
+from .mistaken import no_file, no_table, no_toml
 from .sample_toml import read_sample
 
 if TYPE_CHECKING:
@@ -42,7 +42,6 @@ T = TypeVar("T", bound=eqx.Module)
 
 DEFAULT_KIND = "probe_cone"
 KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
-COMMA = re.compile(rb"=\s*[+-]?\d+,\d", re.MULTILINE)
 
 
 class Options(Part):
@@ -80,6 +79,7 @@ class Config:
     sweep: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # path to values, as `grid` reads them
     sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
     folder: Path = Path()
+    texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)  # typed with a unit, by address
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -119,28 +119,20 @@ def load(path: str | Path | None) -> Config:
         content = Path(path).read_bytes()
     except FileNotFoundError:
         path = Path(path)
-        raise InputError(f"{path}: no such file{_beside(path)}") from None
+        raise InputError(f"{path}: no such file{no_file(path)}") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
     return loads(content, path)
 
 
-def _beside(path: Path) -> str:
-    """The file that may be meant, or how to begin."""
-    folder = path.parent
-    if not path.suffix:
-        return '; a study ends in .toml, and a value with its unit needs quotes: "-4 deg"'
-    near = nearest(path.name, [file.name for file in folder.glob("*.toml")]) if folder.is_dir() else None
-    return f"; did you mean {folder / near}?" if near else f"; jaxbuffer init {path} writes one to begin with"
-
-
 def loads(content: bytes, name: str | Path) -> Config:
     """Read a study from a file's content; ``name`` starts an error's line."""
+    text = ""
     try:
-        data = tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
+        data = tomllib.loads(text)
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
-        comma = "; numbers have a point, not a comma" if COMMA.search(content) else ""
-        raise InputError(f"{name} is not valid TOML: {error}{comma}") from None
+        raise InputError(f"{name} is not valid TOML: {no_toml(text, error)}") from None
     try:
         return dataclasses.replace(_config(data), folder=Path(name).parent)
     except InputError as error:
@@ -232,7 +224,8 @@ def _config(data: dict[str, Any]) -> Config:
     known = (*parts, *KINDS)
     for name in data:
         if name not in known:
-            raise InputError(f"[{name}] is unknown{suggest(name.split('.')[0], known)}")
+            kinds = {section: type(getattr(mechanism.design(), section)) for section in parts}
+            raise InputError(f"[{name}] is unknown{no_table(name, known, kinds)}")
     fields = {f"{section}.{key}": value for section in parts for key, value in _table(data, section).items()}
     design = _replaced(mechanism.design(), fields)
     scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
@@ -255,7 +248,9 @@ def _config(data: dict[str, Any]) -> Config:
         for name in ("grid", "sample"):
             if scenarios and name in table:
                 raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
-    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample)
+    typed = fields | {f"{SCENARIO}{name}": value for name, value in _table(data, "scenario").items()}
+    texts = {path: value for path, value in typed.items() if isinstance(value, str)}
+    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, texts=texts)
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:

@@ -86,8 +86,8 @@ def _limits_toml(problem: Problem) -> str:
     """A problem's limits as TOML; those on own quantities, whose functions are elsewhere, as
     comments."""
     asked, lines = problem.limits, ["[problem.constraints]"]
-    if not asked.captured:
-        lines.append("captured = false")
+    if problem.mechanism.success is not None or not asked.captured:
+        lines.append(f"captured = {str(asked.captured).lower()}")
     if asked.impacts is not None:
         lines.append(f"impacts = {asked.impacts}")
     for name in dict.fromkeys([*asked.at_most, *asked.at_least]):

@@ -1,13 +1,16 @@
 """What a study says, in words: what differs from the defaults, and what each command would do with it."""
 
+import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
-from ..fields import Part, get, metadata, paths
+from ..fields import Part, get, metadata, paths, unit
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from .config import Config, Options
 
 SHOWN = 12  # scenarios that are listed one by one
+FAR = 100.0  # a factor to the default from which on it is told: a unit may be mistyped
 
 
 def explained(study: Config, name: str) -> str:
@@ -18,7 +21,10 @@ def explained(study: Config, name: str) -> str:
     **Raises:** `InputError` where its problem can't be tuned.
     """
     mechanism = study.mechanism
-    problem = study.problem() if study.table else None
+    kept, missing = _variables_with_start(study)
+    problem = study.problem() if study.table and not missing else None
+    if study.table and missing and kept:  # everything else of the problem
+        problem = dataclasses.replace(study, table={**study.table, "variables": kept}).problem()
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
         "mechanism": [f'{mechanism.title}, kind = "{mechanism.name}"'],
@@ -26,13 +32,13 @@ def explained(study: Config, name: str) -> str:
         "scenario": [mechanism.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
-        "variables": [] if problem is None else _variables(problem),
+        "variables": missing or ([] if problem is None else _variables(problem)),
         "objective": [] if problem is None else [str(problem.objective)],
         "own quantities": [] if problem is None else _own(problem),
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
         "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
-        "commands": _commands(study, name, problem, swept),
+        "commands": _commands(study, name, problem, swept, bool(missing)),
     }
     lines = [f"Study {name}: valid"]
     for heading, told in parts.items():
@@ -41,18 +47,31 @@ def explained(study: Config, name: str) -> str:
 
 
 def _differences(study: Config) -> list[str]:
-    """Each field that is not at its default: "buffer.k_A 800 N/m (default 500 N/m)"."""
+    """Each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     mechanism, found = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
         for path in paths(part):
             if get(part, path) != get(default, path):
-                found.append(f"{_shown(part, path, prefix)} (default {_value(default, path)})")
+                text = study.texts.get(prefix + path, "")
+                typed = f"{text} = " if text and unit(part, path) else ""
+                found.append(f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})")
     default_options = Options(duration=mechanism.defaults.duration)
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
             found.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
     return found
+
+
+def _beside_default(part: Part, default: Part, path: str) -> str:
+    """The default, and by which factor a number is away from it, where that is large."""
+    value, usual = get(part, path), get(default, path)
+    if isinstance(value, float) and isinstance(usual, float) and value and usual:
+        ratio = abs(value / usual)
+        if max(ratio, 1.0 / ratio) > FAR:
+            times = f"{ratio:.4g} times" if ratio > 1.0 else f"1/{1.0 / ratio:.4g} of"
+            return f"{times} the default {_value(default, path)}"
+    return f"default {_value(default, path)}"
 
 
 def _scenarios(study: Config) -> list[str]:
@@ -70,6 +89,20 @@ def _variables(problem: Problem) -> list[str]:
     ]
 
 
+def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
+    """Of a study without bounds of its own: the default ones that hold the start, and a line for each other."""
+    if "variables" in study.table:
+        return {}, []
+    design, usual = study.design, study.mechanism.defaults.variables
+    kept = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
+    return kept, [
+        f"{path} = {_value(design, path)} is outside the default bounds [{bounds[0]:g}, {bounds[1]:g}]: tune needs"
+        " [problem.variables]"
+        for path, bounds in usual.items()
+        if path not in kept
+    ]
+
+
 def _own(problem: Problem) -> list[str]:
     return [f"{name} [{own.unit}] = {own.signature}" for name, own in problem.quantities.items()]
 
@@ -83,8 +116,8 @@ def _limits(problem: Problem) -> list[str]:
     return [*lines, f"every case must end {mechanism.success}"] if limits.captured and mechanism.success else lines
 
 
-def _commands(study: Config, name: str, problem: Problem | None, swept: Grid) -> list[str]:
-    """What each command would do."""
+def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
+    """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism, defaults = study.mechanism, study.mechanism.defaults
     run = mechanism.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
@@ -95,6 +128,8 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid) ->
         f"{'':{len(name) + 23}} by {by}",
         f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
     ]
+    if missing:
+        return [*told, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
         return [*told, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"

@@ -1,13 +1,13 @@
 """The ``[problem]`` section of a study: from TOML tables to a `Problem`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, by_path, check_path, in_unit, limits_of, paths, unit
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
+from ..fields import Part, by_path, check_ends, check_path, get, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
@@ -34,26 +34,34 @@ def read_problem(
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     units = _units(table, mechanism)
-    return Problem(
-        design=design,
-        scenarios=_cases(table, design, base, listed),
-        variables=_variables(
-            by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design
-        ),
-        objective=_objective(_table(table, "objective", {}), "objective", units),
-        limits=limits(table, mechanism),
-        then=_then(_table(table, "then", {}), units) if "then" in table else None,
-        duration=duration,
-        rtol=rtol,
-        quantities=own_quantities(table, mechanism, folder),
-    )
+    variables = _variables_of(table, design)
+    _check_start(design, variables, "variables" in table)
+    try:
+        return Problem(
+            design=design,
+            scenarios=_cases(table, design, base, listed),
+            variables=variables,
+            objective=_objective(_table(table, "objective", {}), "objective", units),
+            limits=limits(table, mechanism),
+            then=_then(_table(table, "then", {}), units) if "then" in table else None,
+            duration=duration,
+            rtol=rtol,
+            quantities=own_quantities(table, mechanism, folder),
+        )
+    except InputError as error:
+        if not str(error).startswith(SECTIONS):
+            raise
+        asked = limits(table, mechanism).at_most
+        broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
+        hints = (meant(asked[name], units[name], low=0.0) for name in broken)
+        raise InputError(f"problem.{error}{next(hints, '')}") from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    _variables(by_path(_table(table, "variables", mechanism.defaults.variables), where="problem.variables"), design)
+    _variables_of(table, design)
     _cases(table, design, base, ())
     units = _units(table, mechanism)
     _objective(_table(table, "objective", {}), "objective", units)
@@ -68,10 +76,27 @@ def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
-def _variables(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
-    if not table:
+def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
+    """The variables of a [problem], by default the mechanism's."""
+    asked = _table(table, "variables", mechanism_of(design).defaults.variables)
+    if not asked:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
-    return tuple(_variable(path, given, design) for path, given in table.items())
+    by_name = by_path(asked, where="problem.variables")
+    return tuple(_variable(path, given, design) for path, given in by_name.items())
+
+
+def _check_start(design: Part, variables: Sequence[Variable], own: bool) -> None:
+    """Raise `InputError` for a start outside its bounds. ``own``: whether the study gives them."""
+    for v in variables:
+        value, symbol = get(design, v.path), f" {unit(design, v.path)}".rstrip(" -")
+        if isinstance(value, float) and not v.low <= value <= v.high:
+            bounds = f"bounds [{v.low:g}, {v.high:g}]{symbol}"
+            told = (
+                f"its {bounds}; widen the bounds in [problem.variables] or change the start"
+                if own
+                else f"the default {bounds}; give bounds in [problem.variables] or change the start"
+            )
+            raise InputError(f"the start, {v.path} = {value:g}{symbol}, is outside {told}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -81,6 +106,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
         raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
     parts = [as_number(x) for x in given] if isinstance(given, list) else []
     scale = parts.pop() if len(parts) == 3 else SCALES[0]
+    check_ends(where, parts, lambda low, high: f'["{low}", "{high}"]')
     parts = [in_unit(where, x, symbol, **limits_of(design, path)) for x in parts]
     if len(parts) != 2 or not all(_is_number(x) for x in parts):
         raise InputError(f'{where} = {shown(given)} must be [low, high] in {symbol}, or [low, high, "linear"]')
@@ -142,6 +168,7 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
     if isinstance(given, dict) and len(given) == 1:
         ((kind, numbers),) = given.items()
         if isinstance(numbers, list):
+            check_ends(where, numbers, lambda low, high: f'{{ {kind} = ["{low}", "{high}"] }}')
             numbers = [in_unit(where, x, unit) for x in numbers]
         if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
             try:

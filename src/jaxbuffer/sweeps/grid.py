@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, check_address, check_alone, in_unit, unit_at, value_at, with_values
+from ..fields import Part, check_address, check_alone, check_ends, in_unit, unit_at, value_at, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import check_pair
 
@@ -183,6 +183,8 @@ def typed(text: str) -> tuple[str, Any]:
     words = values.split(":")
     if len(words) not in (3, 4):
         raise InputError(f"--over {text}: expected {path}=FROM:TO:COUNT or {path}=FROM:TO:COUNT:log")
+    ends, rest = [_literal(word) for word in words[:2]], ":".join(words[2:])
+    check_ends(f"--over {text}", ends, lambda low, high: f'--over "{path}={low}:{high}:{rest}"')
     return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
@@ -201,7 +203,9 @@ def span(where: str, table: Mapping[str, Any], unit: str) -> Span:
     count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
     check_whole(f"{where}: count", count, 1)
     check_choice(f"{where}: scale", scale, SCALES)
-    start, stop = (_number(f"{where}: {name}", table[name], unit) for name in ("from", "to"))
+    ends = [table[name] for name in SPAN[:2]]
+    check_ends(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
+    start, stop = (_number(f"{where}: {name}", end, unit) for name, end in zip(SPAN, ends, strict=False))
     if count == 1 and start != stop:
         raise InputError(f"{where}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
     if scale == "log" and not (start > 0.0 and stop > 0.0):

@@ -62,7 +62,9 @@ class SweepStore:
         self.stored = np.zeros_like(finished)
         self.due = time.monotonic() + PERIOD
         if resume and not self.file.exists():
-            raise InputError(f"{folder}: there is no sweep to resume; {STORE} is missing")
+            raise InputError(
+                f"{folder}: there is no sweep to resume; {STORE} is missing; leave out --resume to begin one"
+            )
         self.lock = Lock(folder)
         try:
             self.length = self._read(identity) if resume else self._begin(identity)
@@ -131,7 +133,10 @@ class SweepStore:
         found = json.loads(text)
         differ = [name for name in {**identity, **found} if identity.get(name) != found.get(name)]
         if differ:
-            raise InputError(f"{self.file} holds another sweep, differing in {_and(differ)}; it is left as it is")
+            told = "repeat the study, the options and the same --over of the first, or choose another --output"
+            raise InputError(
+                f"{self.file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is"
+            )
 
 
 def _records(

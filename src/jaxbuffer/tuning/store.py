@@ -9,6 +9,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,6 +23,7 @@ from ..version import version
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
+_SETTING = re.compile(r"(\w+)(?: \[[^\]]*\])? ?= ?([^,\n)]+)")  # "seed=0" or "tolerance [-] = 0.0001"
 Record = dict[str, Any]
 
 
@@ -41,7 +43,7 @@ class Store:
                 raise InputError("resume needs the folder of the run to go on with")
             return
         if resume and not any((folder / name).exists() for name in (LOG, STATE, PREVIOUS)):
-            raise InputError(f"{folder}: there is no run to resume; {LOG} is missing")
+            raise InputError(f"{folder}: there is no run to resume; {LOG} is missing; leave out --resume to begin one")
         self.lock = Lock(folder)
         try:
             if resume:
@@ -118,14 +120,29 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
         if (found := str(state.pop(VERSION))) != version():
             raise InputError(f"{folder} holds a run of jaxbuffer {found}, which cannot be resumed by {version()}")
         if (found := str(state.pop(FINGERPRINT))) != fingerprint:
-            told = f"({found}, not {fingerprint})"
-            raise InputError(f"{folder} holds the run of another problem or other settings {told}")
+            told = "repeat the study and the options of the first run, or choose another --output"
+            raise InputError(
+                f"{folder} holds the run of another problem or other settings: {_differing(found, fingerprint)}; {told}"
+            )
         lines = state.pop(LINES).tobytes()
         if damage:
             count = len(lines.splitlines())
             warnings.warn(f"{folder}: {damage[0]}; going on from {name}, {count} evaluations", stacklevel=2)
         return state, lines
     raise InputError(f"{folder}: the run cannot be resumed: {', '.join(damage)}; everything is left as it is")
+
+
+def _differing(found: str, asked: str) -> str:
+    """What differs between two fingerprints, of the problem and, behind a dash, of the settings by name."""
+    (problem, _, there), (other, _, here) = found.partition("-"), asked.partition("-")
+    settings, others = (dict(_SETTING.findall(text)) for text in (there, here))
+    told = [] if problem == other else ["its study is another one (design, scenarios, [problem] or options)"]
+    told += [
+        f"{name} is {settings.get(name)} there, {value} here"
+        for name, value in others.items()
+        if value != settings.get(name)
+    ]
+    return ", ".join(told)
 
 
 def _read(file: Path) -> dict[str, np.ndarray]:
