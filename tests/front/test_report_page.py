@@ -20,7 +20,7 @@ from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
 from jaxbuffer.output.records import run_record
 from jaxbuffer.output.results import run_files, sensitivity_files
-from jaxbuffer.report.compare import comparison
+from jaxbuffer.report.compare import compared, comparison
 from jaxbuffer.report.page import Cell, Table, shown
 from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
