@@ -262,7 +262,7 @@ def test_a_missing_study_and_a_second_one(computed, capsys, tmp_path):
     assert "--iterations = 0 must be a whole number of at least 1" in refused(
         capsys, tmp_path, "tune", "--iterations", "0"
     )
-    assert "the start, buffer.k_A = 5000 N/m, is outside its bounds [100, 2000] N/m" in refused(
+    assert "the start, buffer.k_A = 5000 N/m, is outside the default bounds [100, 2000] N/m" in refused(
         capsys, tmp_path, "tune", "--buffer.k_A", "5000"
     )
 
