@@ -275,7 +275,10 @@ def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
         name, above_zero = unit(design, path), variable.scale == "log"
         lowest: dict[str, Any] = {"low": 0.0, "low_open": True} if above_zero else {}
         check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
-        check_single(f"{path} high bound", variable.high, name, ONE_LIMIT, low=variable.low, low_open=True)
+        check_single(f"{path} high bound", variable.high, name, ONE_LIMIT)
+        if variable.low >= variable.high:
+            bounds = f"[{variable.low:g}, {variable.high:g}] {name}".rstrip(" -")
+            raise InputError(f"{path}: the low bound of {bounds} must be less than the high one; are they swapped?")
         for bound in (variable.low, variable.high):
             replace(design, {path: bound})  # the design itself says what it does not allow
         check_single(path, value, name, "tuning starts from one design")
