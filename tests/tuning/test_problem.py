@@ -65,7 +65,10 @@ BAD = [
     ({"scenarios": []}, "scenarios is empty"),
     ({"variables": []}, "variables is empty"),
     ({"variables": [Variable("buffer.k_A", 600.0, 2000.0)]}, r"the start, buffer\.k_A = 500 N/m, .*\[600, 2000\] N/m"),
-    ({"variables": [Variable("buffer.k_A", 2000.0, 100.0)]}, r"low bound of \[2000, 100\] N/m must be less than the high one; are they swapped"),
+    (
+        {"variables": [Variable("buffer.k_A", 2000.0, 100.0)]},
+        r"low bound of \[2000, 100\] N/m must be less than the high one; are they swapped",
+    ),
     ({"variables": [Variable("buffer.k_A", 0.0, 900.0)]}, r"low bound = 0 N/m .*\(0, inf\)"),
     ({"variables": [Variable("contact.restitution", 0.5, 1.5)]}, r"contact\.restitution = 1\.5 .*\(0, 1\]"),
     ({"variables": [Variable("buffer.kA", 1.0, 2.0)]}, r"buffer\.kA is unknown; did you mean buffer\.k_A\?"),
