@@ -55,7 +55,14 @@ def test_a_weak_variable_at_its_bound_is_named_if_no_other_is_strong():
 
 def test_a_limit_that_no_variable_moves():
     _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 15.0 + 0.0 * x[0], [5.0, 4.0])
-    assert "no variable changes it: the limit can't be kept" in limit.reason
+    assert "no variable changes it: the limit can't be kept" in limit.reason and limit.held == ()
+
+
+def test_rounding_at_a_bound_holds_nothing_back():
+    """A slope of 1e-12 N per unit of y, at its bound, is none."""
+    flat = lambda x: 15.0 - 1e-12 * x[1]  # noqa: E731
+    _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), flat, [5.0, 4.0])
+    assert "no variable changes it" in limit.reason and limit.held == ()
 
 
 def test_a_variable_inside_its_bounds_is_said_apart():

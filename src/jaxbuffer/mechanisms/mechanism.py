@@ -155,10 +155,10 @@ class Mechanism:
         """Quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
 
-    def meant(self, design: Callable[[str], Any]) -> tuple[str, ...]:
+    def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
         """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
         bending of what does not bend."""
-        return tuple(name for name in self.swept if not (part := self.quantities[name].part) or design(part))
+        return tuple(name for name in self.swept if not (part := self.quantities[name].part) or value_at(part))
 
     @property
     def tuned(self) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """What a tuning says of its end: how the best search ended, how far others bear it out, and what to do."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from .starts import AGREE
 from .why import broken_limits
 
 INFEASIBLE = "no feasible design found: "
-ENDED = ("converged", "limit_of_steps", "stalled", "cliff")
+Ended = Literal["converged", "limit_of_steps", "stalled", "cliff"]
 """How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
 tolerance though more seems to be left, or where one bounce more or less makes a run fail."""
 
@@ -21,7 +21,7 @@ tolerance though more seems to be left, or where one bounce more or less makes a
 class End(NamedTuple):
     """How a tuning ended; fields as of `Tuned`."""
 
-    ended: str
+    ended: Ended
     borne_out: bool
     message: str
 
@@ -56,8 +56,8 @@ def headline(message: str, feasible: bool) -> str:
     return f"Tuned: {message}" if feasible else f"No feasible design found: {message.removeprefix(INFEASIBLE)}"
 
 
-def ending(branch: Branch, settings: Settings) -> str:
-    """How a search ended, one of `ENDED`."""
+def ending(branch: Branch, settings: Settings) -> Ended:
+    """How a search ended."""
     if branch.status == CONVERGED:
         return "converged"
     if branch.steps >= settings.iterations:
@@ -71,7 +71,7 @@ def left_to_gain(branch: Branch) -> str:
 
 
 def _ending(branch: Branch, settings: Settings) -> str:
-    told = {
+    told: dict[Ended, str] = {
         "converged": "converged",
         "limit_of_steps": f"stopped at the limit of {settings.iterations} steps",
         "stalled": "stalled: steps gain less than the tolerance",

@@ -30,7 +30,7 @@ class Tuned:
     relative to the objective [-].
     - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
       to the largest [-].
-    - ``ended``: how the search ended, a name of `message.ENDED`; ``borne_out``: whether another search that began apart
+    - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether another search that began apart
       found the same; ``message``: both in words.
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
     - ``records``: every evaluation, as in the log.

@@ -12,10 +12,8 @@ from .problem import Variable
 
 AT_BOUND = 1e-6  # of a variable's range
 LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
-WEAK = {
-    True: 0.01,
-    False: 0.1,
-}  # effects relative to the strongest below which variables at a bound, or not, are not named
+WEAK = 0.1  # change relative to the strongest variable's: one with less is not named
+WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
 FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
 
 
@@ -94,7 +92,7 @@ def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"
 def _told(
     goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"], heading: str, stated: Stated
 ) -> BrokenLimit:
-    held = tuple(it.variable.path for it in helping(goal, point, stated.slope, stated.falls) if it.at_bound)
+    held = tuple(it.variable.path for it in helping(goal, point, stated) if it.at_bound)
     return BrokenLimit(float(np.max(excess)), heading, reason(goal, point, stated), held)
 
 
@@ -115,27 +113,27 @@ class Helping(NamedTuple):
     at_bound: bool
 
 
-def helping(goal: Goal, point: Evaluation, slope: Float[np.ndarray, " variables"], falls: bool) -> list[Helping]:
-    """The variables that make a quantity fall, or else rise, the strongest first, to first order; without those whose
-    effect is weak beside the strongest one's. ``slope``: of the quantity by the scaled variables."""
+def helping(goal: Goal, point: Evaluation, stated: Stated) -> list[Helping]:
+    """The variables that bring a quantity nearer to its limit, the strongest first, to first order; without those whose
+    effect is none, or weak beside the strongest one's."""
     problem, found = goal.problem, list[Helping]()
     values = problem.values(point.scaled)
-    for variable, scaled, value, by in zip(problem.variables, point.scaled, values, slope, strict=True):
+    for variable, scaled, value, by in zip(problem.variables, point.scaled, values, stated.slope, strict=True):
         change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
-        up = (change < 0.0) == falls
+        up = (change < 0.0) == stated.falls
         at_bound = bool(scaled >= 1.0 - AT_BOUND if up else scaled <= AT_BOUND)
         found.append(Helping(variable, float(value), change, up, at_bound))
     strongest = max((abs(it.change) for it in found), default=0.0)
-    return sorted(
-        (it for it in found if abs(it.change) > WEAK[it.at_bound] * strongest), key=lambda it: -abs(it.change)
-    )
+    least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
+    named = [it for it in found if abs(it.change) > max(least[it.at_bound], LEAST * stated.size)]
+    return sorted(named, key=lambda it: -abs(it.change))
 
 
 def reason(goal: Goal, point: Evaluation, stated: Stated) -> str:
     """Which variables at a bound hold a limited quantity back, and which would help within their bounds."""
     way = "fall" if stated.falls else "rise"
-    every = helping(goal, point, stated.slope, stated.falls)
-    if not any(abs(it.change) > LEAST * stated.size for it in every):
+    every = helping(goal, point, stated)
+    if not every:
         return "no variable changes it: the limit can't be kept by these variables"
     held = [_beyond(goal, stated, it) for it in every if it.at_bound]
     inside = [
@@ -143,10 +141,7 @@ def reason(goal: Goal, point: Evaluation, stated: Stated) -> str:
     ]
     lines = [f"it would {way} with {' or '.join(held)}"] if held else []
     if inside:
-        lines.append(
-            f"within the bounds it would {way} with {' or '.join(inside)}, but other limits or the objective stand"
-            " against that"
-        )
+        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
     return "; ".join(lines)
 
 

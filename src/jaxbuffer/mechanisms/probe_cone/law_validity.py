@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
+from ..quantity import rising
 from ..validity import BEYOND_LAW, Limit
 from .assembly import assemble_contact
 from .bending import bending_frequencies
@@ -93,16 +94,13 @@ def _of_end(capture: "Capture") -> list[str]:
     """Largest values that are those at the end of a captured run, and would go on to rise."""
     if capture.outcome != Outcome.captured:
         return []
-    told = (
-        ("stroke", 1e3 * float(capture.stroke_rising), "mm/s"),
-        ("hinge angle", float(np.degrees(capture.hinge_angle_rising)), "deg/s"),
-    )
-    return [
-        f"the {name} is still rising, at {rate:.3g} {symbol}, where the run ends at capture: the largest reported"
-        " is that up to capture only"
-        for name, rate, symbol in told
-        if rate > 0.0
-    ]
+    catalogue, lines = capture.mechanism.quantities, list[str]()
+    for name in rising(capture):
+        rate = catalogue[catalogue[name].rising]
+        symbol, factor = rate.in_figures
+        told = f"the {name.replace('_', ' ')} is still rising, at {factor * float(rate.of(capture)):.3g} {symbol},"
+        lines.append(f"{told} where the run ends at capture: the largest reported is that up to capture only")
+    return lines
 
 
 def _of_bending(capture: "Capture") -> list[str]:
