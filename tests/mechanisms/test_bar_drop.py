@@ -93,7 +93,7 @@ def test_many_at_once_and_under_vmap():
     assert [outcome.name for outcome in found.outcomes] == ["finished"] * 4
     one = jax.vmap(lambda h: jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=h)).peak_force)(jnp.asarray(heights))
     np.testing.assert_allclose(found.peak_force, one, rtol=1e-9)
-    assert "drops" in repr(found) and "penetration [m]" in repr(found)
+    assert "drops" in repr(found) and "penetration [µm]" in repr(found)
 
 
 @pytest.mark.slow
