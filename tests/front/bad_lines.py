@@ -102,10 +102,15 @@ LINES = [
     line("sweep --over buffer.k_A=1:2", "--over buffer.k_A=1:2: expected buffer.k_A=FROM:TO:COUNT"),
     line(
         ["sweep", "--over", "scenario.approach_speed=5:20 cm/s:7"],
-        'approach_speed=5:20 cm/s:7: 5 has no unit; give both ends one, or none: --over "scenario',
+        'approach_speed=5:20 cm/s:7: 5 has no unit; give each value one, or none: --over "scenario',
         "=5 cm/s:20 cm/s:7",
     ),
     line(["sweep", "--over", "buffer.k_A=1 N/m:2:3:log"], "2 has no unit", "k_A=1 N/m:2 N/m:3:log"),
+    line(
+        ["sweep", "--over", "scenario.approach_speed=5,10,20 cm/s"],
+        "5 has no unit; give each value one, or none",
+        '--over "scenario.approach_speed=5 cm/s,10 cm/s,20 cm/s"',
+    ),
     line("sweep --over buffer.k_A=1:2:0", "count = 0", "must be a whole number of at least 1"),
     line("sweep --over buffer.k_A=1:2:3:cubic", "scale = 'cubic' is unknown; choose one of linear, log"),
     line("sweep --over buffer.k_A=1,,2", "sweep.buffer.k_A: '' is not a number"),

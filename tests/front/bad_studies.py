@@ -110,18 +110,18 @@ STUDIES = [
     toml("[problem.variables]\nbuffer.k_A = [2e3, 1e2]", "[2000, 100] N/m: the low bound must be below the high one"),
     toml(
         "[problem.variables]\nprobe.tip_mass = [5, '200 g']",
-        'problem.variables.probe.tip_mass: 5 has no unit; give both ends one, or none: ["5 g", "200 g"]',
+        'problem.variables.probe.tip_mass: 5 has no unit; give each value one, or none: ["5 g", "200 g"]',
     ),
     toml(
         "[problem.grid]\napproach_speed = {from = 5, to = '20 cm/s', count = 4}",
-        'problem.grid.approach_speed: 5 has no unit; give both ends one, or none: {from = "5 cm/s", to = "20 cm/s"',
+        'problem.grid.approach_speed: 5 has no unit; give each value one, or none: {from = "5 cm/s", to = "20 cm/s"',
     ),
     toml("[sample.ranges]\nscenario.approach_speed = ['5 cm/s', 20]", "20 has no unit", '["5 cm/s", "20 cm/s"]'),
     toml("[sample.ranges]\nscenario.approach_speed = [5, '20 cm/s', 'log']", "5 has no unit", '["5 cm/s", "20 cm/s"]'),
     toml(
         "[problem.sample]\nscenario.approach_speed = {uniform = [5, '20 cm/s']}",
         "5 has no unit",
-        '{ uniform = ["5 cm/s", "20 cm/s"] }',
+        'give each value one, or none: ["5 cm/s", "20 cm/s"]',
     ),
     toml("[problem.variables]\nbuffer.k_A = [0, 1e2]", "problem.variables.buffer.k_A = 0 N/m", "(0, inf) N/m"),
     toml(f"[problem.variables]\nbuffer.k_A = [1, 1{400 * '0'}]", "buffer.k_A = inf N/m", "(0, inf) N/m"),

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_choice, check_number, check_type, shown
-from ..fields import Part, check_address, in_unit, unit_at, with_values
+from ..fields import Part, check_address, check_units_agree, in_unit, unit_at, with_values
 from ..sweeps.grid import SCALES
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
@@ -74,6 +74,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
         raise InputError(f"sample: {path} is a choice; only numbers can be sampled")
     parts = list(given) if isinstance(given, Sequence) and not isinstance(given, (str, bytes)) else []
     scale = parts.pop() if len(parts) == 3 else None
+    check_units_agree(f"sample.{path}", parts)
     numbers = [as_number(in_unit(f"sample.{path}", part, symbol)) for part in parts]
     if len(numbers) != 2 or not all(type(number) is float for number in numbers):
         raise InputError(f"sample.{path} = {shown(given)} must be low and high end in {symbol}: {EXAMPLE}")

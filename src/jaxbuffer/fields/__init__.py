@@ -23,5 +23,5 @@ from .paths import metadata as metadata
 from .paths import paths as paths
 from .paths import replace as replace
 from .paths import unit as unit
-from .units import check_ends as check_ends
+from .units import check_units_agree as check_units_agree
 from .units import in_unit as in_unit

@@ -87,19 +87,20 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     return as_unit(value, unit)
 
 
-def check_ends(where: str, ends: Sequence[Any], written: Callable[[str, str], str]) -> None:
-    """Raise `InputError` where one end of a range has a unit and the other has none: "5" before "20 cm/s" means m/s.
+def check_units_agree(where: str, values: Sequence[Any], written: Callable[..., str] | None = None) -> None:
+    """Raise `InputError` where some values have a unit and others none: "5" before "20 cm/s" means 5 m/s.
 
-    **Arguments:** ``where``: the range, as shown to the user; ``ends``: as typed, what follows the first two is
-    passed over; ``written``: the range from the texts
-    of both ends, to show it with a unit at each.
+    Zero needs no unit.
+
+    **Arguments:** ``where``: the values' name, as shown to the user; ``values``: as typed, numbers or texts;
+    ``written``: the whole as it should be typed, from a text for each value; a list of them by default.
     """
-    ends = ends[:2]
-    units = [found[2].strip() for end in ends if isinstance(end, str) and (found := _TEXT.fullmatch(end))]
-    bare = [f"{as_number(end):.12g}" for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
-    if len(units) == len(bare) == 1:
-        low, high = (end.strip() if isinstance(end, str) else f"{bare[0]} {units[0]}" for end in ends)
-        raise InputError(f"{where}: {bare[0]} has no unit; give both ends one, or none: {written(low, high)}")
+    units = [found[2].strip() for value in values if isinstance(value, str) and (found := _TEXT.fullmatch(value))]
+    bare = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool) and value != 0]
+    if units and bare:
+        each = [f"{as_number(x):.12g} {units[0]}" if isinstance(x, int | float) else str(x).strip() for x in values]
+        whole = written(*each) if written else "[" + ", ".join(f'"{text}"' for text in each) + "]"
+        raise InputError(f"{where}: {as_number(bare[0]):.12g} has no unit; give each value one, or none: {whole}")
 
 
 def check_unit(path: str, symbol: Any) -> None:

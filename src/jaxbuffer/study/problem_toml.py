@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
-from ..fields import Part, by_path, check_ends, check_path, get, in_unit, limits_of, paths, unit
+from ..fields import Part, by_path, check_path, check_units_agree, get, in_unit, limits_of, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
@@ -106,7 +106,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
         raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
     parts = [as_number(x) for x in given] if isinstance(given, list) else []
     scale = parts.pop() if len(parts) == 3 else SCALES[0]
-    check_ends(where, parts, lambda low, high: f'["{low}", "{high}"]')
+    check_units_agree(where, parts)
     parts = [in_unit(where, x, symbol, **limits_of(design, path)) for x in parts]
     if len(parts) != 2 or not all(_is_number(x) for x in parts):
         raise InputError(f'{where} = {shown(given)} must be [low, high] in {symbol}, or [low, high, "linear"]')
@@ -168,7 +168,7 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
     if isinstance(given, dict) and len(given) == 1:
         ((kind, numbers),) = given.items()
         if isinstance(numbers, list):
-            check_ends(where, numbers, lambda low, high: f'{{ {kind} = ["{low}", "{high}"] }}')
+            check_units_agree(where, numbers)
             numbers = [in_unit(where, x, unit) for x in numbers]
         if kind in KINDS and isinstance(numbers, list) and len(numbers) == 2 and all(_is_number(x) for x in numbers):
             try:

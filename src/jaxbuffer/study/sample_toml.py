@@ -6,7 +6,7 @@ from typing import Any
 from ..errors import InputError, shown, suggest
 from ..experiments.points import points
 from ..experiments.ranges import ranges
-from ..fields import Part, by_path, check_ends
+from ..fields import Part, by_path
 
 KEYS = ("count", "method", "seed", "ranges")
 
@@ -21,9 +21,6 @@ def read_sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[
         if not isinstance(table["ranges"], Mapping):
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
         found["ranges"] = by_path(table["ranges"], where="sample.ranges")
-        for path, ends in found["ranges"].items():
-            if isinstance(ends, list):
-                check_ends(f"sample.{path}", ends, lambda low, high: f'["{low}", "{high}"]')
         axes = ranges(found["ranges"], design, scenario)
         points(axes, table.get("count", 1), table.get("method", "sobol"), table.get("seed", 0))
     return found

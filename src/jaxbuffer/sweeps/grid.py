@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, check_address, check_alone, check_ends, in_unit, unit_at, value_at, with_values
+from ..fields import Part, check_address, check_alone, check_units_agree, in_unit, unit_at, value_at, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.simulate import check_pair
 
@@ -179,12 +179,14 @@ def typed(text: str) -> tuple[str, Any]:
     if not equals or not values or not path:
         raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
     if ":" not in values:
-        return path, [_literal(value) for value in values.split(",")]
+        listed = [_literal(value) for value in values.split(",")]
+        check_units_agree(f"--over {text}", listed, lambda *each: f'--over "{path}={",".join(each)}"')
+        return path, listed
     words = values.split(":")
     if len(words) not in (3, 4):
         raise InputError(f"--over {text}: expected {path}=FROM:TO:COUNT or {path}=FROM:TO:COUNT:log")
     ends, rest = [_literal(word) for word in words[:2]], ":".join(words[2:])
-    check_ends(f"--over {text}", ends, lambda low, high: f'--over "{path}={low}:{high}:{rest}"')
+    check_units_agree(f"--over {text}", ends, lambda low, high: f'--over "{path}={low}:{high}:{rest}"')
     return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
@@ -204,7 +206,7 @@ def span(where: str, table: Mapping[str, Any], unit: str) -> Span:
     check_whole(f"{where}: count", count, 1)
     check_choice(f"{where}: scale", scale, SCALES)
     ends = [table[name] for name in SPAN[:2]]
-    check_ends(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
+    check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
     start, stop = (_number(f"{where}: {name}", end, unit) for name, end in zip(SPAN, ends, strict=False))
     if count == 1 and start != stop:
         raise InputError(f"{where}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
@@ -218,6 +220,7 @@ def _listed(path: str, asked: Any, unit: str) -> tuple[float, ...]:
     values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, (str, bytes)) else [asked]
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
+    check_units_agree(f"sweep.{path}", values)
     return tuple(_number(f"sweep.{path}", value, unit) for value in values)
 
 
