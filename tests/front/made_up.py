@@ -154,7 +154,8 @@ def made_up_tuning(problem: Problem, count: int = 5) -> Tuned:
         records.append(
             {
                 **{"evaluation": number, "stage": 0, "search": 0, "step": number, "accepted": number != 2},
-                **{"objective": goal.value(point), "feasible": number != 2, "excess": 0.0, "captures": number},
+                **{"objective": goal.value(point), "unit": "N", "feasible": number != 2},
+                **{"excess": 0.0, "captures": number},
                 **{"radius": 0.1, "residual": 0.02, "status": "running" if number else "start", "values": values},
                 "succeeded": [number != 2] * len(problem.cases),
                 "outcome": ["captured" if number != 2 else "timeout"] * len(problem.cases),

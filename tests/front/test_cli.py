@@ -189,7 +189,7 @@ def test_tune_prints_before_and_after_and_writes_files(computed, capsys, tmp_pat
     assert len(rows) == 5 and float(rows[-1]["buffer.k_A [N/m]"]) == pytest.approx(300.0)
     assert rows[0]["worst peak_force [N]"] == "350.0"
     record = json.loads((tmp_path / "out" / "tuned.json").read_text())
-    assert record["objective_after [N]"] == 280.0 and record["scenarios"][1]["after"]["peak_force [N]"] == 240.0
+    assert record["objective_after"] == 280.0 and record["scenarios"][1]["after"]["peak_force [N]"] == 240.0
     assert (tmp_path / "out" / "tune.png").read_bytes().startswith(PNG)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.tuning.pareto import dominated
+from jaxbuffer.tuning.pareto import between, dominated
 
 EXPONENT = 2.2
 LIMITS = (2e-4, 1e-4, 5e-5)  # m
@@ -28,6 +28,18 @@ def test_a_point_is_dominated_by_one_that_is_nowhere_worse():
     values = np.array([[1.0, 4.0], [2.0, 2.0], [2.0, 3.0], [4.0, 1.0], [2.0, 2.0], [0.5, 0.5]])
     feasible = np.array([True, True, True, True, True, False])
     assert dominated(values, feasible).tolist() == [False, False, True, False, True, False]
+
+
+def test_points_that_differ_by_rounding_are_one():
+    values = np.array([[149.174489, 0.017], [149.174489 * (1 + 1e-9), 0.017 * (1 - 1e-9)], [149.18, 0.0169]])
+    assert dominated(values, np.ones(3, bool)).tolist() == [False, True, False]
+
+
+def test_limits_reach_over_all_ends():
+    """The stroke's least end has the largest angle: limits on the angle must reach up to it."""
+    stroke, angle = between(np.array([[17.0, 0.68], [1.0, 2.08], [16.0, 0.67]]), 3)
+    np.testing.assert_allclose(stroke, [17.0, 9.0, 1.0], rtol=1e-3)
+    np.testing.assert_allclose(angle, [2.08, 1.375, 0.67], rtol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -101,7 +101,10 @@ def sweeping(
         if begin is None:
             begin, first = time.monotonic(), done
         seconds = time.monotonic() - begin
-        return f"{(done - first) / seconds:.0f} {what}/s" if seconds > 0.0 and done > first else ""
+        if seconds <= 0.0 or done <= first:
+            return ""
+        per_second = (done - first) / seconds
+        return f"{per_second:.{0 if per_second >= 10.0 else 2}f} {what}/s"
 
     if not console.is_terminal:
         print(f"{doing} {count} {what}", file=sys.stderr, flush=True)

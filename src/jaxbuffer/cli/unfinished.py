@@ -29,7 +29,8 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
         return INTERRUPTED
     which = "the problem's then" if best.stage else "the objective"
     kept = "within all limits" if best.feasible else "limits broken"
-    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {best.objective:.6g} N, {kept}"
+    value = f"{best.objective:.6g} {best.unit}"
+    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {kept}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
     note(f"the same command with --resume goes on in {files.folder}")
     return INTERRUPTED

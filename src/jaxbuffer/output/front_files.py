@@ -14,6 +14,7 @@ from .style import BLUE, GREY, both, label, panels, styled
 from .words import shown
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ..tuning.pareto import Front
@@ -86,6 +87,7 @@ def front_figure(front: "Front") -> "Figure":
         if front.dominated.any():
             left = front.dominated
             axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
+        _widen(axes)
         label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
     lost = int((~front.feasible).sum())
     count = len(front.problem.cases)
@@ -93,3 +95,12 @@ def front_figure(front: "Front") -> "Figure":
     title = f"Front of {len(front.points)} tuned designs over {over}"
     figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
     return figure
+
+
+def _widen(axes: "Axes") -> None:
+    """Let each axis span a hundredth of its values at least, so that rounding does not look like a front."""
+    for limits, set_limits in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
+        low, high = limits()
+        middle = 0.5 * (low + high)
+        half = max(0.5 * (high - low), 0.005 * abs(middle))
+        set_limits(middle - half, middle + half)

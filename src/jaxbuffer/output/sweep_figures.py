@@ -120,8 +120,9 @@ def _slices(swept: Swept, moving: list[int]) -> "Figure":
     others = [k for k in moving if k not in (across, up)]
     every = list(itertools.product(*(range(len(swept.grid.axes[k])) for k in others)))
     places = np.unique(np.linspace(0, len(every) - 1, min(SLICES, len(every))).round().astype(int))
-    rows = math.ceil(len(places) / COLUMNS)
-    figure, grid = panels(11.0, 3.4 * rows + 0.8, rows, COLUMNS)
+    columns = min(COLUMNS, len(places))
+    rows = math.ceil(len(places) / columns)
+    figure, grid = panels(2.0 + 3.0 * columns, 3.4 * rows + 0.8, rows, columns)
     values = swept.shaped("peak_force")
     finite = values[np.isfinite(values)]
     limits = {"vmin": finite.min(), "vmax": finite.max()} if finite.size else {}

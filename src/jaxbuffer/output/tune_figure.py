@@ -32,13 +32,15 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     force is drawn over time; none: that panel is left out.
     """
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
     right = [0.4 * len(problem.variables) + 0.9, 0.25 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
     left = [2.6, ROW * len(problem.cases) + 1.0] if worst else [ROW * len(problem.cases) + 1.0]
-    figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout="constrained")
+    layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
+    figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout=layout)
     columns = figure.add_gridspec(1, 2)
     first = columns[0].subgridspec(len(left), 1, height_ratios=left)
     second = columns[1].subgridspec(len(right), 1, height_ratios=right)
@@ -49,8 +51,9 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     for row, draw in enumerate(draws):
         draw(figure.add_subplot(second[row]), tuned)
     figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
-    before, after = tuned.objective
-    figure.suptitle(f"{_asked(problem.objective)}: {before:.5g} N before, {after:.5g} N after")
+    unit = problem.objective.unit(problem.catalogue)
+    before, after = (f"{value:.5g} {unit}" for value in tuned.objective)
+    figure.suptitle(f"{_asked(problem.objective)}: {before} before, {after} after")
     return figure
 
 
@@ -177,7 +180,8 @@ def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
     _integer_axis(axes)
     problem = tuned.problem
     asked = problem.then.objective if stage and problem.then is not None else problem.objective
-    label(axes, f"Every design tried for:\n{_asked(asked)}", "evaluation [-]", "objective [N]", columns=2)
+    value = f"objective [{asked.unit(problem.catalogue)}]"
+    label(axes, f"Every design tried for:\n{_asked(asked)}", "evaluation [-]", value, columns=2)
 
 
 def _integer_axis(axes: "Axes") -> None:

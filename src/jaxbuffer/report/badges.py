@@ -28,8 +28,9 @@ def _of_tuning(found: Results, lenders: Sequence[Results]) -> list[Cell]:
     tuned = found.tuned
     if tuned is None:
         return []
-    before, after, held = tuned["objective_before [N]"], tuned["objective_after [N]"], standing(found, lenders)
-    told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} N ({100 * (after / before - 1):+.2g} %)"
+    before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
+    held = standing(found, lenders)
+    told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} {unit} ({100 * (after / before - 1):+.2g} %)"
     kept = tuned["feasible"] and (held is None or not held.faults)
     force = Cell(told, "bad" if after > before else "good" if kept else "")
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]

@@ -34,7 +34,7 @@ def front_table(front: "Front") -> str:
     count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
     lines = [f"{int(front.kept.sum())} of {len(front.points)} points are on the front"]
     if count:
-        lines.append(f"{count} left out: another point is better in every objective")
+        lines.append(f"{count} left out: another point is as good or better in every objective")
     if lost:
         lines.append(f"{lost} left out: no design was found that keeps to the limits")
     return text(

@@ -51,6 +51,11 @@ class Objective:
         check_choice("objective.over", self.over, AGGREGATES)
         check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
 
+    def unit(self, catalogue: Catalogue) -> str:
+        """The unit of its value: that of a single quantity with a weight of 1, else N."""
+        (name, weight), *more = self.weights.items()
+        return "N" if more or weight != 1.0 else catalogue[name].unit
+
     def cap(self, cases: int) -> float:
         """The largest weight of a case: each aggregate is max w·f over weights that sum to 1 and stay below it."""
         if self.over == "mean":

@@ -17,6 +17,7 @@ from .store import LOG, Record
 from .tune import tune
 from .tuned import Tuned
 
+SAME = 1e-6  # relative: values that are no further apart are taken for one, well above their errors at rtol 1e-9
 ROOM = 1e-3  # relative room above the least value of an objective: there its design alone would be allowed
 MOST = 400  # points
 
@@ -74,12 +75,14 @@ class Front:
 
 
 def dominated(values: Float[np.ndarray, "points k"], feasible: Bool[np.ndarray, " points"]) -> np.ndarray:
-    """Which feasible points are dominated by a feasible one; of equal points all but the first are."""
+    """Which feasible points are dominated by a feasible one; of points that are the same within `SAME` all but the
+    first are."""
     found = np.zeros(len(values), bool)
+    room = SAME * np.abs(values)
     for i in np.flatnonzero(feasible):
         for j in np.flatnonzero(feasible):
-            better = np.all(values[j] <= values[i]) and (np.any(values[j] < values[i]) or j < i)
-            found[i] |= i != j and bool(better)
+            no_worse = np.all(values[j] <= values[i] + room[i])
+            found[i] |= i != j and bool(no_worse and (np.any(values[j] < values[i] - room[i]) or j < i))
     return found
 
 
@@ -99,9 +102,9 @@ def pareto(
     """The front of several objectives: the least worst value of the first, under ever tighter limits on the others.
 
     The ends come first: the least of the first objective, with the others free, and the least of each other one. Limits
-    between the values there make the rest of the front, the tightest first, each searched from the last one's
-    design, and from the next looser one's too where that did not converge. This is the ε-constraint method; it also
-    finds what no weighted sum does, parts of the front that bend inwards.
+    between the least and the largest values there make the rest of the front, the tightest first, each searched from
+    the last one's design, and from the next looser one's too where that did not converge. This is the ε-constraint
+    method; it also finds what no weighted sum does, parts of the front that bend inwards.
 
     **Arguments:**
 
@@ -146,12 +149,19 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     names = search.names
     free = search.at({}, "least-" + names[0], search.problem.design)
     ends = [search.alone(name, free.design) for name in names[1:]]
-    high = _worst(free, names[1:])
-    low = np.array([_worst(end, (name,))[0] for name, end in zip(names[1:], ends, strict=True)])
-    spread = [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
+    spread = between(np.array([_worst(end, names[1:]) for end in (free, *ends)]), points)
     wanted = np.array(list(itertools.product(*spread)))
     wanted[0] = np.inf
     return search.front(wanted, free, ends[-1].design, finished)
+
+
+def between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.ndarray]:
+    """For each objective but the first, limits from its largest value over all ends down to its least.
+
+    ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
+    """
+    high, low = ends.max(axis=0), np.diag(ends[1:])
+    return [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
 
 
 @dataclasses.dataclass

@@ -30,10 +30,12 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     for heading in ("", "before", "after"):
         summary_.add_column(heading, justify="left" if not heading else "right")
     change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
-    summary_.add_row(f"{problem.objective} [N]", f"{start:.6g}", f"{end:.6g}{change}")
+    unit = problem.objective.unit(problem.catalogue)
+    summary_.add_row(f"{problem.objective} [{unit}]", f"{start:.6g}", f"{end:.6g}{change}")
     if problem.then is not None and tuned.goal.ceiling is not None:
         then = [tuned.goal.value(point) for point in (tuned.before, tuned.after)]
-        summary_.add_row(f"then {problem.then.objective} [N]", *(f"{value:.6g}" for value in then))
+        unit = problem.then.objective.unit(problem.catalogue)
+        summary_.add_row(f"then {problem.then.objective} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
     ended = f"cases {problem.mechanism.success or 'solved'}"
     summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -151,7 +153,7 @@ def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None
     count = "" if most is None else f"{it['evaluation'] + 1} of at most {most}, "
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
-    text = f"{count}{stage}{where}: {it['objective']:.5g} N"
+    text = f"{count}{stage}{where}: {it['objective']:.5g} {it['unit']}"
     if not it["feasible"]:
         met = it["succeeded"]
         text += "" if all(met) else f", {sum(met)} of {len(met)} {success or 'solved'}"

@@ -13,7 +13,7 @@ def tuning_history(tuned: "Tuned") -> tuple[list[str], list[Sequence[Any]]]:
     """A row for each evaluated design; worst values over the scenarios."""
     problem = tuned.problem
     plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
-    numbers = {"objective": "N", "excess": "-", "radius": "-", "residual": "-"}
+    numbers = {"objective": problem.objective.unit(problem.catalogue), "excess": "-", "radius": "-", "residual": "-"}
     catalogue = problem.catalogue
     worst = {name: catalogue[name].unit for name in problem.names}
     header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]

@@ -92,11 +92,12 @@ def tune(
 
 
 class Unfinished(NamedTuple):
-    """The best design of a run that was interrupted: ``objective`` [N] of the stage it was in, 0 for the first;
+    """The best design of a run that was interrupted: ``objective`` [``unit``] of the stage it was in, 0 for the first;
     ``feasible``: whether it keeps to every constraint; ``evaluations`` so far."""
 
     design: Part
     objective: float
+    unit: str
     feasible: bool
     stage: int
     evaluations: int
@@ -117,6 +118,7 @@ def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfini
     return Unfinished(
         problem.built(best.scaled),
         search.goal.value(best),
+        search.goal.objective.unit(problem.catalogue),
         search.goal.feasible(best),
         progress.stage,
         lines.count(b"\n"),
