@@ -116,6 +116,9 @@ STUDIES = [
         "[problem.grid]\napproach_speed = {from = 5, to = '20 cm/s', count = 4}",
         'problem.grid.approach_speed: 5 has no unit; give each value one, or none: {from = "5 cm/s", to = "20 cm/s"',
     ),
+    toml("[problem.grid]\napproach_speed = ['5 cm/s', 20]", "problem.grid.approach_speed: 20 has no unit"),
+    toml("[problem.constraints]\nend_time = {min = '500 ms', max = 5}", "end_time: 5 has no unit", '{min = "500 ms"'),
+    toml("[sweep]\nbuffer.c_A = ['2 N s/m', 5]", "sweep.buffer.c_A: 5 has no unit", '["2 N s/m", "5 N s/m"]'),
     toml("[sample.ranges]\nscenario.approach_speed = ['5 cm/s', 20]", "20 has no unit", '["5 cm/s", "20 cm/s"]'),
     toml("[sample.ranges]\nscenario.approach_speed = [5, '20 cm/s', 'log']", "5 has no unit", '["5 cm/s", "20 cm/s"]'),
     toml(

@@ -70,10 +70,10 @@ def test_a_study_takes_text_everywhere():
         problem.variables.buffer.k_A = ["0.1 kN/m", "2 kN/m"]
         problem.variables.buffer.c_A = ["1 N s/m", "60 N s/m", "linear"]
         problem.constraints.stroke = "25 mm"
-        problem.constraints.end_time = {min = "500 ms", max = 5}
-        problem.grid.approach_speed = ["10 cm/s", 0.2]
+        problem.constraints.end_time = {min = "500 ms", max = "5 s"}
+        problem.grid.approach_speed = ["10 cm/s", "0.2 m/s"]
         sweep.buffer.k_A = {from = "0.1 kN/m", to = "2 kN/m", count = 3}
-        sweep.buffer.c_A = ["2 N s/m", 5]
+        sweep.buffer.c_A = ["2 N s/m", "5 N s/m"]
         """,
         "study.toml",
     )
@@ -105,7 +105,9 @@ def test_the_command_line_takes_text(computed):
     assert run(["simulate", *words]) == 0
     asked = computed.calls[-1][1]
     assert (asked["scenario"].approach_speed, asked["design"].buffer.k_A, asked["duration"]) == (0.2, 800.0, 0.5)
-    assert run(["sweep", "--over", "scenario.approach_speed=5cm/s:0.3m/s:6", "--over", "buffer.k_A=0.1 kN/m,200"]) == 0
+    assert (
+        run(["sweep", "--over", "scenario.approach_speed=5cm/s:0.3m/s:6", "--over", "buffer.k_A=0.1 kN/m,200 N/m"]) == 0
+    )
     assert computed.calls[-1][1]["scenarios"].approach_speed.max() == pytest.approx(0.3)
 
 

@@ -138,7 +138,9 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
     where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
     if isinstance(values, Mapping):
         return [float(x) for x in np.asarray(span(where, values, symbol))]
-    read = [in_unit(where, x, symbol, **limits) for x in values] if isinstance(values, list) else []
+    listed = values if isinstance(values, list) else []
+    check_units_agree(where, listed)
+    read = [in_unit(where, x, symbol, **limits) for x in listed]
     if not read or not all(_is_number(x) for x in read):
         raise InputError(f"{where} = {shown(values)} must be a list of numbers in {symbol}; expected {EXAMPLE}")
     return read
@@ -200,6 +202,8 @@ def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
         _known(sides, SIDES, where)
         if not sides:
             raise InputError(f"{where} = {{}} limits nothing; write {name} = 0.1 or {name} = {{min = 0.1, max = 0.2}}")
+        ends = [sides.get("min"), sides.get("max")]
+        check_units_agree(where, ends, lambda low, high: f'{{min = "{low}", max = "{high}"}}')
         for side, text in sides.items():
             value = in_unit(where, text, symbol, low=0.0, low_open=True)
             check_number(where, value, symbol, low=0.0, low_open=True)
