@@ -308,7 +308,7 @@ def test_a_failed_capture_exits_with_3_and_writes_nothing(computed, capsys, tmp_
 @pytest.mark.parametrize("command", ["simulate", "sensitivity"])
 def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, capsys, tmp_path, command):
     """A made-up capture has 7.5 mm of stroke, takes 0.04 s and has one impact."""
-    limits = "stroke = '5 mm'\nend_time = {min = '50 ms', max = 1}\nimpacts = 1\n"
+    limits = "stroke = '5 mm'\nend_time = {min = '50 ms', max = '1 s'}\nimpacts = 1\n"
     (tmp_path / "study.toml").write_text(f"[problem.constraints]\n{limits}")
     assert run([command, "study.toml", "--output", "out"]) == 1
     shown = capsys.readouterr()

@@ -87,7 +87,7 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         [problem.variables]
         buffer.c_A = [1, 60]
         [problem.constraints]
-        stroke = {min = 0.001, max = "25 mm"}
+        stroke = {min = "0.001 m", max = "25 mm"}
         [problem.grid]
         approach_speed = [0.1, 0.2]
         [sweep]
