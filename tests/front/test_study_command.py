@@ -154,7 +154,7 @@ def test_the_schema_takes_examples_and_refuses_mistakes(kind, capsys):
 def test_the_schema_knows_samples_and_choices_that_are_swept():
     schema = study_schema(mechanism_named("probe_cone"))
     for text, right in (
-        ('[sample]\ncount = 64\nmethod = "sobol"\n[sample.ranges]\nbuffer.k_A = [200, "2 kN/m", "log"]', True),
+        ('[sample]\ncount = 64\nmethod = "sobol"\n[sample.ranges]\nbuffer.k_A = ["200 N/m", "2 kN/m", "log"]', True),
         ("[sample.ranges]\nbuffer.k_A = [200]", False),
         ('[sample]\nmethod = "random"', False),
         ('[sweep]\nbuffer.damping = ["physical", "published"]', True),
