@@ -55,7 +55,7 @@ def test_all_units_that_fields_and_quantities_have_can_be_read():
 
 
 def test_designs_and_scenarios_take_text():
-    design = replace(table2(), {"buffer.k_A": "0.5 kN/m", "probe.tip_mass": ["40 g", 0.05]})
+    design = replace(table2(), {"buffer.k_A": "0.5 kN/m", "probe.tip_mass": ["40 g", "0.05 kg"]})
     assert design.buffer.k_A == 500.0 and design.probe.tip_mass.tolist() == [0.04, 0.05]
     assert Scenario(approach_speed="20 cm/s").approach_speed == 0.2
     assert as_unit("stiff", "N/m") == "stiff"
@@ -109,6 +109,13 @@ def test_the_command_line_takes_text(computed):
         run(["sweep", "--over", "scenario.approach_speed=5cm/s:0.3m/s:6", "--over", "buffer.k_A=0.1 kN/m,200 N/m"]) == 0
     )
     assert computed.calls[-1][1]["scenarios"].approach_speed.max() == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("values", [["5 cm/s", 10], [0, 5, "20 cm/s"]])
+def test_a_list_has_units_at_all_values_or_none(values):
+    with pytest.raises(InputError, match="has no unit; give each value one, or none"):
+        Scenario(approach_speed=values)
+    assert Scenario(misalignment=["3 deg", 0]).misalignment.tolist() == pytest.approx([math.pi / 60.0, 0.0])
 
 
 def test_hertz_is_no_rate_of_turning():

@@ -5,7 +5,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
-from jaxbuffer.tuning.pareto import between, dominated
+from jaxbuffer.tuning.pareto import dominated, limits_between
 
 EXPONENT = 2.2
 LIMITS = (2e-4, 1e-4, 5e-5)  # m
@@ -37,7 +37,7 @@ def test_points_that_differ_by_rounding_are_one():
 
 def test_limits_reach_over_all_ends():
     """The stroke's least end has the largest angle: limits on the angle must reach up to it."""
-    stroke, angle = between(np.array([[17.0, 0.68], [1.0, 2.08], [16.0, 0.67]]), 3)
+    stroke, angle = limits_between(np.array([[17.0, 0.68], [1.0, 2.08], [16.0, 0.67]]), 3)
     np.testing.assert_allclose(stroke, [17.0, 9.0, 1.0], rtol=1e-3)
     np.testing.assert_allclose(angle, [2.08, 1.375, 0.67], rtol=1e-3)
 

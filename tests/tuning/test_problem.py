@@ -39,6 +39,20 @@ def test_aggregates_are_what_their_names_say():
     assert Objective(over="cvar", level=0.99).aggregate(values) == 10.0
 
 
+@pytest.mark.parametrize(
+    ("weights", "unit"),
+    [
+        ({"hinge_angle": 1.0}, "rad"),
+        ({"peak_force": 1.0}, "N"),
+        ({"stroke": 2.0}, "N"),
+        ({"peak_force": 1.0, "stroke": 1.0}, "N"),
+    ],
+)
+def test_an_objective_of_one_quantity_is_in_its_unit(weights, unit):
+    problem = Problem(table2(), [Scenario()], [Variable("buffer.k_A", 100.0, 2000.0)], Objective(weights))
+    assert problem.objective.unit(problem.catalogue) == unit
+
+
 def test_the_start_and_the_built_case():
     problem = stated(scenarios=[Case(Scenario(), (("buffer.k_A", 1.1), ("contact.friction", 0.9)))])
     assert problem.values(problem.start()) == pytest.approx([500.0], rel=1e-14)

@@ -64,11 +64,15 @@ KINDS = {
 
 def as_unit(value: Any, unit: str) -> Any:
     """`as_number`, and a text with a unit that fits as a number in ``unit``; any other text stays as it is, for the
-    check that names its field."""
+    check that names its field.
+
+    **Raises:** `InputError` for a list in which some values have a unit and others none.
+    """
     if isinstance(value, str):
         found = _read(value, unit)
         return found if isinstance(found, float) else value
     if isinstance(value, (list, tuple)) and any(isinstance(entry, str) for entry in value):
+        check_units_agree(shown(value), value)
         value = [as_unit(entry, unit) for entry in value]
     return as_number(value)
 
@@ -78,8 +82,11 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
 
     **Arguments:** ``path``: as shown to the user; ``unit``: the field's; ``limits``: its range, as in `check_number`.
 
-    **Raises:** `InputError` for a unit that is unknown or of another dimension, with what would do.
+    **Raises:** `InputError` for a unit that is unknown or of another dimension, with what would do, and for a list in
+    which some values have a unit and others none.
     """
+    if isinstance(value, (list, tuple)):
+        check_units_agree(path, value)
     if isinstance(value, str) and isinstance(reason := _read(value, unit), str) and reason:
         allowed = range_text(*(limits.get(name, default) for name, default in _RANGE.items()))
         symbol = "" if unit in ("", "-") else f" {unit}"
@@ -96,11 +103,13 @@ def check_units_agree(where: str, values: Sequence[Any], written: Callable[..., 
     ``written``: the whole as it should be typed, from a text for each value; a list of them by default.
     """
     units = [found[2].strip() for value in values if isinstance(value, str) and (found := _TEXT.fullmatch(value))]
-    bare = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool) and value != 0]
-    if units and bare:
-        each = [f"{as_number(x):.12g} {units[0]}" if isinstance(x, int | float) else str(x).strip() for x in values]
+    if not units:
+        return
+    read = [as_number(value) for value in values]
+    if bare := [value for value in read if type(value) is float and value != 0.0]:
+        each = [f"{value:.12g} {units[0]}" if type(value) is float else str(value).strip() for value in read]
         whole = written(*each) if written else "[" + ", ".join(f'"{text}"' for text in each) + "]"
-        raise InputError(f"{where}: {as_number(bare[0]):.12g} has no unit; give each value one, or none: {whole}")
+        raise InputError(f"{where}: {bare[0]:.12g} has no unit; give each value one, or none: {whole}")
 
 
 def check_unit(path: str, symbol: Any) -> None:

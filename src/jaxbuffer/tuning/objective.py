@@ -22,7 +22,7 @@ class Objective:
     **Arguments:**
 
     - ``weights``: by quantity, in N per unit of it: ``{"peak_force": 1, "stroke": 1e4}`` trades a millimetre of stroke
-      for 10 N.
+      for 10 N. The value of a single quantity with a weight of 1 is in that quantity's unit.
     - ``over``: the "worst" case, the "mean", or the mean of the worst share ("cvar", conditional value at risk).
     - ``level``: that share is 1 - ``level`` [-].
 

@@ -149,18 +149,18 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     names = search.names
     free = search.at({}, "least-" + names[0], search.problem.design)
     ends = [search.alone(name, free.design) for name in names[1:]]
-    spread = between(np.array([_worst(end, names[1:]) for end in (free, *ends)]), points)
+    spread = limits_between(np.array([_worst(end, names[1:]) for end in (free, *ends)]), points)
     wanted = np.array(list(itertools.product(*spread)))
     wanted[0] = np.inf
     return search.front(wanted, free, ends[-1].design, finished)
 
 
-def between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.ndarray]:
+def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.ndarray]:
     """For each objective but the first, limits from its largest value over all ends down to its least.
 
     ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
     """
-    high, low = ends.max(axis=0), np.diag(ends[1:])
+    high, low = np.fmax.reduce(ends), np.diag(ends[1:])
     return [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
 
 

@@ -10,10 +10,10 @@ if TYPE_CHECKING:
 
 
 def tuning_history(tuned: "Tuned") -> tuple[list[str], list[Sequence[Any]]]:
-    """A row for each evaluated design; worst values over the scenarios."""
+    """A row for each evaluated design; worst values over the scenarios. ``unit``: that of the stage's objective."""
     problem = tuned.problem
-    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status")
-    numbers = {"objective": problem.objective.unit(problem.catalogue), "excess": "-", "radius": "-", "residual": "-"}
+    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status", "objective", "unit")
+    numbers = {"excess": "-", "radius": "-", "residual": "-"}
     catalogue = problem.catalogue
     worst = {name: catalogue[name].unit for name in problem.names}
     header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
