@@ -9,7 +9,7 @@ import pytest
 
 from jaxbuffer import replace, simulate
 from jaxbuffer.fields import get
-from jaxbuffer.run.simulate import DEFAULT_TOLERANCE
+from jaxbuffer.run.request import DEFAULT_TOLERANCE
 from verification.cases import CASES, PARAMETERS, PATHS
 
 pytestmark = pytest.mark.slow

@@ -47,7 +47,7 @@ def sensitivity(
     from ..errors import check_choice
     from ..fields import check_numbers
     from ..mechanisms.quantity import check_quantities
-    from ..run.simulate import ONE_RUN
+    from ..run.request import ONE_RUN
     from ..sensitivities.sensitivity import CERTIFICATES
     from ..sensitivities.sensitivity import sensitivity as compute
     from .progress import working

@@ -103,15 +103,19 @@ class stored(Generic[R]):  # a decorator
       means another one by now, a new program is compiled.
     """
 
-    def __init__(self, function: Callable[..., R]) -> None:
-        self.function = function
+    def __init__(self, function: Callable[..., R], first: Callable[..., Any] | None = None) -> None:
+        self.last, self.first = function, first
 
         def compiled_for(*arguments: Any, made_from: Any = None) -> R:
-            return function(*arguments)
+            return self.function(*arguments)
 
         self.jitted = jax.jit(compiled_for, static_argnames="made_from")
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
+
+    def function(self, *arguments: Any) -> R:
+        """All of it, uncompiled."""
+        return self.last(*arguments) if self.first is None else self.last(*arguments, self.first(*arguments))
 
     def __call__(self, *arguments: Any) -> R:
         check_ready()
@@ -132,7 +136,7 @@ class stored(Generic[R]):  # a decorator
         described = fingerprint(structure.outline(tree), *structure.nodes(tree), *_laws(tree))
         if _folder is None or not lasting(described):
             return self._compiled(tree, kinds, given)
-        file = _folder / f"{self.function.__name__}-{_digest(repr(described), str(kinds))}{program_files.SUFFIX}"
+        file = _folder / f"{self.last.__name__}-{_digest(repr(described), str(kinds))}{program_files.SUFFIX}"
         program = _read(file, tree, given)
         if program is None:
             with _without_cache():
@@ -141,12 +145,23 @@ class stored(Generic[R]):  # a decorator
         return program
 
     def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
+        between: list[Any] = []  # the structure of what the first part finds
         result: list[Any] = []
 
-        def flat(numbers: Any, *others: Any) -> list[Any]:
+        def separate(numbers: Any, *others: Any) -> tuple[list[Any], Iterator[Any]]:
             each, rest = iter(numbers), iter(others)
-            leaves = [next(each if kind is float else rest) for kind in kinds]
-            found, structure_found = jax.tree.flatten(self.function(*jax.tree.unflatten(tree, leaves)))
+            return [next(each if kind is float else rest) for kind in kinds], rest
+
+        def begun(*arrays: Any) -> list[Any]:
+            assert self.first is not None
+            found, structure_found = jax.tree.flatten(self.first(*jax.tree.unflatten(tree, separate(*arrays)[0])))
+            between[:] = [structure_found]
+            return found
+
+        def flat(*arrays: Any) -> list[Any]:
+            leaves, carried = separate(*arrays)
+            arguments = [*jax.tree.unflatten(tree, leaves), *(jax.tree.unflatten(it, carried) for it in between)]
+            found, structure_found = jax.tree.flatten(self.last(*arguments))
             place = {id(leaf): k for k, leaf in enumerate(leaves)}
             sources = tuple(place.get(id(leaf)) for leaf in found)
             result[:] = [structure_found, sources]
@@ -155,9 +170,15 @@ class stored(Generic[R]):  # a decorator
         watcher = _watcher or (lambda _: None)
         watcher(True)
         try:
-            return _Program(compiled(flat, given), *result)
+            return _Program(compiled(flat, given, begun if self.first else None), *result)
         finally:
             watcher(False)
+
+
+def after(first: Callable[..., Any]) -> Callable[[Callable[..., R]], stored[R]]:
+    """`stored` for a function whose last argument is what ``first`` finds from the others: each is a program of its
+    own, and the second is traced and compiled while XLA is at work on the first."""
+    return lambda function: stored(function, first)
 
 
 def _tracing() -> bool:

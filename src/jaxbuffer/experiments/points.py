@@ -9,7 +9,7 @@ from jaxtyping import Float
 from ..errors import InputError, check_choice, check_whole
 from ..fields import Part, with_values
 from ..mechanisms.registry import mechanism_of
-from ..run.simulate import check_pair
+from ..run.request import check_pair
 from ..sweeps.grid import Batch
 from .ranges import Range
 

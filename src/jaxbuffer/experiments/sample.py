@@ -13,7 +13,7 @@ from ..errors import InputError, suggest
 from ..fields import Part
 from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
-from ..run.simulate import DEFAULT_TOLERANCE
+from ..run.request import DEFAULT_TOLERANCE
 from ..sweeps.computed import Computed
 from ..sweeps.found import SweepInterrupted
 from ..sweeps.sweep import sweep

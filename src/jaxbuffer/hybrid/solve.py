@@ -93,40 +93,87 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
     leaves = [_once(leaf) if eqx.is_inexact_array(leaf) else leaf for leaf in leaves]
-    options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
-    # Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a tolerance.
-    sizes = [jnp.where(leaves[i] == 0.0, 1.0, jnp.abs(leaves[i])) for i in chosen]
 
+    def assembled(values: list[Array], others: list[Array]) -> HybridSystem:
+        filled = list(others)
+        for i, value in zip(chosen, values, strict=True):
+            filled[i] = value
+        return build(*jax.tree.unflatten(structure, filled))
+
+    values = [leaves[i] for i in chosen]
+    result = solve_with_tangents(assembled, values, leaves, duration, options, allowed)
+    return _of_state(result), _moved(result, values, [moves[i] for i in chosen])
+
+
+def solve_with_tangents(
+    assemble: Callable[[list[Array], Any], HybridSystem],
+    values: list[Array],
+    others: Any,
+    duration: Float[Array, ""] | float,
+    options: Options,
+    allowed: Bool[Array, ""] | None = None,
+) -> Result:
+    """Run the system that ``assemble(values, others)`` makes, with a tangent for each of the ``values``, of which
+    `differentiable` makes derivatives.
+
+    **Returns:** a `Result` whose ``log.rows``, ``log.rates`` and ``steps.rows`` have one row for the state and one for
+    each of the values: the derivative at fixed time, times the value's size.
+    """
+    options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
     by = _stepper(options)
 
-    def with_tangents(leaves: list[Array], sizes: list[Array], *others: Any) -> Result:
-        def assembled(values: list[Array]) -> HybridSystem:
-            filled = list(leaves)
-            for i, value in zip(chosen, values, strict=True):
-                filled[i] = value
-            return build(*jax.tree.unflatten(structure, filled))
+    def with_tangents(values: list[Array], others: Any, *rest: Any) -> Result:
+        sizes = _sizes(values)
+        directions = [jnp.zeros(len(sizes)).at[k].set(size) for k, size in enumerate(sizes)]
+        assembled = lambda values: assemble(values, others)  # noqa: E731
+        return by(*push_through_assembly(assembled, values, directions), *rest)
 
-        directions = [jnp.zeros(len(chosen)).at[k].set(size) for k, size in enumerate(sizes)]
-        return by(*push_through_assembly(assembled, [leaves[i] for i in chosen], directions), *others)
+    return _one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
 
-    result = _one_by_one(with_tangents, leaves, sizes, duration, options, allowed)
-    shares = [moves[i] / size for i, size in zip(chosen, sizes, strict=True)]
+
+@eqx.filter_custom_jvp
+def differentiable(result: Result, values: list[Array]) -> Result:
+    """What `solve_with_tangents` found, with one row, the state, and derivatives by ``values`` as those of
+    `solve_at_fixed_times`."""
+    return _of_state(result)
+
+
+@differentiable.def_jvp
+def _differentiable_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
+    (result, values), (_, moves) = primals, tangents
+    return _of_state(result), _moved(result, values, moves)
+
+
+def _sizes(values: list[Array]) -> list[Array]:
+    """Directions are relative (d/d ln p) where there is a value to be relative to: rows of like size share a
+    tolerance."""
+    return [jnp.where(value == 0.0, 1.0, jnp.abs(value)) for value in values]
+
+
+def _of_state(result: Result) -> Result:
+    """The result without its tangents."""
+    return _with_rows(result, lambda rows: rows[:, :1])
+
+
+def _moved(result: Result, values: list[Array], moves: list[Array]) -> Result:
+    """How the result changes with ``moves`` of the values."""
+    shares = [None if move is None else move / size for move, size in zip(moves, _sizes(values), strict=True)]
 
     def moved(rows: Array) -> Array:
-        return sum(rows[:, 1 + k, None] * share for k, share in enumerate(shares))
+        terms = [rows[:, 1 + k, None] * share for k, share in enumerate(shares) if share is not None]
+        return sum(terms, start=jnp.zeros_like(rows[:, :1]))
 
-    def of(result: Result, rows: Callable[[Array], Any]) -> Result:
-        log, steps = result.log, result.steps
-        log = dataclasses.replace(log, rows=rows(log.rows), rates=rows(log.rates))
-        return result._replace(log=log, steps=dataclasses.replace(steps, rows=rows(steps.rows)))
-
-    value = of(result, lambda rows: rows[:, :1])
-    none = jax.tree.map(lambda _: None, value)
-    change = of(result, moved)
-    return value, none._replace(
+    none, change = jax.tree.map(lambda _: None, result), _with_rows(result, moved)
+    return none._replace(
         log=dataclasses.replace(none.log, rows=change.log.rows, rates=change.log.rates),
-        steps=dataclasses.replace(none.steps, rows=change.steps.rows if options.keep else None),
+        steps=dataclasses.replace(none.steps, rows=change.steps.rows if result.steps.time.shape[0] else None),
     )
+
+
+def _with_rows(result: Result, of: Callable[[Array], Array]) -> Result:
+    log, steps = result.log, result.steps
+    log = dataclasses.replace(log, rows=of(log.rows), rates=of(log.rates))
+    return result._replace(log=log, steps=dataclasses.replace(steps, rows=of(steps.rows)))
 
 
 def _stepper(options: Options) -> Callable[..., Result]:

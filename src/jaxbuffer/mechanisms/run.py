@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 from rich.table import Table
 
+from .._types import Scalar
 from ..hybrid import Log, Result, moving
 from ..tables import html, table, text
 from .energy import Balance, Energy
@@ -234,8 +235,8 @@ class Solved(NamedTuple):
     `Run`, by name.
     """
 
-    parameters: tuple[Any, Any, Array]
-    duration: Float[Array, ""]
+    parameters: tuple[Any, Any, Scalar]
+    duration: Scalar
     start: Any
     result: Result
     log: Log

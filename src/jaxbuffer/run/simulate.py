@@ -1,44 +1,36 @@
 """`simulate`: one run of any mechanism, from a design and a scenario to everything one wants to know of it."""
 
-import dataclasses
-import functools
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
 
 from .._types import Scalar
-from ..compiling.programs import Static, stored
-from ..errors import InputError, check_flag, check_single, check_type, check_whole, inside
-from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
-from ..hybrid import Diffrax, Log, Options, Result, Solver, Status, Tolerance, solve_at_fixed_times, solver_named
-from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.outcome import outcome_code
+from ..compiling.programs import Static, after
+from ..errors import InputError, check_flag, check_single, check_whole
+from ..fields import Part
+from ..hybrid import Options, Result, Solver, solver_named
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Maxima, Run, Solved
-from ..mechanisms.system import ContactSystem
-from .conservation import balance
-from .history import history as history_of
+from ..mechanisms.run import Run
 from .history import trimmed
-from .impacts import contact_time, impacts
-from .maxima import maxima
-from .moving import moving_end, moving_events
-from .survey import survey
+from .read_off import run_of
+from .request import (
+    CHECKED,
+    DEFAULT_TOLERANCE,
+    LIMITS,
+    ONE_RUN,
+    UNCHECKED,
+    Parameters,
+    Tolerances,
+    check_pair,
+    options_of,
+    request,
+    stepped,
+)
 
-DEFAULT_TOLERANCE = 1e-6
 HISTORY_STEPS = 20_000
-ONE_RUN = "simulate takes one {}: use jax.vmap or jb.sweep"
-CHECKED, UNCHECKED = Static(False), Static(True)
-TOLERANCES = {"low": 1e-13, "high": 1e-2}
-LIMITS: dict[str, dict[str, Any]] = {
-    "duration": POSITIVE,
-    "rtol": TOLERANCES,
-    "atol": TOLERANCES,
-    "stabilisation": NON_NEGATIVE,
-}
 
 
 def simulate(
@@ -96,12 +88,9 @@ def simulate(
     check_flag("history", history)
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
-    options = _options(max_steps, max_events, HISTORY_STEPS if history else 0)
-    if solver is not None:
-        options = dataclasses.replace(options, solver=solver_named(solver))
-    if isinstance(options.solver, Diffrax):  # it has no events to set a memory at; the run's design says so
-        design = mechanism.smooth(design)
-    given = ((design, scenario, stabilisation), duration, (rtol, atol), options)
+    options = options_of(max_steps, max_events, HISTORY_STEPS if history else 0)
+    solver = None if solver is None else solver_named(solver)
+    given = request(design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
     if not all(type(leaf) is float for leaf in leaves):
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
@@ -112,19 +101,6 @@ def simulate(
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, min(int(run.accepted), HISTORY_STEPS)))
     return run
-
-
-def check_pair(mechanism: Mechanism, design: Any, scenario: Any) -> None:
-    """Raise `InputError` where design and scenario are not of one mechanism, or do not fit."""
-    kind = mechanism.scenario
-    check_type("scenario", scenario, kind, f"the design first, then a scenario, such as {kind.__name__}()")
-    mechanism.check_fit(design, scenario)
-
-
-@functools.cache
-def _options(max_steps: int, max_events: int, keep: int) -> Options:
-    """The default options with these limits; made once, since building modules takes a while."""
-    return Options(max_steps=max_steps, max_events=max_events, keep=keep)
 
 
 def _refuse_arrays(design: Part, scenario: Part, one: str) -> None:
@@ -139,90 +115,13 @@ def _array(value: Any) -> Any:
     return jnp.asarray(value, float) if isinstance(value, jax.Array) else np.asarray(value, float)
 
 
-def _event_time(system: ContactSystem, start: Array, rtol: Array) -> Scalar:
-    """How closely steps of a run from ``start`` end on events [s].
-
-    A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2} less
-    impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
-    """
-    duration = 15.0 * system.impact_step(start)
-    return duration * (rtol if system.jumps else (0.01 * rtol) ** 0.4)
-
-
-def _allowed(
-    mechanism: Mechanism, parameters: tuple[Any, Any, Array], duration: Array, tolerances: tuple[Array, Array]
-) -> Bool[Array, ""]:
-    """Whether all numbers are in range."""
-    design, scenario, stabilisation = parameters
-    options = {"duration": duration, "rtol": tolerances[0], "atol": tolerances[1], "stabilisation": stabilisation}
-    return mechanism.valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
-
-
-@stored
+@after(stepped)
 def _simulate(
-    parameters: tuple[Any, Any, Array],
-    duration: Float[Array, ""],
-    tolerances: tuple[Array, Array],
+    parameters: Parameters,
+    duration: Scalar,
+    tolerances: Tolerances,
     options: Options,
-    unchecked: Static = CHECKED,
-) -> Run:
-    """A run. Where its numbers are ``unchecked``, one out of range makes it fail."""
-    mechanism = mechanism_of(parameters[0])
-    rtol, system = tolerances[0], mechanism.system(*parameters)
-    start, active = system.first_posture()
-    event_time = jax.lax.stop_gradient(_event_time(system, start.state, rtol))
-    allowed = _allowed(mechanism, parameters, duration, tolerances) if unchecked.value else None
-    options = dataclasses.replace(options, tolerance=Tolerance(*tolerances), event_time=event_time, shortfall=rtol)
-    result = solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)
-    return mechanism.run(system, _read_off(mechanism, system, parameters, duration, (start, active), result, options))
-
-
-def _read_off(
-    mechanism: Mechanism,
-    system: ContactSystem,
-    parameters: tuple[Any, Any, Array],
-    duration: Array,
-    start: tuple[Any, Array],
+    unchecked: Static,
     result: Result,
-    options: Options,
-) -> Solved:
-    """All that every mechanism's runs have, from what the time stepping found."""
-    log = moving_end(system, result.log, result.status < Status.TIMEOUT)
-    seen = survey(system, log)
-    log = moving_events(log, seen)
-    code = outcome_code(mechanism.outcomes, mechanism.ends, mechanism.time_is_up, result.status)
-    # a factor, so that derivatives are NaN as well
-    known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, start), impacts(system, log, seen)
-    energy, conserved = balance(system, start, log, seen.drift)
-    common = {
-        "design": parameters[0],
-        "scenario": parameters[1],
-        "code": code,
-        "peak_force": top.peak_force * known,
-        "peak_time": top.peak_time * known,
-        "peak_contact": top.peak_contact,
-        "peak_impact": _peak_impact(log, top, hits),
-        "maxima": {name: value * known for name, value in top.others.items()},
-        "penetration": system.penetration(top.peak_force) * known,
-        "end_time": log.time[jnp.maximum(log.count - 1, 0)] * known,
-        "contact_time": contact_time(system, log) * known,
-        "impact_count": hits.count + jnp.sum(log.missed[: system.impact_contacts]),
-        "impacts": hits,
-        "energy": energy,
-        "balance": conserved,
-        "history": history_of(system, result.steps) if options.keep else None,
-        "attempts": result.attempts,
-        "accepted": result.accepted,
-        "stabilisation": parameters[2],
-        "_located": result.log,
-    }
-    return Solved(parameters, duration, start[0], result, log, code, known, top, common)
-
-
-def _peak_impact(log: Log, top: Maxima, hits: Any) -> Array:
-    """Which of the listed impacts the largest contact force belongs to, -1 for none of them."""
-    slots = hits.time.shape[0]
-    earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.contact == top.peak_contact)
-    listed = ~log.overflown | (top.peak_time <= log.time[log.room - 1])
-    return jnp.max(jnp.where(earlier & listed, jnp.arange(slots), -1))
+) -> Run:
+    return run_of(parameters, duration, options, result)

@@ -12,7 +12,8 @@ from ..hybrid import Solver
 from ..mechanisms.quantity import value_of
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
-from ..run.simulate import check_pair, simulate
+from ..run.request import check_pair
+from ..run.simulate import simulate
 from .differences import balanced_direction, difference
 
 CHECK_TOLERANCE = 1e-11  # of the solves that are differenced

@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..compiling.programs import Static, stored
+from ..compiling.programs import Static, after
 from ..fields import Part, with_values
-from ..hybrid import Solver
+from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
-from ..run.simulate import DEFAULT_TOLERANCE, simulate
+from ..run.read_off import run_of
+from ..run.request import DEFAULT_TOLERANCE, Request, allowed_of, in_force, request
 
 
 class Gradients(eqx.Module):
@@ -59,16 +60,39 @@ def gradients(
     return _gradients(inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
 
 
-@stored
-def _gradients(
-    inputs: tuple[Any, Any, Array, Array], values: Float[Array, " addresses"], asked: Static, solver: Solver | None
-) -> Gradients:
+Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [-]
+
+
+def _moved(inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
+    """The run with the asked addresses at ``values``."""
     design, scenario, duration, rtol = inputs
-    catalogue = mechanism_of(design).quantities
+    moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
+    return request(*moved, duration, solver, (rtol, rtol))
+
+
+def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result:
+    """What time stepping finds, with a tangent for each address."""
+    separate = [values[k] for k in range(len(asked.value))]
+    parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)
+    mechanism = mechanism_of(inputs[0])
+    allowed = allowed_of(mechanism, parameters, duration, tolerances)
+    options = in_force(parameters, tolerances, options)
+
+    def assembled(values: list[Array], inputs: Inputs) -> HybridSystem:
+        return mechanism.system(*_moved(inputs, values, asked, solver)[0])
+
+    return solve_with_tangents(assembled, separate, inputs, duration, options, allowed)
+
+
+@after(_stepped)
+def _gradients(
+    inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result
+) -> Gradients:
+    catalogue = mechanism_of(inputs[0]).quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
-        run = simulate(*moved, duration, rtol=rtol, solver=solver)
+        parameters, duration, _, options = _moved(inputs, values, asked, solver)
+        run = run_of(parameters, duration, options, differentiable(result, values))
         results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
         return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
 

@@ -13,7 +13,7 @@ from ..hybrid import Solver, solver_named
 from ..mechanisms.quantity import check_quantities, is_signed, value_of
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
-from ..run.simulate import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
+from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
 from .evidence import TightSolves, each, together
 from .gradients import Gradients, gradients

@@ -29,7 +29,7 @@ from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..run.simulate import DEFAULT_TOLERANCE, check_pair
+from ..run.request import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid
 from ..tuning.settings import Settings
 from .mistaken import no_file, no_table, no_toml

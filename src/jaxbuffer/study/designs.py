@@ -7,7 +7,7 @@ from ..errors import InputError, check_single
 from ..fields import Part, get, paths, unit
 from ..files import write
 from ..mechanisms.registry import mechanism_of
-from ..run.simulate import check_pair
+from ..run.request import check_pair
 from ..tuning.problem import Problem
 from .config import design_toml, load
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
 from ..fields import Part, check_address, check_alone, check_units_agree, in_unit, unit_at, value_at, with_values
 from ..mechanisms.registry import mechanism_of
-from ..run.simulate import check_pair
+from ..run.request import check_pair
 
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")

@@ -14,13 +14,14 @@ import numpy as np
 
 from .._types import Scalar
 from ..compiling.pool import Pool, cores
-from ..compiling.programs import stored
+from ..compiling.programs import after
 from ..errors import InputError, as_number, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
-from ..hybrid import Solver, solver_named
+from ..hybrid import Result, Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..progress import counted
-from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair, simulate
+from ..run.read_off import run_of
+from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, Request, check_pair, request, stepped
 from .found import Sweep as Sweep
 from .found import SweepInterrupted as SweepInterrupted
 from .found import column_names as column_names
@@ -238,16 +239,34 @@ def _store(
     return SweepStore(Path(storing.folder), asked, list(result.columns.values()), finished, storing.resume)
 
 
-@stored
-def _chunk(batch: tuple[Any, Any, Any], rtol: Any, stabilisation: Any, solver: Solver | None) -> tuple:
-    catalogue, swept = mechanism_of(batch[0]).quantities, mechanism_of(batch[0]).swept
+Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
 
-    def one(design: Part, scenario: Part, duration: Any) -> tuple:
-        run = simulate(design, scenario, duration, solver=solver, rtol=rtol, stabilisation=stabilisation)
-        numbers = (catalogue[name].of(run) for name in swept)
-        return (run.code, *numbers, run.peak_contact, run.impact_count, run.attempts)
 
-    return jax.vmap(one)(*batch)
+def _request(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
+    return request(*chunk, solver, (rtol, rtol), stabilisation)
+
+
+def _stepped(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
+    """What time stepping finds of each run."""
+    return jax.vmap(lambda *one: stepped(*_request(one, rtol, stabilisation, solver)))(*chunk)
+
+
+@after(_stepped)
+def _chunk(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result) -> tuple:
+    catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
+
+    def numbers(chunk: Chunk, result: Result) -> tuple:
+        parameters, duration, _, options = _request(chunk, rtol, stabilisation, solver)
+        run = run_of(parameters, duration, options, result)
+        return (
+            run.code,
+            *(catalogue[name].of(run) for name in swept),
+            run.peak_contact,
+            run.impact_count,
+            run.attempts,
+        )
+
+    return jax.vmap(numbers)(chunk, result)
 
 
 def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:

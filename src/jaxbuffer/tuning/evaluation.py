@@ -11,7 +11,8 @@ from ..errors import InputError
 from ..fields import Part, get
 from ..mechanisms.quantity import rising
 from ..mechanisms.run import Run
-from ..run.simulate import check_pair, simulate
+from ..run.request import check_pair
+from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
 from .composed import check_start, composed
 from .problem import Case, Problem

@@ -21,7 +21,7 @@ from ..fields import Part, get, paths, replace, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of, mechanism_of_scenario
-from ..run.simulate import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then
 

@@ -3,13 +3,14 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..._types import Scalar
 from ...hybrid import Log
 from .system import CaptureMechanism
 
 SAME = 1e-6  # relative difference within which two values of a maximum are the same
 
 
-def throat(mechanism: CaptureMechanism, log: Log, duration: Float[Array, ""]) -> tuple[Array, Array]:
+def throat(mechanism: CaptureMechanism, log: Log, duration: Scalar) -> tuple[Array, Array]:
     """How far the tip centre is before the capture plane at the end of the run [m], and how far beyond that plane it
     would be at ``duration``, going on from the end as fast as it goes there [m]: positive exactly if it crosses the
     plane until then.

@@ -1,0 +1,79 @@
+"""All that every mechanism's runs have, read off what time stepping found."""
+
+from typing import Any
+
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from .._types import Scalar
+from ..hybrid import Log, Options, Result, Status
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.outcome import outcome_code
+from ..mechanisms.registry import mechanism_of
+from ..mechanisms.run import Maxima, Run, Solved
+from ..mechanisms.system import ContactSystem
+from .conservation import balance
+from .history import history as history_of
+from .impacts import contact_time, impacts
+from .maxima import maxima
+from .moving import moving_end, moving_events
+from .request import Parameters
+from .survey import survey
+
+
+def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Result) -> Run:
+    """The run, from what time stepping found."""
+    mechanism = mechanism_of(parameters[0])
+    system = mechanism.system(*parameters)
+    return mechanism.run(system, _read_off(mechanism, system, parameters, duration, result, options))
+
+
+def _read_off(
+    mechanism: Mechanism,
+    system: ContactSystem,
+    parameters: Parameters,
+    duration: Scalar,
+    result: Result,
+    options: Options,
+) -> Solved:
+    """All that every mechanism's runs have."""
+    start = system.first_posture()
+    log = moving_end(system, result.log, result.status < Status.TIMEOUT)
+    seen = survey(system, log)
+    log = moving_events(log, seen)
+    code = outcome_code(mechanism.outcomes, mechanism.ends, mechanism.time_is_up, result.status)
+    # a factor, so that derivatives are NaN as well
+    known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
+    top, hits = maxima(system, log, start), impacts(system, log, seen)
+    energy, conserved = balance(system, start, log, seen.drift)
+    common = {
+        "design": parameters[0],
+        "scenario": parameters[1],
+        "code": code,
+        "peak_force": top.peak_force * known,
+        "peak_time": top.peak_time * known,
+        "peak_contact": top.peak_contact,
+        "peak_impact": _peak_impact(log, top, hits),
+        "maxima": {name: value * known for name, value in top.others.items()},
+        "penetration": system.penetration(top.peak_force) * known,
+        "end_time": log.time[jnp.maximum(log.count - 1, 0)] * known,
+        "contact_time": contact_time(system, log) * known,
+        "impact_count": hits.count + jnp.sum(log.missed[: system.impact_contacts]),
+        "impacts": hits,
+        "energy": energy,
+        "balance": conserved,
+        "history": history_of(system, result.steps) if options.keep else None,
+        "attempts": result.attempts,
+        "accepted": result.accepted,
+        "stabilisation": parameters[2],
+        "_located": result.log,
+    }
+    return Solved(parameters, duration, start[0], result, log, code, known, top, common)
+
+
+def _peak_impact(log: Log, top: Maxima, hits: Any) -> Array:
+    """Which of the listed impacts the largest contact force belongs to, -1 for none of them."""
+    slots = hits.time.shape[0]
+    earlier = (jnp.arange(slots) < hits.count) & (hits.time <= top.peak_time) & (hits.contact == top.peak_contact)
+    listed = ~log.overflown | (top.peak_time <= log.time[log.room - 1])
+    return jnp.max(jnp.where(earlier & listed, jnp.arange(slots), -1))
