@@ -96,9 +96,11 @@ def stepped(
     tolerances: Tolerances,
     options: Options,
     unchecked: Static = UNCHECKED,
+    wanted: Bool[Array, ""] | bool = True,
 ) -> Result:
-    """What time stepping finds of a run. Where its numbers are ``unchecked``, one out of range makes it fail."""
+    """What time stepping finds of a run. Where its numbers are ``unchecked``, one out of range makes it fail, and so
+    does not being ``wanted``: it then takes no step."""
     mechanism = mechanism_of(parameters[0])
-    allowed = allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
+    allowed = wanted & allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
     options = in_force(parameters, tolerances, options)
     return solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)

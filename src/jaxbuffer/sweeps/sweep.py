@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, overload
 
 import jax
 import numpy as np
+from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..compiling.pool import Pool, cores
@@ -156,18 +157,30 @@ def sweep(
 
 
 class _Part(NamedTuple):
-    """A batch in the making: its numbers as arrays of shape (n,) or (), and the places of its runs in the results."""
+    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, and how
+    many of them a call solves."""
 
     structure: Any
     arrays: list[np.ndarray]
     places: np.ndarray
     chunk: int
 
+    def call(self, first: int, size: int) -> tuple[Any, np.ndarray]:
+        """The runs from ``first`` on as arrays (size,), and which of them are wanted: filled up, a call with few runs
+        needs no program of its own."""
+        wanted = np.arange(size) < min(self.chunk, self.places.size - first)
+        batch = [np.broadcast_to(x, self.places.shape).take(first + np.arange(size), mode="clip") for x in self.arrays]
+        return jax.tree.unflatten(self.structure, batch), wanted
+
 
 def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
     """All runs of all batches."""
     on_cpu = jax.default_backend() == "cpu"
-    parts = [_part(batch, duration, CHUNK if on_cpu else 4096) for batch in batches]
+    size, workers = (
+        CHUNK if on_cpu else 4096,
+        (cores() if on_cpu else 1) if storing.workers is None else storing.workers,
+    )
+    parts = [_part(batch, duration, size, workers) for batch in batches]
     count, alone = sum(part.places.size for part in parts), batches[0] if len(batches) == 1 else None
     result = Sweep.empty(mechanism_of(batches[0].design), count, *(alone[1:] if alone else (None, None)))
     finished = np.zeros(count, bool)
@@ -176,9 +189,7 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
 
     def solve(item: tuple[_Part, int]) -> None:
         part, first = item
-        index = np.minimum(np.arange(first, first + part.chunk), part.places.size - 1)  # the last one is filled up
-        batch = [np.broadcast_to(array, part.places.shape)[index] for array in part.arrays]
-        found = _chunk(jax.tree.unflatten(part.structure, batch), *settings)
+        found = _chunk(*part.call(first, size), *settings)
         its_own = part.places[first : first + part.chunk]
         for mine, values in zip(columns, found, strict=True):
             mine[its_own] = np.asarray(values)[: its_own.size]
@@ -193,7 +204,6 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
     try:
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
-        workers = (cores() if on_cpu else 1) if storing.workers is None else storing.workers
         for _ in Pool(workers).as_completed(solve, todo):
             if store is not None:
                 store.save()
@@ -209,11 +219,12 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
     return result
 
 
-def _part(batch: Batch, duration: Any, chunk: int) -> _Part:
+def _part(batch: Batch, duration: Any, size: int, workers: int) -> _Part:
     leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
     arrays = [np.asarray(leaf, float) for leaf in leaves]
     count = _common_length(structure, arrays)
-    return _Part(structure, arrays, np.arange(count) if batch.places is None else batch.places, min(chunk, count))
+    places = np.arange(count) if batch.places is None else batch.places
+    return _Part(structure, arrays, places, min(size, -(-count // workers)))
 
 
 def _store(
@@ -240,19 +251,24 @@ def _store(
 
 
 Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
+Wanted = Bool[Array, " runs"]  # which of them are wanted: the others fill up the chunk
 
 
 def _request(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
     return request(*chunk, solver, (rtol, rtol), stabilisation)
 
 
-def _stepped(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
+def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
     """What time stepping finds of each run."""
-    return jax.vmap(lambda *one: stepped(*_request(one, rtol, stabilisation, solver)))(*chunk)
+
+    def one(chunk: Chunk, wanted: Array) -> Result:
+        return stepped(*_request(chunk, rtol, stabilisation, solver), wanted=wanted)
+
+    return jax.vmap(one)(chunk, wanted)
 
 
 @after(_stepped)
-def _chunk(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result) -> tuple:
+def _chunk(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result) -> tuple:
     catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
 
     def numbers(chunk: Chunk, result: Result) -> tuple:
