@@ -425,4 +425,17 @@ def test_watched_is_called_where_a_program_is_compiled(folder, traced):
     with programs.watched(seen.append):
         for _ in range(2):
             fresh()(*asked())
-    assert seen == [True, False], "the second is read"
+    assert seen == [programs.UNKNOWN, None], "the second is read"
+
+
+def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
+    def slow(x):
+        time.sleep(0.3)  # while it is traced
+        return 2.0 * x
+
+    seen = []
+    with programs.watched(seen.append):
+        for shape in (1, 2):
+            stored(slow)(np.ones(shape))
+    assert seen[0] == programs.UNKNOWN and seen[1] is seen[3] is None
+    assert 0.3 < seen[2] < 5.0

@@ -28,7 +28,7 @@ T = TypeVar("T")
 STACK = 64 * 2**20  # bytes; compilers recurse deeply, and some systems give threads little
 PERIOD = 5.0  # s between lines where nobody watches
 SPINNER, TEXT, CLOCK = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
-COMPILING = "compiling (first run only)…"
+COMPILING = "compiling for about {:.0f} s (first run only)…"
 
 
 def working(text: str, work: Callable[[], T]) -> T:
@@ -136,11 +136,11 @@ def _compiling_said() -> AbstractContextManager[None]:
 
     said = False
 
-    def watcher(begins: bool) -> None:
+    def watcher(expected: float | None) -> None:
         nonlocal said
-        if begins and not said:
+        if expected is not None and not said:
             said = True
-            print(COMPILING, file=sys.stderr, flush=True)
+            print(COMPILING.format(expected), file=sys.stderr, flush=True)
 
     return watched(watcher)
 
@@ -151,11 +151,11 @@ def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager
 
     before = ""
 
-    def watcher(begins: bool) -> None:
+    def watcher(expected: float | None) -> None:
         nonlocal before
-        if begins:
+        if expected is not None:
             before = progress.tasks[0].description
-        progress.update(task, description=COMPILING if begins else before)
+        progress.update(task, description=before if expected is None else COMPILING.format(expected))
 
     return watched(watcher)
 

@@ -13,6 +13,7 @@ import os
 import platform
 import sys
 import threading
+import time
 from collections.abc import Callable, Hashable, Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -34,9 +35,10 @@ from .split import compiled, run
 
 R = TypeVar("R")
 
+UNKNOWN = 10.0  # s, where nothing is stored: of a capture 5 to 10, of a gradient 10 to 25 on two cores
 _log = logging.getLogger(__name__)
 _folder: Path | None = None
-_watcher: Callable[[bool], None] | None = None
+_watcher: Callable[[float | None], None] | None = None
 _compiling = threading.RLock()
 
 
@@ -56,8 +58,9 @@ def store_in(folder: str | Path | None) -> str:
 
 
 @contextlib.contextmanager
-def watched(watcher: Callable[[bool], None]) -> Iterator[None]:
-    """Call ``watcher`` with True whenever a program's compilation begins, and with False when it has ended."""
+def watched(watcher: Callable[[float | None], None]) -> Iterator[None]:
+    """Call ``watcher`` whenever a program's compilation begins, with the time that it is expected to take [s], and with
+    None when it has ended."""
     global _watcher  # noqa: PLW0603 # one front shows what the whole process does
     before, _watcher = _watcher, watcher
     try:
@@ -79,11 +82,13 @@ def made_from(tree: Any, *code: Any) -> Static:
 
 
 class _Program(NamedTuple):
-    """A compiled function of arrays, in its parts, and where the leaves of its result come from."""
+    """A compiled function of arrays, in its parts, where the leaves of its result come from, and how long compiling it
+    took [s]."""
 
     parts: list[Compiled]
     structure: Any
     sources: tuple[int | None, ...]  # the argument that a leaf of the result is, or None: the next one that is computed
+    seconds: float
 
     def __call__(self, leaves: list[Any], given: list[Any]) -> Any:
         computed = iter(run(self.parts, given))
@@ -167,12 +172,13 @@ class stored(Generic[R]):  # a decorator
             result[:] = [structure_found, sources]
             return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
 
-        watcher = _watcher or (lambda _: None)
-        watcher(True)
+        watcher, begin = _watcher or (lambda _: None), time.monotonic()
+        watcher(_expected(self.last.__name__))
         try:
-            return _Program(compiled(flat, given, begun if self.first else None), *result)
+            parts = compiled(flat, given, begun if self.first else None)
+            return _Program(parts, result[0], result[1], time.monotonic() - begin)
         finally:
-            watcher(False)
+            watcher(None)
 
 
 def after(first: Callable[..., Any]) -> Callable[[Callable[..., R]], stored[R]]:
@@ -253,7 +259,7 @@ def _read(file: Path, tree: Any, given: list[Any]) -> _Program | None:
             parts = [executable.put_together(*part) for part in described]
             jax.block_until_ready(run(parts, given))
         found = structure.read(stored.description["structure"], tree)
-        return _Program(parts, found, tuple(stored.description["sources"]))
+        return _Program(parts, found, tuple(stored.description["sources"]), stored.description["seconds"])
     except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
         _log.info("%s cannot be used: %s", file, error)
         program_files.remove(file)
@@ -266,11 +272,21 @@ def _write(file: Path, tree: Any, program: _Program) -> None:
         description = {
             "structure": structure.written(program.structure, tree),
             "sources": program.sources,
+            "seconds": program.seconds,
             "parts": [described for described, _ in parts],
         }
         program_files.write(file, program_files.Stored(description, [code for _, code in parts]))
     except Exception as error:  # a full disk, a JAX whose insides are others: the program is in memory
         _log.info("%s cannot be written: %s", file, error)
+
+
+def _expected(name: str) -> float:
+    """How long it will take to compile a function of this name [s]: as long as the last one that was stored."""
+    with contextlib.suppress(OSError):  # another process may delete files
+        files = [] if _folder is None else list(_folder.glob(f"{name}-*{program_files.SUFFIX}"))
+        last = program_files.read(max(files, key=os.path.getmtime)) if files else None
+        return UNKNOWN if last is None else last.description.get("seconds", UNKNOWN)
+    return UNKNOWN
 
 
 def _digest(*parts: str) -> str:
