@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+import jaxbuffer.sensitivities.sensitivity as module
 from front.made_up import made_up_capture
 from jaxbuffer import Outcome
 from jaxbuffer.mechanisms.run import Impacts
-from jaxbuffer.sensitivities.certificate import HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
-from jaxbuffer.sensitivities.evidence import TightSolves, each, together
+from jaxbuffer.sensitivities.certificate import FLOOR, HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
+from jaxbuffer.sensitivities.evidence import Evidence, TightSolves, each, together
 
 PATHS = ("buffer.k_A", "buffer.c_A", "probe.tip_mass")
 NAMES = ("peak_force", "stroke")
@@ -127,6 +128,37 @@ def test_the_peaks_report():
 def test_a_single_impact_has_no_runner_up():
     peaks = peak_report(made_up_capture(), np.ones((3, 3)), PATHS)
     assert (peaks.runner_up_impact, peaks.margin, peaks.swap_change) == (-1, 1.0, np.inf)
+
+
+@pytest.mark.parametrize(("rtol", "other"), [(1e-6, 1e-7), (5e-13, 5e-12)])
+def test_a_change_with_the_tolerance_is_taken_as_an_elasticity(monkeypatch, rtol, other):
+    """Of slopes in units of quantity over parameter: times the parameter, over the quantity."""
+    run, paths, names = made_up_capture(), ("buffer.k_A", "probe.rod_mass"), ("peak_force", "stroke")
+    at = np.array([jb.get(jb.table2(), path) for path in paths])
+    results = np.array([float(run.peak_force), float(run.stroke)])
+    slopes, asked = np.array([[0.2, 3.0], [-1e-5, 2e-3]]), []
+    apart = np.array([[1e-3, 2e-3], [4e-3, 8e-3]])  # of each elasticity's unit: d ln quantity / d ln parameter
+
+    class Solved:
+        def __init__(self, rtol):
+            asked.append(rtol)
+            self.run, self.by_impact = run, {"peak_force": np.zeros((3, 2))}
+            self.slopes = slopes if len(asked) == 1 else slopes + apart * results[:, None] / at
+
+        def of(self, name):
+            return self.slopes[names.index(name)]
+
+    def gathered(tight, claimed, sizes, changes):
+        np.testing.assert_allclose(claimed, slopes * at / results[:, None], rtol=1e-13)
+        np.testing.assert_allclose(sizes, results, rtol=1e-15)
+        return Evidence(changes, 0.0 * changes, 0.0 * changes, 0, False)
+
+    monkeypatch.setattr(module, "gradients", lambda *_, rtol, solver: Solved(rtol))
+    monkeypatch.setattr(module, "together", gathered)
+    found = jb.sensitivity(jb.table2(), wrt=paths, quantities=names, rtol=rtol)
+    np.testing.assert_allclose(asked, [rtol, other], rtol=1e-12)
+    size = np.maximum(np.abs(found.elasticities), FLOOR)
+    np.testing.assert_allclose(found.certificate.by_tolerance * size, apart, rtol=1e-10)
 
 
 @pytest.mark.slow
