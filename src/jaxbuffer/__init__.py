@@ -61,6 +61,8 @@ if TYPE_CHECKING:
     from .output.motion import draw as draw
     from .run.instants import at_times as at_times
     from .run.simulate import simulate as simulate
+    from .run.trust import Trust as Trust
+    from .run.trust import trust as trust
     from .run.with_diffrax import as_diffrax as as_diffrax
     from .sensitivities.certificate import Certificate as Certificate
     from .sensitivities.certificate import Verdict as Verdict
@@ -101,6 +103,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "run.with_diffrax": ("as_diffrax",),
     "run.instants": ("at_times",),
     "run.simulate": ("simulate",),
+    "run.trust": ("Trust", "trust"),
     "sensitivities.certificate": ("Certificate", "Verdict"),
     "sensitivities.horizon": ("horizon",),
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),

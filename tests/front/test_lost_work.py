@@ -103,7 +103,7 @@ def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(comp
     compute = computed.simulate
 
     def another_comes(*arguments, **options):
-        (tmp_path / "out").mkdir()
+        (tmp_path / "out").mkdir(exist_ok=True)
         (tmp_path / "out" / "capture.json").write_text("theirs")
         return compute(*arguments, **options)
 

@@ -61,7 +61,7 @@ def test_a_run_is_held_against_limits_on_it(computed, study, capsys, limit, code
     """A made-up capture of 250 N and 7.5 mm."""
     assert run(["simulate", study(text=STUDY.replace("9 N m", limit))]) == code
     said = "" if code == 0 else "error: [problem.constraints] not kept: effort 1.875 N m is above 1 N m\n"
-    assert capsys.readouterr().err == f"simulating\n{said}"
+    assert capsys.readouterr().err == f"simulating\na tenth of the tolerance changes no number\n{said}"
 
 
 def test_a_tuning_and_its_files(computed, study, tmp_path):

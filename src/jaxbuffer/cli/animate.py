@@ -33,7 +33,7 @@ def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Form
     check_format(kind)
     name = f"motion.{kind}"
     files = request.files(name)
-    run = simulated(study, history=True)
+    run, _ = simulated(study, history=True, again=False)
     if run.outcome.failed:
         return fail(run.outcome.reason)
     count = len(frames_of(run).times)

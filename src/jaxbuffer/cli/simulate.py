@@ -1,7 +1,11 @@
 """`jaxbuffer simulate`: one run."""
 
-from typing import TYPE_CHECKING
+import sys
+from typing import TYPE_CHECKING, Annotated
 
+import typer
+
+from ..errors import check_choice
 from .exits import fail
 from .limits import asked_limits, keeps_limits
 from .request import Request, ScenarioNumber
@@ -9,14 +13,26 @@ from .streams import note
 
 if TYPE_CHECKING:
     from ..mechanisms.run import Run
+    from ..run.trust import Trust
     from ..study.config import Config
 
 
-def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
+TRUST = ("on", "off")
+
+
+def simulate(
+    request: Request,
+    scenario_number: ScenarioNumber = None,
+    trust: Annotated[
+        str, typer.Option(metavar="WHEN", help="Whether to run again at a tenth of the tolerance: on or off.")
+    ] = "on",
+) -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
-    impact that turned it round. Which parameter to change first takes derivatives: jaxbuffer sensitivity does that.
+    impact that turned it round. A second run at a tenth of the tolerance tells how far its numbers can be trusted, and
+    where a bounce more or less decides (--trust off spares it). Which parameter to change first takes derivatives:
+    jaxbuffer sensitivity does that.
 
     Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 
@@ -33,11 +49,12 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
+    check_choice("trust", trust, TRUST)
     study = request.one_scenario(scenario_number)
     limits, name = asked_limits(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
-    run = simulated(study, history=request.output is not None)
+    run, closer = simulated(study, request.output is not None, trust == "on")
     if run.outcome.failed:
         return fail(run.outcome.reason)
     if study.mechanism.chaotic:
@@ -46,18 +63,41 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None) -> int:
         note(str(horizon(run)))
     if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
         note(f"the history holds the first {kept} steps only")
+    told = None if closer is None else trusted(run, closer)
     from ..output.results import run_files
 
-    contents = run_files(run, request.made(study), limits)
+    contents = run_files(run, request.made(study), limits, told)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
     return keeps_limits(limits, run)
 
 
-def simulated(study: "Config", history: bool) -> "Run":
-    """The study's run, with a spinner while it is computed."""
+def simulated(study: "Config", history: bool, again: bool) -> "tuple[Run, Run | None]":
+    """The study's run, and, if it is asked for ``again``, the same at a tenth of the tolerance, with a spinner."""
+    from ..run.request import TOLERANCES
     from ..run.simulate import simulate as compute
+    from ..run.trust import TENTH
     from .progress import working
 
     options = study.options
-    asked = (study.design, study.scenario, options.duration)
-    return working("simulating", lambda: compute(*asked, solver=options.stepper(), rtol=options.rtol, history=history))
+
+    def at(rtol: float) -> "Run":
+        asked = (study.design, study.scenario, options.duration)
+        return compute(*asked, solver=options.stepper(), rtol=rtol, history=history)
+
+    closer = max(TENTH * options.rtol, TOLERANCES["low"])
+    return working("simulating", lambda: (at(options.rtol), at(closer) if again else None))
+
+
+def trusted(run: "Run", closer: "Run") -> "Trust | None":
+    """How far the run's numbers can be trusted, said; None where the second run failed."""
+    from ..run.trust import trust
+
+    if closer.outcome.failed:
+        note(f"how far these numbers can be trusted is not known: at a tenth of the tolerance {closer.outcome.reason}")
+        return None
+    found = trust(run, closer)
+    if found.verdict == "trusted":
+        print(found, file=sys.stderr, flush=True)
+    else:
+        note(found)
+    return found

@@ -20,6 +20,7 @@ from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version
 
 if TYPE_CHECKING:
+    from ..run.trust import Trust
     from ..sensitivities.sensitivity import Sensitivity
     from ..tuning.asked import Asked
     from ..tuning.derived import Derived
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
-    """Everything but the history. Impacts count from 1. ``asked``: by the run's study."""
+def run_record(run: Run, asked: "Asked | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
+    """Everything but the history. Impacts count from 1. ``asked``: by the run's study; ``trust`` in its numbers."""
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
@@ -39,6 +40,7 @@ def run_record(run: Run, asked: "Asked | None" = None) -> dict[str, Any]:
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         **_asked_record(run, asked),
+        "trust": None if trust is None else {"verdict": trust.verdict, "reason": str(trust), "errors": trust.errors},
         "rising": rising(run),
         "outside_validity": mechanism.warnings(run),
         "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},

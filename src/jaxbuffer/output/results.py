@@ -10,6 +10,7 @@ from .provenance import MADE
 if TYPE_CHECKING:
     from ..experiments.rectangle import SafeRectangle
     from ..mechanisms.run import Run
+    from ..run.trust import Trust
     from ..sensitivities.sensitivity import Sensitivity
     from ..sweeps.computed import Computed
     from ..sweeps.swept import Swept
@@ -17,10 +18,11 @@ if TYPE_CHECKING:
     from ..tuning.tuned import Tuned
 
 
-def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None) -> Contents:
+def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust: "Trust | None" = None) -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run.
 
-    **Arguments:** ``run``: with its history; ``made``: how it came about; ``asked``: by its study.
+    **Arguments:** ``run``: with its history; ``made``: how it came about; ``asked``: by its study;
+    ``trust``: how far its numbers can be trusted.
     """
     from ..labelled.netcdf import SUFFIX, content
     from .figures import run_figure
@@ -32,7 +34,7 @@ def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None) -> Co
 
     name, label = run.mechanism.run_name, run.mechanism.label(run.scenario)
     return {
-        f"{name}.json": lambda: json_text(_told(run_record(run, asked), made)),
+        f"{name}.json": lambda: json_text(_told(run_record(run, asked, trust), made)),
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),

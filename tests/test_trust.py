@@ -1,0 +1,65 @@
+"""How far a run's numbers can be trusted, against runs at tight tolerance."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from benchmarks.trust import drawn, relative
+
+import jaxbuffer as jb
+from front.made_up import made_up_capture
+from jaxbuffer.run.trust import DOUBTFUL, HOPELESS, SAFETY, Trust, trust
+
+
+def moved(run, **changes):
+    found = dataclasses.replace(run)
+    for name, value in changes.items():
+        object.__setattr__(found, name, value)
+    return found
+
+
+def test_an_error_is_three_times_the_change_over_the_value():
+    run = made_up_capture(peak=200.0)
+    found = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 + 1e-6))))
+    assert found.errors["peak_force"] == pytest.approx(SAFETY * 1e-6, rel=1e-6)
+    assert found.worst[0] == "peak_force" and found.verdict == "trusted"
+    assert str(found) == "a tenth of the tolerance changes no number by more than 3e-06 of it (peak_force)"
+
+
+@pytest.mark.parametrize(("change", "verdict"), [(2e-5, "trusted"), (5e-5, "check"), (5e-3, "ill-conditioned")])
+def test_the_verdict_goes_by_the_worst(change, verdict):
+    run = made_up_capture(peak=200.0)
+    found = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 - change))))
+    assert found.verdict == verdict
+    assert ("peak_force by" in str(found)) == (verdict != "trusted")
+
+
+def test_what_else_changes_makes_it_ill_conditioned():
+    errors = {"peak_force": 2.0 * DOUBTFUL}
+    assert Trust(errors, "").verdict == "check"
+    assert Trust(errors, "there are 5 impacts instead of 4").verdict == "ill-conditioned"
+    assert Trust({"peak_force": 0.5 * DOUBTFUL}, "there are 5 impacts instead of 4").verdict == "trusted"
+    assert Trust({"peak_force": 0.0}, "the outcome is another: …").verdict == "ill-conditioned"
+    assert Trust({"peak_force": 1.1 * HOPELESS}, "").verdict == "ill-conditioned"
+
+
+def test_runs_that_say_nothing_are_refused():
+    failed = jb.simulate(jb.table2(), max_steps=1)
+    with pytest.raises(jb.InputError, match="this run says nothing: failed"):
+        trust(failed, failed)
+
+
+@pytest.mark.slow
+def test_no_wide_design_is_silently_off():
+    """Of the first designs of `python -m benchmarks.trust`, welded and free; seed 7's 86th has 115 impacts."""
+    silent, marked = [], {}
+    for number, (design, scenario) in enumerate(drawn(100)):
+        run, closer, tight = (jb.simulate(design, scenario, rtol=rtol) for rtol in (1e-6, 1e-7, 1e-10))
+        found = trust(run, closer)
+        marked[number] = found.verdict
+        if found.verdict != "ill-conditioned":
+            errors = relative(run, tight)
+            silent += [(number, name) for name, error in errors.items() if error > DOUBTFUL >= found.errors[name]]
+    assert not silent
+    assert marked[86] == "ill-conditioned"
+    assert list(marked.values()).count("trusted") > 75
