@@ -36,11 +36,11 @@ LINEAR = {
 }
 
 
-def draw(count, seed=0):
+def draw(count, seed=0, logarithmic=LOGARITHMIC, linear=LINEAR):
     """``count`` values of every number, shape (count,), by dotted path."""
     rng = np.random.default_rng(seed)
-    values = {path: np.exp(rng.uniform(*np.log(ends), count)) for path, ends in LOGARITHMIC.items()}
-    return values | {path: rng.uniform(*ends, count) for path, ends in LINEAR.items()}
+    values = {path: np.exp(rng.uniform(*np.log(ends), count)) for path, ends in logarithmic.items()}
+    return values | {path: rng.uniform(*ends, count) for path, ends in linear.items()}
 
 
 def built(values, free_tip):

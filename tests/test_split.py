@@ -2,13 +2,20 @@
 
 import gc
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer.compiling.programs import Static, after, store_in
 from jaxbuffer.compiling.split import compiled, run
+from jaxbuffer.hybrid import Options
+from jaxbuffer.run.request import CHECKED
+from jaxbuffer.run.simulate import _simulate
+from jaxbuffer.sensitivities.gradients import _gradients
+from jaxbuffer.sweeps.sweep import _chunk
 
 
 def steps(base, times, label):
@@ -48,7 +55,25 @@ def test_one_part():
     assert run(program, (np.asarray(2.0),)) == [4.0]
 
 
-def test_an_error_in_the_second_part_waits_for_the_first():
+@pytest.mark.parametrize("asked", [_simulate, _gradients, _chunk])
+def test_the_time_loop_is_in_the_first_program_alone(asked):
+    design, scenario = (jax.tree.map(lambda x: jnp.asarray(x, float), x) for x in (jb.table2(), jb.Scenario()))
+    rtol, duration, gain = jnp.asarray(1e-6), jnp.asarray(8.0), jnp.asarray(20.0)
+    runs = jax.tree.map(lambda x: jnp.full(2, x), (design, scenario, duration))
+    arguments = {
+        _simulate: ((design, scenario, gain), duration, (rtol, rtol), Options(max_events=8), CHECKED),
+        _gradients: ((design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",)), None),
+        _chunk: (runs, jnp.array([True, False]), rtol, gain, None),
+    }[asked]
+    arrays, rest = eqx.partition(arguments, eqx.is_array)
+    whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731
+    first, found = jax.make_jaxpr(lambda arrays: asked.first(*whole(arrays)), return_shape=True)(arrays)
+    last = jax.make_jaxpr(lambda arrays, found: asked.last(*whole(arrays), found))(arrays, found)
+    loops = [str(part).count("custom_vmap_call[") for part in (first, last)]
+    assert loops[0] >= 1 and loops[1] == 0, "runs are stepped one by one: sequential_vmap"
+
+
+def test_an_error_in_the_second_part_is_raised():
     with pytest.raises(ZeroDivisionError):
         compiled(lambda x, y: [x / (1 // 0)], (np.asarray(2.0),), lambda x: [x + 1.0])
 

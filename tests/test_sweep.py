@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.sweeps.sweep import SweepInterrupted
+from jaxbuffer.sweeps.grid import Batch
+from jaxbuffer.sweeps.sweep import SweepInterrupted, _chunk, _part
 from verification.cases import CASES, PATHS, WELDED
 
 
@@ -40,6 +41,20 @@ def test_one_capture():
     found = jb.sweep(jb.table2(), jb.Scenario(), workers=1)
     assert len(found) == 1
     np.testing.assert_allclose(found.peak_force, 253.13152694328107, rtol=1e-4)
+
+
+def test_one_program_for_any_number_of_runs():
+    """What is not wanted takes no step, and a run's numbers don't depend on its place or on how many there are."""
+    _chunk.programs.clear()
+    speeds = np.linspace(0.1, 0.2, 19)
+    all_runs = jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), 0.05)
+    for count in (1, 3, 16, 17):
+        few = jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds[-count:]), 0.05)
+        np.testing.assert_array_equal(few.peak_force, all_runs.peak_force[-count:])
+    assert len(_chunk.programs) == 1
+    part = _part(Batch(None, jb.table2(), jb.Scenario(approach_speed=speeds)), 0.05, 16, 1, filled=True)
+    found = _chunk.first(*part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
+    assert np.all((np.asarray(found.attempts) > 0) == (np.arange(16) < 3))
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ from .split import compiled, run
 
 R = TypeVar("R")
 
-UNKNOWN = 10.0  # s, where nothing is stored: of a capture 5 to 10, of a gradient 10 to 25 on two cores
+UNKNOWN = 10.0  # s, a run's on two cores
 _log = logging.getLogger(__name__)
 _folder: Path | None = None
 _watcher: Callable[[float | None], None] | None = None
@@ -108,8 +108,10 @@ class stored(Generic[R]):  # a decorator
       means another one by now, a new program is compiled.
     """
 
-    def __init__(self, function: Callable[..., R], first: Callable[..., Any] | None = None) -> None:
-        self.last, self.first = function, first
+    def __init__(
+        self, function: Callable[..., R], first: Callable[..., Any] | None = None, seconds: float = UNKNOWN
+    ) -> None:
+        self.last, self.first, self.seconds = function, first, seconds
 
         def compiled_for(*arguments: Any, made_from: Any = None) -> R:
             return self.function(*arguments)
@@ -173,7 +175,7 @@ class stored(Generic[R]):  # a decorator
             return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
 
         watcher, begin = _watcher or (lambda _: None), time.monotonic()
-        watcher(_expected(self.last.__name__))
+        watcher(_expected(self.last.__name__, self.seconds))
         try:
             parts = compiled(flat, given, begun if self.first else None)
             return _Program(parts, result[0], result[1], time.monotonic() - begin)
@@ -181,10 +183,11 @@ class stored(Generic[R]):  # a decorator
             watcher(None)
 
 
-def after(first: Callable[..., Any]) -> Callable[[Callable[..., R]], stored[R]]:
+def after(first: Callable[..., Any], seconds: float = UNKNOWN) -> Callable[[Callable[..., R]], stored[R]]:
     """`stored` for a function whose last argument is what ``first`` finds from the others: each is a program of its
-    own, and the second is traced and compiled while XLA is at work on the first."""
-    return lambda function: stored(function, first)
+    own, and the second is traced and compiled while XLA is at work on the first. ``seconds``: how long that takes,
+    roughly, until it has been done once."""
+    return lambda function: stored(function, first, seconds)
 
 
 def _tracing() -> bool:
@@ -280,13 +283,13 @@ def _write(file: Path, tree: Any, program: _Program) -> None:
         _log.info("%s cannot be written: %s", file, error)
 
 
-def _expected(name: str) -> float:
+def _expected(name: str, otherwise: float) -> float:
     """How long it will take to compile a function of this name [s]: as long as the last one that was stored."""
     with contextlib.suppress(OSError):  # another process may delete files
         files = [] if _folder is None else list(_folder.glob(f"{name}-*{program_files.SUFFIX}"))
         last = program_files.read(max(files, key=os.path.getmtime)) if files else None
-        return UNKNOWN if last is None else last.description.get("seconds", UNKNOWN)
-    return UNKNOWN
+        return otherwise if last is None else last.description.get("seconds", otherwise)
+    return otherwise
 
 
 def _digest(*parts: str) -> str:

@@ -92,7 +92,6 @@ def _solve_jvp(primals: tuple, tangents: tuple) -> tuple[Result, Result]:
     leaves, structure = jax.tree.flatten(parameters, is_leaf=_is_none)
     moves = jax.tree.leaves(tangents[0], is_leaf=_is_none)
     chosen = [i for i, move in enumerate(moves) if move is not None]
-    leaves = [_once(leaf) if eqx.is_inexact_array(leaf) else leaf for leaf in leaves]
 
     def assembled(values: list[Array], others: list[Array]) -> HybridSystem:
         filled = list(others)
@@ -120,6 +119,7 @@ def solve_with_tangents(
     each of the values: the derivative at fixed time, times the value's size.
     """
     options = dataclasses.replace(options, event_time=jnp.asarray(EVENT_TIME), shortfall=jnp.asarray(SHORTFALL))
+    values, others = jax.tree.map(lambda x: _once(x) if eqx.is_inexact_array(x) else x, (values, others))
     by = _stepper(options)
 
     def with_tangents(values: list[Array], others: Any, *rest: Any) -> Result:

@@ -40,7 +40,7 @@ def run_record(run: Run, asked: "Asked | None" = None, trust: "Trust | None" = N
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
         **_asked_record(run, asked),
-        "trust": None if trust is None else {"verdict": trust.verdict, "reason": str(trust), "errors": trust.errors},
+        "trust": None if trust is None else _trust_record(trust),
         "rising": rising(run),
         "outside_validity": mechanism.warnings(run),
         "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
@@ -83,6 +83,11 @@ def _asked_record(run: Run, asked: "Asked | None") -> dict[str, Any]:
         "quantities": own_record(asked.own),
         "limited": {name: _number(value) for name, value in asked.values(run).items()},
     }
+
+
+def _trust_record(trust: "Trust") -> dict[str, Any]:
+    errors = {name: _number(error) for name, error in trust.errors.items()}
+    return {"verdict": trust.verdict, "reason": str(trust), "errors": errors}
 
 
 def own_record(own: Mapping[str, "Derived"]) -> dict[str, Any]:

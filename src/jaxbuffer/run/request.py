@@ -71,8 +71,8 @@ def allowed_of(
     return mechanism.valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
 
 
-def in_force(parameters: Parameters, tolerances: Tolerances, options: Options) -> Options:
-    """The options of a run, its tolerances among them."""
+def with_tolerances(options: Options, parameters: Parameters, tolerances: Tolerances) -> Options:
+    """The options with a run's tolerances, and how closely its events are located at these."""
     system = mechanism_of(parameters[0]).system(*parameters)
     event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, tolerances[0]))
     return dataclasses.replace(
@@ -98,9 +98,11 @@ def stepped(
     unchecked: Static = UNCHECKED,
     wanted: Bool[Array, ""] | bool = True,
 ) -> Result:
-    """What time stepping finds of a run. Where its numbers are ``unchecked``, one out of range makes it fail, and so
-    does not being ``wanted``: it then takes no step."""
+    """What time stepping finds of a run.
+
+    ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails without a step.
+    """
     mechanism = mechanism_of(parameters[0])
     allowed = wanted & allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
-    options = in_force(parameters, tolerances, options)
+    options = with_tolerances(options, parameters, tolerances)
     return solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)

@@ -8,7 +8,7 @@ from ..errors import InputError
 from ..mechanisms.run import Run
 
 TENTH = 0.1
-SAFETY = 3.0  # an error is estimated as so many times the change: with 2, none of 1000 wide designs was silently wrong
+SAFETY = 3.0  # an error is estimated as so many times the change; benchmarks/trust.py holds that against tight runs
 DOUBTFUL = 1e-4  # relative
 HOPELESS = 1e-2  # from here on a run is ill-conditioned even if nothing else changes
 SMALL = 1e-3  # of the largest quantity of the same unit: errors of smaller ones are relative to this
@@ -36,8 +36,8 @@ class Trust:
 
     @property
     def worst(self) -> tuple[str, float]:
-        """The quantity known least, and its error."""
-        return max(self.errors.items(), key=lambda item: item[1])
+        """The quantity known least, and its error; ("", 0) where a mechanism has no quantities."""
+        return max(self.errors.items(), key=lambda item: item[1], default=("", 0.0))
 
     @property
     def verdict(self) -> str:
@@ -54,11 +54,11 @@ class Trust:
         if self.verdict == "trusted":
             return f"a tenth of the tolerance changes no number by more than {error:.0e} of it ({name})"
         doubtful = sorted((item for item in self.errors.items() if item[1] > DOUBTFUL), key=lambda item: -item[1])
-        known = ", ".join(f"{name} by {error:.0e}" for name, error in doubtful)
+        known = ", ".join(f"{name} (by {error:.0e})" for name, error in doubtful)
         if self.verdict == "check":
             return f"some numbers may be off by more than {DOUBTFUL:.0e} of them: {known}"
         why = f"at a tenth of the tolerance {self.differs}" if self.differs else "little decides what happens"
-        return f"ill-conditioned: {why}; no number is sure" + (f", and these change: {known}" if known else "")
+        return f"ill-conditioned: {why}; no number is sure" + (f", least of all {known}" if known else "")
 
 
 def trust(run: Run, closer: Run) -> Trust:
@@ -83,15 +83,25 @@ def trust(run: Run, closer: Run) -> Trust:
         )
     if run.outcome.failed:
         raise InputError(f"this run says nothing: {run.outcome.reason}")
-    units = {name: mechanism.quantities[name].unit for name in mechanism.swept}
-    values, others = ({name: float(mechanism.quantities[name].of(it)) for name in units} for it in (run, closer))
-    largest = {unit: max(abs(values[name]) for name in units if units[name] == unit) for unit in units.values()}
-    errors = {}
-    for name, value in values.items():
-        size = max(abs(value), SMALL * largest[units[name]])
-        change = SAFETY * abs(value - others[name])
-        errors[name] = change / size if size > 0.0 else float(np.sign(change))
-    return Trust(errors, _differs(run, closer))
+    return Trust({name: SAFETY * change for name, change in changes(run, closer).items()}, _differs(run, closer))
+
+
+def changes(run: Run, other: Run) -> dict[str, float]:
+    """By how much each quantity of a run differs in another one [-], relative as `Trust.errors` are; infinite where only
+    one of the runs has it."""
+    catalogue = run.mechanism.quantities
+    pairs = {name: [float(catalogue[name].of(it)) for it in (run, other)] for name in run.mechanism.swept}
+    largest: dict[str, float] = {}
+    for name, (value, _) in pairs.items():
+        unit = catalogue[name].unit
+        largest[unit] = max(largest.get(unit, 0.0), np.nan_to_num(abs(value)))
+    found = {}
+    for name, (value, there) in pairs.items():
+        size = max(abs(value), SMALL * largest[catalogue[name].unit])
+        same = value == there or np.isnan([value, there]).all()
+        change = abs(value - there) / size if size > 0.0 else np.inf
+        found[name] = 0.0 if same else np.inf if np.isnan(change) else float(change)
+    return found
 
 
 def _differs(run: Run, closer: Run) -> str:

@@ -17,7 +17,7 @@ from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.read_off import run_of
-from ..run.request import DEFAULT_TOLERANCE, Request, allowed_of, in_force, request
+from ..run.request import DEFAULT_TOLERANCE, Request, allowed_of, request, with_tolerances
 
 
 class Gradients(eqx.Module):
@@ -76,7 +76,7 @@ def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, 
     parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)
     mechanism = mechanism_of(inputs[0])
     allowed = allowed_of(mechanism, parameters, duration, tolerances)
-    options = in_force(parameters, tolerances, options)
+    options = with_tolerances(options, parameters, tolerances)
 
     def assembled(values: list[Array], inputs: Inputs) -> HybridSystem:
         return mechanism.system(*_moved(inputs, values, asked, solver)[0])
@@ -84,7 +84,7 @@ def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, 
     return solve_with_tangents(assembled, separate, inputs, duration, options, allowed)
 
 
-@after(_stepped)
+@after(_stepped, seconds=20.0)
 def _gradients(
     inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result
 ) -> Gradients:

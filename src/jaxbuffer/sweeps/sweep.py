@@ -157,30 +157,30 @@ def sweep(
 
 
 class _Part(NamedTuple):
-    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, and how
-    many of them a call solves."""
+    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, how many
+    of them a call solves, and how many its program has room for."""
 
     structure: Any
     arrays: list[np.ndarray]
     places: np.ndarray
     chunk: int
+    room: int
 
-    def call(self, first: int, size: int) -> tuple[Any, np.ndarray]:
-        """The runs from ``first`` on as arrays (size,), and which of them are wanted: filled up, a call with few runs
+    def call(self, first: int) -> tuple[Any, np.ndarray]:
+        """The runs from ``first`` on as arrays (room,), and which of them are wanted: filled up, a call with few runs
         needs no program of its own."""
-        wanted = np.arange(size) < min(self.chunk, self.places.size - first)
-        batch = [np.broadcast_to(x, self.places.shape).take(first + np.arange(size), mode="clip") for x in self.arrays]
+        room = np.arange(self.room)
+        wanted = room < min(self.chunk, self.places.size - first)
+        batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
         return jax.tree.unflatten(self.structure, batch), wanted
 
 
 def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
     """All runs of all batches."""
     on_cpu = jax.default_backend() == "cpu"
-    size, workers = (
-        CHUNK if on_cpu else 4096,
-        (cores() if on_cpu else 1) if storing.workers is None else storing.workers,
-    )
-    parts = [_part(batch, duration, size, workers) for batch in batches]
+    most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
+    workers = workers if storing.workers is None else storing.workers
+    parts = [_part(batch, duration, most, workers, on_cpu) for batch in batches]
     count, alone = sum(part.places.size for part in parts), batches[0] if len(batches) == 1 else None
     result = Sweep.empty(mechanism_of(batches[0].design), count, *(alone[1:] if alone else (None, None)))
     finished = np.zeros(count, bool)
@@ -189,7 +189,7 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
 
     def solve(item: tuple[_Part, int]) -> None:
         part, first = item
-        found = _chunk(*part.call(first, size), *settings)
+        found = _chunk(*part.call(first), *settings)
         its_own = part.places[first : first + part.chunk]
         for mine, values in zip(columns, found, strict=True):
             mine[its_own] = np.asarray(values)[: its_own.size]
@@ -219,12 +219,15 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
     return result
 
 
-def _part(batch: Batch, duration: Any, size: int, workers: int) -> _Part:
+def _part(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> _Part:
+    """``most``: runs of a call; ``filled``: whether each call has room for so many. On an accelerator, whose calls are
+    large, runs that are not wanted would take memory."""
     leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
     arrays = [np.asarray(leaf, float) for leaf in leaves]
     count = _common_length(structure, arrays)
     places = np.arange(count) if batch.places is None else batch.places
-    return _Part(structure, arrays, places, min(size, -(-count // workers)))
+    chunk = min(most, -(-count // workers))
+    return _Part(structure, arrays, places, chunk, most if filled else chunk)
 
 
 def _store(
@@ -274,13 +277,8 @@ def _chunk(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: 
     def numbers(chunk: Chunk, result: Result) -> tuple:
         parameters, duration, _, options = _request(chunk, rtol, stabilisation, solver)
         run = run_of(parameters, duration, options, result)
-        return (
-            run.code,
-            *(catalogue[name].of(run) for name in swept),
-            run.peak_contact,
-            run.impact_count,
-            run.attempts,
-        )
+        own = (catalogue[name].of(run) for name in swept)
+        return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
 
     return jax.vmap(numbers)(chunk, result)
 
