@@ -87,8 +87,10 @@ def trust(run: Run, closer: Run) -> Trust:
 
 
 def changes(run: Run, other: Run) -> dict[str, float]:
-    """By how much each quantity of a run differs in another one [-], relative as `Trust.errors` are; infinite where only
-    one of the runs has it."""
+    """By how much each quantity of a run differs in another run [-], relative as `Trust.errors` are.
+
+    It is infinite where only one of the runs has the quantity.
+    """
     catalogue = run.mechanism.quantities
     pairs = {name: [float(catalogue[name].of(it)) for it in (run, other)] for name in run.mechanism.swept}
     largest: dict[str, float] = {}
