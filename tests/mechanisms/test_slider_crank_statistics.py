@@ -26,8 +26,9 @@ def test_statistics_are_those_of_the_history(run):
     touches = np.asarray(run.impacts.time)[: int(run.impacts.count)]
     peaks = np.array([np.max(part) for part in np.split(force, np.searchsorted(time, touches))[1:]])
     begins = np.floor(touches / TURN)
-    largest = [np.max(peaks[begins == k]) for k in range(1, 8)]
-    np.testing.assert_allclose(found.largest_force.by_turn, largest, rtol=2e-3)
+    turns = [peaks[begins == k] for k in range(1, 8)]
+    largest = [np.max(turn) if turn.size else np.nan for turn in turns]  # one long impact may fill a turn
+    np.testing.assert_allclose(found.largest_force.by_turn, largest, rtol=2e-3, equal_nan=True)
     counted = np.histogram(touches, TURN * np.arange(9))[0]
     assert list(found.impacts.by_turn) == list(counted[1:])
     hits = np.stack([np.asarray(x)[: int(run.impacts.count)] for x in (run.impacts.time, run.impacts.release_time)])

@@ -103,12 +103,16 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
 
 
 def _maxima(before: Guards, after: Guards, step: Array, largest: Array) -> Float[Array, " observables"]:
-    """The fraction of the step at which each observable has a maximum that matters; infinite if it has none."""
+    """The fraction of the step at which each observable has a maximum that matters; infinite if it has none.
+
+    Of one that is at the step's start but for rounding, the fraction is `ROUNDED`: from a shorter step nothing could be
+    seen of how the rate changes.
+    """
     rise, fall = before.value_rate * step, after.value_rate * step
     peak = _stationary(before.value, after.value, rise, fall)
     height = _hermite(before.value, after.value, rise, fall, peak)
     matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) > NEARLY * largest)
-    return jnp.where(matters, peak, jnp.inf)
+    return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf)
 
 
 def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import jax
 import numpy as np
 from jaxtyping import Float
+from scipy.interpolate import CubicHermiteSpline
 
 from ...errors import InputError
 from ...hybrid import Kind
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 LEAST_TURNS = 4
 LEAST_BLOCKS = 8
+POINTS_BETWEEN = 16  # two events of the log, at which the crank's angle is taken from a cubic
 
 
 class Mean(NamedTuple):
@@ -85,13 +87,17 @@ def overflown(run: "Run") -> bool:
 
 
 def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
-    """When each turn begins, and the last whole one ends [s]: the crank's angle between the log's events."""
-    log = run._located
+    """When each turn begins, and the last whole one ends [s]: the crank's angle between the log's events, by cubics
+    through its values and speeds there."""
+    log, scenario = run._located, run.scenario
     count = min(int(log.count), log.room)
-    time = np.append(0.0, np.asarray(log.time)[:count])
-    begin = float(np.asarray(run.scenario.crank_angle))
-    turned = np.abs(np.append(begin, np.asarray(log.rows)[:count, 0, 2]) - begin) / (2.0 * np.pi)
-    return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, time)
+    time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
+    angle = np.append(float(np.asarray(scenario.crank_angle)), np.asarray(log.rows)[:count, 0, 2])[first]
+    speed = np.append(float(np.asarray(scenario.crank_speed)), np.asarray(log.rates)[:count, 0, 2])[first]
+    between = np.linspace(0.0, 1.0, POINTS_BETWEEN, endpoint=False)
+    times = np.append((time[:-1, None] + np.diff(time)[:, None] * between).ravel(), time[-1])
+    turned = np.abs(CubicHermiteSpline(time, angle - angle[0], speed)(times)) / (2.0 * np.pi)
+    return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
 
 
 def contact_shares(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
