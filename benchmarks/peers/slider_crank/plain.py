@@ -132,7 +132,7 @@ class Mechanism:
         return np.concatenate([v, solution[:5]]), torque if p.torque_driven else -solution[5]
 
 
-def simulate(numbers: SliderCrank, duration: float, rtol: float = 1e-12) -> list[Impact]:
+def simulate(numbers: SliderCrank, duration: float, rtol: float = 1e-13) -> list[Impact]:
     """All impacts of a run of ``duration`` [s]."""
     mechanism = Mechanism(numbers)
     y, t = mechanism.start(), 0.0
