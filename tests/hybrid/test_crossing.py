@@ -176,3 +176,12 @@ def test_a_maximum_at_the_very_end_is_found_there(peak, below, share, rate):
     found = searched(before, after, largest=jnp.zeros(1))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), STEP, rtol=1e-5)
+
+
+def test_a_maximum_at_the_start_but_for_rounding():
+    """Its rate is 4e-23 there: looked for in a step from whose end a change of that rate can be seen."""
+    bend = -500.0
+    before, after = seen(observed=[(1.0, 4e-23)]), seen(observed=[(1.0 + 0.5 * bend * STEP**2, bend * STEP)])
+    found = searched(before, after, largest=jnp.ones(1))
+    assert int(found.guard) == 0
+    assert 1e-7 * STEP < float(found.at) < 1e-5 * STEP

@@ -49,7 +49,7 @@ def test_a_motor_turns_are_counted_by_its_angle():
     angle, time = np.asarray(run.history.position)[:, 0, 2], np.asarray(run.history.time)
     starts = turn_starts(run)
     assert len(starts) == int(angle[-1] / (2.0 * np.pi)) + 1 > 5
-    np.testing.assert_allclose(np.interp(starts, time, angle), 2.0 * np.pi * np.arange(len(starts)), atol=0.05)
+    np.testing.assert_allclose(np.interp(starts, time, angle), 2.0 * np.pi * np.arange(len(starts)), atol=5e-3)
 
 
 def test_standard_errors_of_independent_and_of_alike_values():

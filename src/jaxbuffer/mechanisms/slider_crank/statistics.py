@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 LEAST_TURNS = 4
 LEAST_BLOCKS = 8
-POINTS_BETWEEN = 16  # two events of the log, at which the crank's angle is taken from a cubic
+POINTS_BETWEEN = 16  # times between two events at which the crank's angle is evaluated
 
 
 class Mean(NamedTuple):
@@ -87,8 +87,8 @@ def overflown(run: "Run") -> bool:
 
 
 def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
-    """When each turn begins, and the last whole one ends [s]: the crank's angle between the log's events, by cubics
-    through its values and speeds there."""
+    """When each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is the
+    cubic through its values and speeds at both."""
     log, scenario = run._located, run.scenario
     count = min(int(log.count), log.room)
     time, first = np.unique(np.append(0.0, np.asarray(log.time)[:count]), return_index=True)
