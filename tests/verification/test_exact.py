@@ -14,8 +14,8 @@ from verification.exact_model import ExactModel
 
 pytestmark = pytest.mark.slow
 
-# Both tips of Table 2, and captures whose hinge swings fast; the tolerance SciPy can afford. At 1e-10 its peak of Table 2
-# is off by 1.3e-7 on some processors; at five others from 1e-9 to 3e-12 by less than 4e-9.
+# Both tips of Table 2, and captures whose hinge swings fast; the tolerance SciPy can afford. At 1e-10 its peak of
+# Table 2 is off by 1.3e-7 on some processors; at five others from 1e-9 to 3e-12 by less than 4e-9.
 TOLERANCES = {"table2": 1e-11, "table2-rolling": 1e-9, "random-1-6": 1e-10, "random-1-10": 1e-10, "random-1-13": 1e-10}
 each_case = pytest.mark.parametrize("name", TOLERANCES)
 
