@@ -21,7 +21,7 @@ def seen(contacts=(), ends=(), observed=()):
 
 
 def searched(before, after, active=NONE, largest=NONE, ignored=-1, maxima=True, step=STEP):
-    given = jnp.asarray(step), active, largest, jnp.asarray(ignored), jnp.asarray(maxima)
+    given = jnp.asarray(step), active, largest, jnp.asarray(ignored), jnp.full(before.value.shape, maxima)
     return first_crossing(before, after, *given)
 
 
@@ -47,6 +47,14 @@ def test_a_release_is_not_a_touchdown(left):
 def test_a_step_too_short_to_leave_by_is_no_touchdown():
     """Left below the surface by more than the next short step rises: still on its way out at the end of it."""
     assert int(searched(thrown(-1e-12, 0.0), thrown(-1e-12, 5e-12), OPEN, step=5e-12).guard) == -1
+
+
+def test_a_contact_that_came_back_and_leaves_again_has_touched():
+    """Left a little below the surface; at the step's end deeper below it, after a flight, and on its way out."""
+    before, after = thrown(-1e-12, 0.0), seen(contacts=[(-2e-8, 1e-3, 20.0)])
+    found = searched(before, after, OPEN)
+    assert int(found.guard) == 0
+    assert 0.0 < float(found.at) < STEP
 
 
 @pytest.mark.parametrize("left", [0.0, -1e-15])

@@ -16,11 +16,11 @@ def thrown(gap, time):
     return guards(contact=(gap + SPEED * time - 0.5 * FALL * time**2, SPEED - FALL * time, -FALL))
 
 
-@pytest.mark.parametrize("time", [0.0, 1e-4, 3e-4])
-def test_a_touchdown_is_predicted(time):
-    """Of a parabola exactly, on its way up and on its way down."""
-    predicted = next_touchdown(thrown(1e-6, time), OPEN)
-    np.testing.assert_allclose(time + predicted, (SPEED + np.sqrt(SPEED**2 + 2.0 * FALL * 1e-6)) / FALL, rtol=1e-12)
+@pytest.mark.parametrize(("gap", "time"), [(1e-6, 0.0), (1e-6, 1e-4), (1e-6, 3e-4), (0.0, 0.0), (-1e-6, 0.0)])
+def test_a_touchdown_is_predicted(gap, time):
+    """Of a parabola exactly, on its way up and on its way down; from a release that ended short of zero too."""
+    predicted = next_touchdown(thrown(gap, time), OPEN)
+    np.testing.assert_allclose(time + predicted, (SPEED + np.sqrt(SPEED**2 + 2.0 * FALL * gap)) / FALL, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

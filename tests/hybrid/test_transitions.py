@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from hybrid.ball import CONTACT, DURATION, END, IMPACT_STEP, JUMP, LENGTH, PEAK, guards, running, task, trial
+from hybrid.ball import CONTACT, DURATION, END, IMPACT_STEP, JUMP, LENGTH, PEAK, RATE_PEAK, guards, running, task, trial
 from jaxbuffer.hybrid import Kind, Status
 from jaxbuffer.hybrid.events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket
 from jaxbuffer.hybrid.loop import loop
@@ -254,6 +254,14 @@ def test_a_derivative_that_jumps_is_evaluated_anew():
     np.testing.assert_array_equal(after.log.values[0], [0.0, -10.0])
 
 
+def test_a_touchdown_that_could_not_be_brought_to_the_surface():
+    """Given up beyond it after many tries: the force acts at once, so the derivative is evaluated anew."""
+    state = located(STATE_ALONE, Phase.LOCATE, tries=jnp.asarray(MAX_TRIES))
+    outcome, after = iterated(STATE_ALONE, state, trial(STATE_ALONE, guards(contact=(-1e-4, 1e-6, 0.0))))
+    assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, Phase.REEVALUATE)
+    np.testing.assert_array_equal(after.active, [1.0])
+
+
 def test_a_near_release_is_located_at_once():
     """Predicted in 1e-5 s, shorter than a first step of an impact: it is bracketed up to four times that."""
     at = guards(contact=(-1e-5, 1.0, 0.0))
@@ -293,6 +301,27 @@ def test_a_maximum_that_a_run_goes_on_from_is_not_found_again():
     falling = trial(case, FALLEN)
     assert iterated(case, after, falling)[0] is Outcome.ACCEPT
     assert iterated(case, after._replace(located=jnp.zeros(2, bool)), falling)[0] is Outcome.LOOK_BACK
+
+
+@pytest.mark.parametrize("rate", [1e-9, 50.0])
+def test_a_maximum_that_leads_nowhere_is_not_looked_for_again(rate):
+    """Located, or given up after its tries, hardly beyond the start: the next step is not searched for it, though it
+    rises in between, and neither is the one after a second maximum there; a step that gets away ends that."""
+    case, near = STATE_ALONE, 1e-9
+    tries = jnp.asarray(MAX_TRIES_MAXIMUM)
+    state = running(case, Phase.LOCATE, RISING, closed=True, bracket=TOWARD_MAXIMUM._replace(tries=tries))
+    _, after = iterated(case, state, trial(case, pressed(1.05, rate), length=near))
+    np.testing.assert_array_equal(after.given_up, [True, False])
+    higher = trial(case, pressed(1.2, -1.0))
+    outcome, away = iterated(case, after, higher)
+    assert outcome is Outcome.ACCEPT
+    assert not np.any(away.given_up)
+    assert iterated(case, after._replace(given_up=jnp.zeros(2, bool)), higher)[0] is Outcome.LOOK_BACK
+    other = after._replace(
+        phase=jnp.asarray(int(Phase.LOCATE)), bracket=TOWARD_MAXIMUM._replace(guard=jnp.asarray(RATE_PEAK), tries=tries)
+    )
+    _, both = iterated(case, other, trial(case, pressed(1.05, rate), length=near))
+    np.testing.assert_array_equal(both.given_up, [True, True])
 
 
 def test_a_maximum_that_is_not_there_is_not_recorded():

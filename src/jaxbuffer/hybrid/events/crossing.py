@@ -41,13 +41,13 @@ def first_crossing(
     active: Float[Array, " contacts"],
     largest: Float[Array, " observables"],
     ignored: Int[Array, ""],
-    maxima: Bool[Array, ""],
+    maxima: Bool[Array, " observables"],
 ) -> Crossing:
     """The earliest event in a step; most steps hold none, and are not searched.
 
     **Arguments:** guards ``before`` and ``after`` the ``step`` [s]; ``active``: which contacts are closed;
     ``largest``: each observable's largest value so far: only maxima that (nearly) exceed it matter; ``ignored``: a
-    guard left out (-1: none); ``maxima``: whether to look for maxima at all.
+    guard left out (-1: none); ``maxima``: the observables whose maxima to look for.
     """
     start, end = signed(before, active), signed(after, active)
     crossing = slice(0, before.gap.shape[0] + before.terminal.shape[0])
@@ -79,7 +79,8 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     (infinite if it does not), and a fraction at which it is above zero.
 
     Three cases take care. A guard left at zero or a little above it by the step that ended on its last event, and on
-    its way back down, has not crossed, though a short step may end before it is below zero. One that is above zero at
+    its way back down, has not crossed, though a short step may end before it is below zero; one that is higher at the
+    step's end has been below zero and has come back. One that is above zero at
     the start and stays there has crossed already (it was missed by the tolerance of an earlier location): an open
     contact then closes at once. And a contact may touch and leave, or leave and touch, within one step: its guard is
     negative at both ends and has a maximum above zero inside.
@@ -88,7 +89,7 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     these = slice(0, contacts + terminals)
     start, end = (SignedGuards(*(part[these] for part in signed(guards, active))) for guards in (before, after))
     leaving = (start.value >= 0.0) & (start.rate < 0.0)
-    still_leaving = leaving & (end.rate < 0.0)
+    still_leaving = leaving & (end.rate < 0.0) & (end.value <= start.value)
     start = start._replace(value=jnp.where(leaving, NOT_YET, start.value))
     z0, z1, m0, m1 = start.value, end.value, start.rate * step, end.rate * step
     maximum = _stationary(z0, z1, m0, m1)

@@ -25,10 +25,11 @@ def next_release(guards: Guards, active: Float[Array, " contacts"]) -> tuple[Int
 
 
 def _time_to_zero(distance: Array, rate: Array, acceleration: Array) -> Float[Array, " contacts"]:
-    """Time until the parabola through a positive distance reaches zero [s]; infinite if it does not."""
+    """Time until the parabola through a distance reaches zero from above [s]; infinite if it does not. A distance that
+    grows from a little below zero, as the gap does from a release, reaches it when it comes back."""
     discriminant = rate * rate - 2.0 * acceleration * distance
     root = jnp.sqrt(jnp.maximum(discriminant, 0.0))
     approaching = 2.0 * distance / jnp.maximum(root - rate, 1e-300)
     turning_back = (rate + root) / jnp.where(acceleration < 0.0, -acceleration, 1.0)
     time = jnp.where(rate < 0.0, approaching, jnp.where(acceleration < 0.0, turning_back, jnp.inf))
-    return jnp.where((discriminant > 0.0) & (distance > 0.0), time, jnp.inf)
+    return jnp.where((discriminant > 0.0) & ((distance > 0.0) | (rate > 0.0)), time, jnp.inf)

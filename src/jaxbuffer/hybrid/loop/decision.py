@@ -45,8 +45,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     options, bracket = task.options, state.bracket
     before = state.point.guards.falling(state.located)
     guards = signed(trial.guards, state.active)
-    maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM)
     largest = jnp.maximum(state.largest, task.system.negligible())
+    maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
     crossing = first_crossing(before, trial.guards, trial.length, state.active, largest, bracket.guard, maxima)
     refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)

@@ -69,7 +69,7 @@ def _iterate(task: Task[P], state: LoopState) -> LoopState:
     event = event_at_end(task, state, trial, decision)
     log = logged(task, state, trial, decision, event)
     step_sizes = next_step_sizes(task, state, trial, decision, event)
-    point, step_end, largest, located = advance(task, state, trial, decision, event)
+    point, step_end, largest, located, given_up = advance(task, state, trial, decision, event)
     phase, bracket = next_phase(task, state, decision, event, point, step_sizes)
     return LoopState(
         point=point,
@@ -79,6 +79,7 @@ def _iterate(task: Task[P], state: LoopState) -> LoopState:
         step_end=step_end,
         largest=largest,
         located=located,
+        given_up=given_up,
         step_sizes=step_sizes,
         step_sizes_before_contact=where(event.touchdown, state.step_sizes, state.step_sizes_before_contact),
         last_touchdown=jnp.where(event.touchdown, event.time + event.offset, state.last_touchdown),

@@ -54,10 +54,12 @@ class LoopState(NamedTuple):
     bracket: Bracket
     step_end: Point
 
-    # Of each observable: the largest value so far, in the present impact if it is a contact's force; and whether its
-    # maximum has just been located at `point`, so that it counts as falling whatever the sign of its rate.
+    # Of each observable: the largest value so far, in the present impact if it is a contact's force; whether its
+    # maximum has just been located at `point`, so that it counts as falling whatever the sign of its rate; and whether
+    # the search for it led nowhere from there, so that the next step is not searched for one.
     largest: Float[Array, " observables"]
     located: Bool[Array, " observables"]
+    given_up: Bool[Array, " observables"]
 
     # The controller's state, also as it was before the last touchdown; the time of that [s]; how long a step may be
     # that starts on it, or ends on the release after it [s].
@@ -121,6 +123,7 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
         step_end=point,
         largest=guards.value,
         located=jnp.zeros(task.observables, bool),
+        given_up=jnp.zeros(task.observables, bool),
         step_sizes=step_sizes,
         step_sizes_before_contact=step_sizes,
         last_touchdown=zero,

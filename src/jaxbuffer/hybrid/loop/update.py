@@ -18,6 +18,7 @@ from .trial import Trial
 
 P = TypeVar("P")
 SHORTEST = 1e-14  # s: a step that would have to be shorter ends the run
+HARDLY = 1e-3  # of a step as accuracy allows: a shorter one, onto a maximum, is no progress
 
 
 class Advance(NamedTuple):
@@ -27,6 +28,7 @@ class Advance(NamedTuple):
     step_end: Point
     largest: Float[Array, " observables"]
     located: Bool[Array, " observables"]
+    given_up: Bool[Array, " observables"]
 
 
 def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event) -> Advance:
@@ -34,8 +36,9 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     back at.
 
     A maximum located here, or one of the state's rate that was given up as noise, must not be found again: it is marked
-    as ``located``. The largest force of a contact is that of its present impact, so that every impact's peak is
-    located.
+    as ``located``. Those whose search led hardly further are not looked for at all in the next step: what rounding
+    makes of a force that is zero has maxima everywhere, and the run would never get away from them. The largest force
+    of a contact is that of its present impact, so that every impact's peak is located.
     """
     accepted, mine = decision.accepted, task.observable_of(state.bracket.guard)
     reached = Point(event.time, event.rows, trial.step.rate, trial.guards)
@@ -43,12 +46,16 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     largest = jnp.maximum(state.largest, trial.guards.value)
     largest = jnp.where(event.touchdown & (task.each_observable == event.guard), 0.0, largest)
     largest = jnp.where(returns, jnp.maximum(largest, state.step_end.guards.value), largest)
-    located = state.locating & mine & (decision.refinement.occurred | task.of_rate) & ~returns
+    sought = state.locating & mine & ~returns
+    located = sought & (decision.refinement.occurred | task.of_rate)
+    stays = ~returns & (trial.length <= HARDLY * jnp.min(state.step_sizes.steps))
+    given_up = (sought | state.given_up) & stays
     return Advance(
         point=where(returns, state.step_end, where(accepted, reached, state.point)),
         step_end=where(decision.outcome == Outcome.LOOK_BACK, reached, state.step_end),
         largest=jnp.where(accepted, largest, state.largest),
         located=jnp.where(accepted, located, state.located),
+        given_up=jnp.where(accepted, given_up, state.given_up),
     )
 
 
@@ -82,11 +89,13 @@ def next_phase(
     """What the next trial step is for, and the bracket of the event to locate.
 
     The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated anew after
-    a touchdown at which it jumps, and, with tangents, after a release: the force's derivative goes with the root of the
-    gap there, and what rounding leaves of that gap would spoil it. And a release so near that no other step can be
+    a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and, with tangents, after a
+    release: the force's derivative goes with the root of the gap there, and what rounding leaves of that gap would
+    spoil it. And a release so near that no other step can be
     accurate is located at once, without a longer step that finds it first.
     """
-    reevaluate = event.touchdown & task.system.jumps | event.release & bool(task.tangents.count)
+    jumps = task.system.jumps | ~decision.refinement.converged
+    reevaluate = event.touchdown & jumps | event.release & bool(task.tangents.count)
     contact, release = next_release(point.guards, event.active)
     near = release <= jnp.minimum(event.contact_step, step_sizes.steps[0])
     near = decision.accepted & ~event.of_contact & near
