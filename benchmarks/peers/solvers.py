@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, Radau
 
-from . import scipy_peers, sundials
+from . import compiled, scipy_peers, sundials
 from .course import PeerCapture
 from .parameters import Parameters, Vector
 from .start import STATES
@@ -18,6 +18,8 @@ __all__ = ["ABSOLUTE", "PEERS", "PeerCapture", "solve", "tolerances"]
 
 PEERS: Mapping[str, Callable[..., PeerCapture]] = MappingProxyType(
     {
+        "compiled DOP853": compiled.dop853,
+        "compiled RODAS": compiled.rodas4,
         "SciPy DOP853": partial(scipy_peers.capture, DOP853),
         "SciPy LSODA": partial(scipy_peers.capture, LSODA, implicit=True),
         "SciPy Radau": partial(scipy_peers.capture, Radau, implicit=True),

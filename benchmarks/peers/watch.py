@@ -75,22 +75,27 @@ def forces(y: Vector, context: Vector) -> tuple[float, float]:
 
 
 @njit
-def watch(y: Vector, values: Vector, context: Vector) -> None:
-    """Write the six watched numbers into ``values``."""
+def distances_into(y: Vector, values: Vector, context: Vector) -> None:
+    """Write the first four watched numbers into ``values``, and 1 for the others."""
     p = context[0:30]
-    gap_0, gap_1, rate_0, rate_1, x = both_gaps(y, p)
-    pressing_0 = context[30] != 0.0
-    pressing_1 = context[31] != 0.0
-    values[0] = -gap_0 if pressing_0 else gap_0
-    values[1] = -gap_1 if pressing_1 else gap_1
+    gap_0, gap_1, _, _, x = both_gaps(y, p)
+    values[0] = -gap_0 if context[30] != 0.0 else gap_0
+    values[1] = -gap_1 if context[31] != 0.0 else gap_1
     values[2] = -p[at.CONE_OFFSET] - p[at.RADIUS] * p[at.SINE] - x
     values[3] = x + p[at.CONE_OFFSET] + 2.0 * p[at.CONE_LENGTH]
     values[4] = 1.0
     values[5] = 1.0
+
+
+@njit
+def watch_along(y: Vector, flow: Vector, values: Vector, context: Vector) -> None:
+    """Write the six watched numbers into ``values``, given dy/dt, the ``flow`` (25,)."""
+    distances_into(y, values, context)
+    pressing_0 = context[30] != 0.0
+    pressing_1 = context[31] != 0.0
     if not (pressing_0 or pressing_1):
         return
-    flow = np.empty(STATES)
-    slope_into(y, flow, context)
+    gap_0, gap_1, rate_0, rate_1, _ = both_gaps(y, context[0:30])
     later_0, later_1 = forces(y + FLOW_STEP * flow, context)
     sooner_0, sooner_1 = forces(y - FLOW_STEP * flow, context)
     # With no penetration there is no force to difference: it is about to rise where the gap closes.
@@ -98,6 +103,15 @@ def watch(y: Vector, values: Vector, context: Vector) -> None:
         values[4] = (later_0 - sooner_0) / (2.0 * FLOW_STEP) if gap_0 < 0.0 else -rate_0
     if pressing_1:
         values[5] = (later_1 - sooner_1) / (2.0 * FLOW_STEP) if gap_1 < 0.0 else -rate_1
+
+
+@njit
+def watch(y: Vector, values: Vector, context: Vector) -> None:
+    """Write the six watched numbers into ``values``."""
+    flow = np.empty(STATES)
+    if context[30] != 0.0 or context[31] != 0.0:
+        slope_into(y, flow, context)
+    watch_along(y, flow, values, context)
 
 
 @njit
