@@ -10,13 +10,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from . import parameters as at
 from .forces import load
-from .parameters import Matrix, Vector
-from .start import STATES
+from .parameters import Vector
 
 
 @njit(inline="always")
@@ -160,25 +158,3 @@ def rhs_into(y: Vector, out: Vector, p: Vector, active: Vector, memory: Vector, 
     reactions[1] = r2
     reactions[2] = r3
     reactions[3] = r4
-
-
-@njit
-def jacobian_into(y: Vector, matrix: Matrix, p: Vector, active: Vector, memory: Vector) -> None:
-    """Write d(dy/dt)/dy (25, 25) into ``matrix``.
-
-    By forward differences, compiled: those the implicit peers would take by themselves call back to Python.
-    """
-    base = np.empty(STATES)
-    moved = np.empty(STATES)
-    reactions = np.empty(4)
-    rhs_into(y, base, p, active, memory, reactions)
-    point = y.copy()
-    for column in range(STATES):
-        # A contact answers within 1e-5 m, so a step scaled by |y| alone would leap over it.
-        step = 1e-9 * max(1.0, abs(y[column])) if column < 12 else 1e-7
-        point[column] = y[column] + step
-        step = point[column] - y[column]
-        rhs_into(point, moved, p, active, memory, reactions)
-        point[column] = y[column]
-        for row in range(STATES):
-            matrix[row, column] = (moved[row] - base[row]) / step

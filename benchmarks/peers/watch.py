@@ -17,7 +17,8 @@ from numba import njit
 
 from . import parameters as at
 from .contact import both_forces, both_gaps
-from .model import jacobian_into, rhs_into
+from .jacobian import jacobian_into
+from .model import rhs_into
 from .parameters import Matrix, Parameters, Vector, vector
 from .start import STATES, start
 
@@ -57,7 +58,7 @@ def slope(y: Vector, context: Vector) -> Vector:
 @njit
 def slope_jacobian_into(y: Vector, matrix: Matrix, context: Vector) -> None:
     """Write d(dy/dt)/dy (25, 25) into ``matrix``."""
-    jacobian_into(y, matrix, context[0:30], context[30:32], context[32:34])
+    jacobian_into(y, matrix, context[0:30], context[30:32], context[32:34], np.empty(STATES), np.empty(4))
 
 
 @njit
