@@ -71,20 +71,15 @@ def buffer_columns(matrix, y, p, cos_B, sin_B, cos_P, sin_P) -> None:
 
 
 @njit(inline="always", fastmath=FAST)
-def flank_slope(flank, motion, seed, memory, p):
-    """Changes (4) of force, moment about the tip and about T, all in T's frame, with a change ``seed`` (6) of motion.
+def gap_slope(sigma, motion, seed, p):
+    """Distance, normal (2), foot (2), gap rate and slip of a flank, and the change of each with a ``seed`` of motion.
 
-    ``motion`` is tip centre (2) and velocity (2) in T's frame, the spin of the tip and of T.
+    ``motion`` (6) is tip centre (2) and velocity (2) in T's frame, the spin of the tip and of T; ``seed`` its change.
     """
     x, z, u, v, spin, turn = motion
     ax, az, au, av, a_spin, a_turn = seed
-    sigma = 1.0 - 2.0 * flank
     distance, nx, ny, fx, fy = foot_of(sigma, x, z, p)
-    depth = p[at.RADIUS] - distance
     rate, slip = speeds(sigma, distance, nx, ny, fx, fy, u, v, spin, turn)
-    damped = 1.0 - p[at.HYSTERESIS] * rate / memory
-    if depth <= 0.0 or damped <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0
     tx = p[at.COSINE]
     ty = sigma * p[at.SINE]
     slant = -((x + p[at.CONE_OFFSET]) * tx + (z + sigma * p[at.THROAT_RADIUS]) * ty)
@@ -101,9 +96,29 @@ def flank_slope(flank, motion, seed, memory, p):
     a_rv = av - a_spin * distance * nx - spin * (a_distance * nx + distance * a_nx) - a_turn * fx - turn * a_fx
     a_rate = a_ru * nx + ru * a_nx + a_rv * ny + rv * a_ny
     a_slip = sigma * (a_ru * ny + ru * a_ny - a_rv * nx - rv * a_nx)
+    return (distance, nx, ny, fx, fy, rate, slip), (a_distance, a_nx, a_ny, a_fx, a_fy, a_rate, a_slip)
+
+
+@njit(inline="always", fastmath=FAST)
+def normal_slope(depth, rate, a_depth, a_rate, memory, p):
+    """Normal force [N] at a ``depth`` [m] above zero, and its change with those of depth and gap rate."""
+    damped = 1.0 - p[at.HYSTERESIS] * rate / memory
+    if damped <= 0.0:
+        return 0.0, 0.0
     root = p[at.STIFFNESS] * math.sqrt(depth)
-    normal = root * depth * damped
-    a_normal = -1.5 * root * damped * a_distance - root * depth * p[at.HYSTERESIS] / memory * a_rate
+    return root * depth * damped, root * (1.5 * damped * a_depth - depth * p[at.HYSTERESIS] / memory * a_rate)
+
+
+@njit(inline="always", fastmath=FAST)
+def flank_slope(sigma, motion, seed, memory, p):
+    """Changes (4) of a flank's force (2), moment about the tip and about T, all in T's frame, with a ``seed``."""
+    now, change = gap_slope(sigma, motion, seed, p)
+    distance, nx, ny, fx, fy, rate, slip = now
+    a_distance, a_nx, a_ny, a_fx, a_fy, a_rate, a_slip = change
+    depth = p[at.RADIUS] - distance
+    if depth <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    normal, a_normal = normal_slope(depth, rate, -a_distance, a_rate, memory, p)
     stick = math.tanh(slip / p[at.SLIP_SPEED])
     friction = -p[at.FRICTION] * normal * stick
     a_stick = (1.0 - stick * stick) / p[at.SLIP_SPEED] * a_slip
@@ -116,8 +131,33 @@ def flank_slope(flank, motion, seed, memory, p):
     return a_x, a_y, a_tip, a_fx * force_y + fx * a_y - a_fy * force_x - fy * a_x
 
 
+@njit(inline="always", fastmath=FAST)
+def tip_course(y, flow, p):
+    """``motion`` and its rate along dy/dt, the ``flow`` (25,), as `gap_slope` takes them."""
+    cos_P = math.cos(y[8])
+    sin_P = math.sin(y[8])
+    cos_T = math.cos(y[11])
+    sin_T = math.sin(y[11])
+    x, z, u, v = tip_motion(y, p, cos_P, sin_P, cos_T, sin_T)
+    l_t = p[at.FRONT]
+    turn = y[23]
+    square = y[20] * y[20]
+    du = flow[18] - flow[21] - l_t * (sin_P * flow[20] + cos_P * square)
+    dv = flow[19] - flow[22] + l_t * (cos_P * flow[20] - sin_P * square)
+    spin = SPIN if p[at.ROLLING] != 0.0 else 20
+    rates = (
+        u + turn * z,
+        v - turn * x,
+        cos_T * du + sin_T * dv + turn * v,
+        cos_T * dv - sin_T * du - turn * u,
+        flow[spin],
+        flow[23],
+    )
+    return (x, z, u, v, y[spin], turn), rates
+
+
 @njit(fastmath=FAST)
-def contact_columns(matrix, y, p, flank, memory, load, cos_P, sin_P) -> None:
+def contact_columns(matrix, y, p, sigma, memory, load, cos_P, sin_P) -> None:
     """One flank's force on the tip; ``load`` (2) [N] is that force in T's frame."""
     cos_T = math.cos(y[11])
     sin_T = math.sin(y[11])
@@ -147,7 +187,7 @@ def contact_columns(matrix, y, p, flank, memory, load, cos_P, sin_P) -> None:
         (23, (0.0, 0.0, 0.0, 0.0, 0.0, 1.0)),
         (24, (0.0, 0.0, 0.0, 0.0, rolling, 0.0)),
     ):
-        a_x, a_y, a_tip, a_T = flank_slope(flank, motion, seed, memory, p)
+        a_x, a_y, a_tip, a_T = flank_slope(sigma, motion, seed, memory, p)
         fx = cos_T * a_x - sin_T * a_y
         fy = sin_T * a_x + cos_T * a_y
         if column == 11:  # the force turns with T

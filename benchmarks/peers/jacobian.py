@@ -34,8 +34,9 @@ def force_columns(y: Vector, matrix: Matrix, p: Vector, active: Vector, memory: 
         if active[flank] != 0.0:
             x, z, u, v = tip_motion(y, p, cos_P, sin_P, math.cos(y[11]), math.sin(y[11]))
             spin = y[SPIN] if p[at.ROLLING] != 0.0 else y[20]
-            fx, fy, _, _ = flank_load(1.0 - 2.0 * flank, x, z, u, v, spin, y[23], memory[flank], p)
-            contact_columns(matrix, y, p, flank, memory[flank], (fx, fy), cos_P, sin_P)
+            sigma = 1.0 - 2.0 * flank
+            fx, fy, _, _ = flank_load(sigma, x, z, u, v, spin, y[23], memory[flank], p)
+            contact_columns(matrix, y, p, sigma, memory[flank], (fx, fy), cos_P, sin_P)
 
 
 @njit(fastmath=FAST)

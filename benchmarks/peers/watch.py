@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from . import parameters as at
-from .contact import both_forces, both_gaps
+from .contact import both_forces
+from .force_slopes import gap_slope, normal_slope, tip_course
 from .jacobian import jacobian_into
 from .model import rhs_into
 from .parameters import Matrix, Parameters, Vector, vector
@@ -28,7 +29,6 @@ ACTIVE = slice(30, 32)
 MEMORY = slice(32, 34)
 CONTEXT = 38
 CAPTURE, ESCAPE, TOP = 2, 3, 4
-FLOW_STEP = 1e-9  # [s] half the interval over which the rate of a force is differenced; a contact lasts 1e-4 s
 
 
 def context_of(parameters: Parameters) -> tuple[Vector, Vector]:
@@ -76,34 +76,23 @@ def forces(y: Vector, context: Vector) -> tuple[float, float]:
 
 
 @njit
-def distances_into(y: Vector, values: Vector, context: Vector) -> None:
-    """Write the first four watched numbers into ``values``, and 1 for the others."""
-    p = context[0:30]
-    gap_0, gap_1, _, _, x = both_gaps(y, p)
-    values[0] = -gap_0 if context[30] != 0.0 else gap_0
-    values[1] = -gap_1 if context[31] != 0.0 else gap_1
-    values[2] = -p[at.CONE_OFFSET] - p[at.RADIUS] * p[at.SINE] - x
-    values[3] = x + p[at.CONE_OFFSET] + 2.0 * p[at.CONE_LENGTH]
-    values[4] = 1.0
-    values[5] = 1.0
-
-
-@njit
 def watch_along(y: Vector, flow: Vector, values: Vector, context: Vector) -> None:
-    """Write the six watched numbers into ``values``, given dy/dt, the ``flow`` (25,)."""
-    distances_into(y, values, context)
-    pressing_0 = context[30] != 0.0
-    pressing_1 = context[31] != 0.0
-    if not (pressing_0 or pressing_1):
-        return
-    gap_0, gap_1, rate_0, rate_1, _ = both_gaps(y, context[0:30])
-    later_0, later_1 = forces(y + FLOW_STEP * flow, context)
-    sooner_0, sooner_1 = forces(y - FLOW_STEP * flow, context)
-    # With no penetration there is no force to difference: it is about to rise where the gap closes.
-    if pressing_0:
-        values[4] = (later_0 - sooner_0) / (2.0 * FLOW_STEP) if gap_0 < 0.0 else -rate_0
-    if pressing_1:
-        values[5] = (later_1 - sooner_1) / (2.0 * FLOW_STEP) if gap_1 < 0.0 else -rate_1
+    """Write the six watched numbers into ``values``, given dy/dt, the ``flow`` (25,); that counts for 4 and 5 alone."""
+    p = context[0:30]
+    motion, rates = tip_course(y, flow, p)
+    for flank in range(2):
+        now, change = gap_slope(1.0 - 2.0 * flank, motion, rates, p)
+        gap, gap_rate = now[0] - p[at.RADIUS], now[5]
+        if context[30 + flank] == 0.0:
+            values[flank], values[TOP + flank] = gap, 1.0
+            continue
+        values[flank] = -gap
+        if gap < 0.0:
+            values[TOP + flank] = normal_slope(-gap, gap_rate, -change[0], change[5], context[32 + flank], p)[1]
+        else:  # there is no force yet: it is about to rise where the gap closes
+            values[TOP + flank] = -gap_rate
+    values[CAPTURE] = -p[at.CONE_OFFSET] - p[at.RADIUS] * p[at.SINE] - motion[0]
+    values[ESCAPE] = motion[0] + p[at.CONE_OFFSET] + 2.0 * p[at.CONE_LENGTH]
 
 
 @njit

@@ -1,6 +1,6 @@
 """A step of Dormand and Prince's method of order 8, its error and its interpolant of order 7, compiled.
 
-The tableau is SciPy's. Row 0 of the stages ``k`` (16, 25) holds the slope at the step's start, row 12 that at its end.
+The tableau is SciPy's. Row 0 of the stages ``k`` (16 × 25) holds the slope at the step's start, row 12 that at its end.
 """
 
 from __future__ import annotations
@@ -19,78 +19,99 @@ ORDER = 8
 STAGES = tableau.N_STAGES
 ROWS = tableau.N_STAGES_EXTENDED
 TERMS = tableau.INTERPOLATOR_POWER
-A = np.ascontiguousarray(tableau.A)
-B = np.ascontiguousarray(tableau.B)
-E3 = np.ascontiguousarray(tableau.E3)
-E5 = np.ascontiguousarray(tableau.E5)
-D = np.ascontiguousarray(tableau.D)
+FAST = {"contract", "reassoc", "nsz"}
 
 
 @njit
 def workspace():
-    """Room for the stages and one state."""
-    return np.zeros((ROWS, STATES)), np.zeros(STATES)
+    """Room for the stages and one state, row after row: from one array of fixed rows a compiler makes vector code."""
+    return np.zeros((ROWS + 1) * STATES)
 
 
-@njit(error_model="numpy", fastmath={"contract", "reassoc"})
-def stage(number: int, y: Vector, h: float, context: Vector, work) -> None:
-    """Evaluate one stage from those before it."""
-    k, point = work
-    for i in range(STATES):
-        point[i] = y[i]
-    for j in range(number):
-        share = h * A[number, j]
-        if share != 0.0:
-            for i in range(STATES):
-                point[i] += share * k[j, i]
-    slope_into(point, k[number], context)
+def weighted(weights):
+    """A compiled sum of the stages with constant ``weights``; those that are nil take no time."""
+    places = np.flatnonzero(weights)
+    values, rows, count = weights[places], places * STATES, len(places)
+
+    @njit(inline="always", fastmath=FAST)
+    def total(k, i):
+        found = values[0] * k[rows[0] + i]
+        for j in range(1, count):
+            found += values[j] * k[rows[j] + i]
+        return found
+
+    return total
 
 
-@njit(error_model="numpy", fastmath={"contract", "reassoc"})
+def stage_of(number: int):
+    """One compiled stage, worked out from those before it."""
+    total, row = weighted(tableau.A[number]), number * STATES
+
+    @njit(error_model="numpy", fastmath=FAST)
+    def stage(y, h, context, k):
+        for i in range(STATES):
+            k[ROWS * STATES + i] = y[i] + h * total(k, i)
+        slope_into(k[ROWS * STATES :], k[row : row + STATES], context)
+
+    return stage
+
+
+s2, s3, s4, s5, s6, s7, s8, s9, s10, s11, s12 = (stage_of(number) for number in range(1, STAGES))
+extra_1, extra_2, extra_3 = (stage_of(number) for number in range(STAGES + 1, ROWS))
+advance, fifth_error, third_error = weighted(tableau.B), weighted(tableau.E5), weighted(tableau.E3)
+d3, d4, d5, d6 = (weighted(row) for row in tableau.D)
+
+
+@njit(error_model="numpy", fastmath=FAST)
 def step(y, slope, h, rtol, atol, anew, context, new, new_slope, work) -> float:
     """Write the state ``h`` [s] later and its slope into ``new`` and ``new_slope`` (25,); error over what is allowed."""
-    k, _ = work
-    k[0, :] = slope
-    for number in range(1, STAGES):
-        stage(number, y, h, context, work)
-    new[:] = y
-    for j in range(STAGES):
-        share = h * B[j]
-        if share != 0.0:
-            for i in range(STATES):
-                new[i] += share * k[j, i]
+    k = work
+    for i in range(STATES):
+        k[i] = slope[i]
+    s2(y, h, context, k)
+    s3(y, h, context, k)
+    s4(y, h, context, k)
+    s5(y, h, context, k)
+    s6(y, h, context, k)
+    s7(y, h, context, k)
+    s8(y, h, context, k)
+    s9(y, h, context, k)
+    s10(y, h, context, k)
+    s11(y, h, context, k)
+    s12(y, h, context, k)
+    for i in range(STATES):
+        new[i] = y[i] + h * advance(k, i)
     slope_into(new, new_slope, context)
-    k[STAGES, :] = new_slope
+    for i in range(STATES):
+        k[STAGES * STATES + i] = new_slope[i]
     fifth, third = 0.0, 0.0
     for i in range(STATES):
-        five, three = 0.0, 0.0
-        for j in range(STAGES + 1):
-            five += E5[j] * k[j, i]
-            three += E3[j] * k[j, i]
         allowed = 1.0 / (atol[i] + rtol * max(abs(y[i]), abs(new[i])))
-        fifth += (five * allowed) ** 2
-        third += (three * allowed) ** 2
+        five = fifth_error(k, i) * allowed
+        three = third_error(k, i) * allowed
+        fifth += five * five
+        third += three * three
     if fifth == 0.0:
         return 0.0
     return h * fifth / math.sqrt((fifth + 0.01 * third) * STATES)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", fastmath=FAST)
 def interpolant(y, h, new, context, terms, work) -> None:
     """Write what `at` needs of the step just taken into ``terms`` (7, 25)."""
-    k, _ = work
-    for number in range(STAGES + 1, ROWS):
-        stage(number, y, h, context, work)
+    k = work
+    extra_1(y, h, context, k)
+    extra_2(y, h, context, k)
+    extra_3(y, h, context, k)
     for i in range(STATES):
         rise = new[i] - y[i]
         terms[0, i] = rise
-        terms[1, i] = h * k[0, i] - rise
-        terms[2, i] = 2.0 * rise - h * (k[STAGES, i] + k[0, i])
-        for row in range(TERMS - 3):
-            total = 0.0
-            for j in range(ROWS):
-                total += D[row, j] * k[j, i]
-            terms[3 + row, i] = h * total
+        terms[1, i] = h * k[i] - rise
+        terms[2, i] = 2.0 * rise - h * (k[STAGES * STATES + i] + k[i])
+        terms[3, i] = h * d3(k, i)
+        terms[4, i] = h * d4(k, i)
+        terms[5, i] = h * d5(k, i)
+        terms[6, i] = h * d6(k, i)
 
 
 @njit

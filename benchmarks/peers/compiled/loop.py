@@ -16,7 +16,7 @@ from ..contact import SLOWEST_TOUCHDOWN, both_gaps
 from ..course import PeerCapture
 from ..parameters import Parameters, Vector
 from ..start import STATES
-from ..watch import CAPTURE, ESCAPE, EVENTS, TOP, context_of, distances_into, forces, slope_into, watch_along, watched
+from ..watch import CAPTURE, EVENTS, TOP, context_of, forces, slope_into, watch_along
 from . import dop853 as dop853_method
 from . import rodas4 as rodas4_method
 
@@ -27,6 +27,8 @@ HOPELESS = 0.8  # a top whose estimate is below this part of the highest one so 
 SAFETY, LEAST, MOST = 0.9, 0.2, 10.0  # of the next step over this one
 SHORTEST = 1e-15  # [s]
 OUTCOMES = ("timeout", "captured", "escaped", "failed")
+FAILED = 3
+PEAK, TIME, FLANK = range(3)  # of the highest top so far [N, s, -]
 
 
 @njit
@@ -40,27 +42,30 @@ def meet(event: int, y: Vector, context: Vector) -> int:
     return 1
 
 
-def loop_of(method: ModuleType):
-    """The compiled loop of a method."""
-    step, interpolant, at = method.step, method.interpolant, method.at
-    workspace, terms_of, power = method.workspace, method.TERMS, -1.0 / method.ORDER
+@njit
+def fell(event: int, before: Vector, now: Vector) -> bool:
+    """Whether a watched number fell through zero."""
+    return before[event] > 0.0 and now[event] <= 0.0
+
+
+def root_of(method: ModuleType):
+    """Where, as a fraction up to ``late`` of a step, a watched number falls through zero: false position, kept moving."""
+    at = method.at
 
     @njit(error_model="numpy")
-    def value(event, x, y, new, terms, point, context):
-        """A watched number at the fraction ``x`` of a step."""
+    def value(event, x, y, new, terms, room, context):
+        point, flow, values = room
         at(x, y, new, terms, point)
         if event >= TOP:
-            return watched(point, event, context)
-        values = np.empty(EVENTS)
-        distances_into(point, values, context)
+            slope_into(point, flow, context)
+        watch_along(point, flow, values, context)
         return values[event]
 
     @njit(error_model="numpy")
-    def root(event, late, close, y, new, terms, point, context):
-        """The fraction up to ``late`` at which a watched number falls through zero: false position, kept moving."""
+    def root(event, late, close, y, new, terms, room, context):
         low, high = 0.0, late
-        f_low = value(event, low, y, new, terms, point, context)
-        f_high = value(event, high, y, new, terms, point, context)
+        f_low = value(event, low, y, new, terms, room, context)
+        f_high = value(event, high, y, new, terms, room, context)
         if f_low <= 0.0:
             return low
         if f_high >= 0.0:
@@ -68,7 +73,7 @@ def loop_of(method: ModuleType):
         side = 0
         for _ in range(100):
             x = (low * f_high - high * f_low) / (f_high - f_low)
-            f = value(event, x, y, new, terms, point, context)
+            f = value(event, x, y, new, terms, room, context)
             if f > 0.0:
                 done = x - low <= close and side == 1
                 low, f_low = x, f
@@ -83,22 +88,75 @@ def loop_of(method: ModuleType):
                 return x
         return high
 
+    return root
+
+
+def settle_of(method: ModuleType):
+    """What a step crossed: the fraction at which the method must start afresh or stop, and by which event (or -1)."""
+    interpolant, at, root = method.interpolant, method.at, root_of(method)
+
+    @njit(error_model="numpy")
+    def settle(t, h, y, new, before, now, best, terms, room, work, context):
+        interpolant(y, h, new, context, terms, work)
+        late, halt = 1.0, -1
+        for event in range(TOP):
+            if fell(event, before, now) and (event >= CAPTURE or context[30 + event] == 0.0):
+                x = root(event, late, ROOT / h, y, new, terms, room, context)
+                if halt < 0 or x < late:
+                    late, halt = x, event
+        for event in range(TOP, EVENTS):
+            if fell(event, before, now):
+                x = root(event, 1.0, TOP_ROOT / h, y, new, terms, room, context)
+                if halt < 0 or x < late:
+                    at(x, y, new, terms, room[0])
+                    force = forces(room[0], context)[event - TOP]
+                    if force > best[PEAK]:
+                        best[PEAK], best[TIME], best[FLANK] = force, t + x * h, event - TOP
+        if halt >= 0:
+            at(late, y, new, terms, room[0])
+            new[:] = room[0]
+            watch_along(new, new, now, context)  # distances alone count
+        return late, halt
+
+    return settle
+
+
+@njit(error_model="numpy")
+def worth_a_look(h, y, new, before, now, best, context):
+    """Whether a step crossed anything but a release or a top that, by the tangents at its ends, is lower than the best."""
+    for event in range(TOP):
+        if fell(event, before, now) and (event >= CAPTURE or context[30 + event] == 0.0):
+            return True
+    for event in range(TOP, EVENTS):
+        if fell(event, before, now):
+            left = forces(y, context)[event - TOP] + before[event] * h
+            right = forces(new, context)[event - TOP] - now[event] * h
+            if max(left, right) >= HOPELESS * best[PEAK]:
+                return True
+    return False
+
+
+def loop_of(method: ModuleType):
+    """The compiled loop of a method."""
+    step, workspace, settle = method.step, method.workspace, settle_of(method)
+    terms_of, power = method.TERMS, -1.0 / method.ORDER
+
     @njit(error_model="numpy")
     def loop(y, context, duration, rtol, atol):
-        """Outcome, end, peak, its time and flank, touchdowns, steps, evaluations of one capture."""
-        work = workspace()
-        terms = np.empty((terms_of, STATES))
-        slope, new, new_slope, point = np.empty(STATES), np.empty(STATES), np.empty(STATES), np.empty(STATES)
+        """Outcome, end, best (3,), touchdowns, steps and attempts of one capture; ``y`` and ``context`` are altered."""
+        work, terms, best = workspace(), np.empty((terms_of, STATES)), np.zeros(3)
+        slope, new, new_slope = np.empty(STATES), np.empty(STATES), np.empty(STATES)
         before, now = np.empty(EVENTS), np.empty(EVENTS)
-        t, h, fresh, anew, rejected = 0.0, CONTACT_STEP, True, True, False
-        peak, peak_time, peak_flank, impacts, steps, attempts = 0.0, 0.0, 0, 1, 0, 0
+        room = (np.empty(STATES), np.empty(STATES), np.empty(EVENTS))
+        t, h, fresh, rejected, anew = 0.0, CONTACT_STEP, True, False, True
+        impacts, steps, attempts = 1, 0, 0
         while t < duration:
             if fresh:
                 slope_into(y, slope, context)
                 watch_along(y, slope, before, context)
                 for event in range(2):  # the event just met stands at zero give or take a rounding: it lies behind
                     before[event] = max(before[event], 1e-300)
-                h, fresh, anew = min(CONTACT_STEP, duration - t), False, True
+                h, fresh, anew = CONTACT_STEP, False, True
             h = min(h, duration - t)
             error = step(y, slope, h, rtol, atol, anew, context, new, new_slope, work)
             attempts += 1
@@ -107,58 +165,34 @@ def loop_of(method: ModuleType):
                 h *= max(LEAST, SAFETY * error**power) if error == error else LEAST
                 rejected = True
                 if h < SHORTEST:
-                    return 3, t, peak, peak_time, peak_flank, impacts, steps, attempts
+                    return FAILED, t, best, impacts, steps, attempts
                 continue
             most = 1.0 if rejected else MOST
             factor = min(most, max(LEAST, SAFETY * error**power)) if error > 0.0 else most
             rejected, anew = False, True
             steps += 1
             watch_along(new, new_slope, now, context)
-            ready, late, halt = False, 1.0, -1
-            for event in range(TOP):
-                if before[event] > 0.0 and now[event] <= 0.0 and (event > 1 or context[30 + event] == 0.0):
-                    if not ready:
-                        interpolant(y, h, new, context, terms, work)
-                        ready = True
-                    x = root(event, late, ROOT / h, y, new, terms, point, context)
-                    if halt < 0 or x < late:
-                        late, halt = x, event
-            pressed = forces(new, context)
-            earlier = forces(y, context)
-            for event in range(TOP, EVENTS):
-                flank = event - TOP
-                if before[event] > 0.0 and now[event] <= 0.0:
-                    left, right = earlier[flank] + before[event] * h, pressed[flank] - now[event] * h
-                    if max(left, right) < HOPELESS * peak:
-                        continue
-                    if not ready:
-                        interpolant(y, h, new, context, terms, work)
-                        ready = True
-                    x = root(event, 1.0, TOP_ROOT / h, y, new, terms, point, context)
-                    if x < late or halt < 0:
-                        at(x, y, new, terms, point)
-                        force = forces(point, context)[flank]
-                        if force > peak:
-                            peak, peak_time, peak_flank = force, t + x * h, flank
-            if halt >= 0:
-                at(late, y, new, terms, point)
-                new[:] = point
-                distances_into(new, now, context)
+            late, halt, changed = 1.0, -1, False
+            if worth_a_look(h, y, new, before, now, best, context):
+                late, halt = settle(t, h, y, new, before, now, best, terms, room, work, context)
             for event in range(2):
-                if event != halt and before[event] > 0.0 and now[event] <= 0.0:
+                if event != halt and fell(event, before, now):
                     impacts += meet(event, new, context)
+                    changed = True
             t += late * h
-            y[:] = new
-            if halt >= TOP - 2:
-                return halt - 1, t, peak, peak_time, peak_flank, impacts, steps, attempts
+            y, new = new, y
+            if halt >= CAPTURE:
+                return halt - 1, t, best, impacts, steps, attempts
             if halt >= 0:
                 impacts += meet(halt, y, context)
                 fresh = True
                 continue
-            slope[:] = new_slope
-            watch_along(y, slope, before, context)
+            slope, new_slope = new_slope, slope
+            before, now = now, before
+            if changed:
+                watch_along(y, slope, before, context)
             h *= factor
-        return 0, t, peak, peak_time, peak_flank, impacts, steps, attempts
+        return 0, t, best, impacts, steps, attempts
 
     return loop
 
@@ -170,8 +204,9 @@ def capture(method: ModuleType, parameters: Parameters, rtol: float, atol: float
     """One capture by a ``method`` of this folder."""
     y, context = context_of(parameters)
     allowed = np.full(STATES, atol) if np.ndim(atol) == 0 else np.asarray(atol)
-    code, end, peak, time, flank, impacts, steps, attempts = LOOPS[method](y, context, parameters.duration, rtol, allowed)
-    return PeerCapture(OUTCOMES[code], end, peak, time, ("lower", "upper")[flank], impacts, steps, attempts)
+    code, end, best, impacts, steps, attempts = LOOPS[method](y, context, parameters.duration, rtol, allowed)
+    flank = ("lower", "upper")[int(best[FLANK])]
+    return PeerCapture(OUTCOMES[code], end, best[PEAK], best[TIME], flank, impacts, steps, attempts)
 
 
 dop853 = partial(capture, dop853_method)
