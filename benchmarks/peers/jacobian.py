@@ -96,8 +96,11 @@ def joint_columns(y: Vector, matrix: Matrix, p: Vector, slope: Vector, reactions
 
 
 @njit(fastmath=FAST)
-def accelerations(y: Vector, matrix: Matrix, p: Vector) -> None:
-    """Replace forces in the rows 12 to 24 and what the joints lack in the rows 0 to 3 by accelerations."""
+def accelerations(y: Vector, rows: Vector, p: Vector) -> None:
+    """Replace forces in the rows 12 to 24 and what the joints lack in the rows 0 to 3 by accelerations.
+
+    ``rows`` is the matrix, row after row: with rows of a fixed length a compiler makes vector code of the loop.
+    """
     cos_B = math.cos(y[5])
     sin_B = math.sin(y[5])
     w, asx, asy, hbx, hby, _, _, _, _ = joints(y, p, math.cos(y[2]), math.sin(y[2]), cos_B, sin_B)
@@ -106,13 +109,13 @@ def accelerations(y: Vector, matrix: Matrix, p: Vector) -> None:
     i_mP, i_IP = 1.0 / p[at.MASS_P], 1.0 / p[at.INERTIA_P]
     i_mT, i_IT, i_tip = 1.0 / p[at.MASS_T], 1.0 / p[at.INERTIA_T], 1.0 / p[at.INERTIA_TIP]
     for j in range(STATES):
-        a_S = matrix[14, j] * i_IS
-        a_Bx = matrix[15, j] * i_mB
-        a_By = matrix[16, j] * i_mB
-        a_B = matrix[17, j] * i_IB
-        a_Px = matrix[18, j] * i_mP
-        a_Py = matrix[19, j] * i_mP
-        a_P = matrix[20, j] * i_IP
+        a_S = rows[14 * STATES + j] * i_IS
+        a_Bx = rows[15 * STATES + j] * i_mB
+        a_By = rows[16 * STATES + j] * i_mB
+        a_B = rows[17 * STATES + j] * i_IB
+        a_Px = rows[18 * STATES + j] * i_mP
+        a_Py = rows[19 * STATES + j] * i_mP
+        a_P = rows[20 * STATES + j] * i_IP
         r1, r2, r3, r4 = solve_four(
             i_mS + i_mB + asy * asy * i_IS + hby * hby * i_IB,
             -asx * asy * i_IS - hbx * hby * i_IB,
@@ -124,24 +127,24 @@ def accelerations(y: Vector, matrix: Matrix, p: Vector) -> None:
             i_IB + i_IP,
             -w * i_IB,
             i_mB + i_mP + w * w * i_IB,
-            -asy * a_S - a_Bx + hby * a_B - matrix[0, j],
-            asx * a_S - a_By - hbx * a_B - matrix[1, j],
-            a_B - a_P - matrix[2, j],
-            cos_B * (a_Py - a_By) - sin_B * (a_Px - a_Bx) - w * a_B - matrix[3, j],
+            -asy * a_S - a_Bx + hby * a_B - rows[j],
+            asx * a_S - a_By - hbx * a_B - rows[1 * STATES + j],
+            a_B - a_P - rows[2 * STATES + j],
+            cos_B * (a_Py - a_By) - sin_B * (a_Px - a_Bx) - w * a_B - rows[3 * STATES + j],
         )
-        matrix[12, j] = -r1 * i_mS
-        matrix[13, j] = -r2 * i_mS
-        matrix[14, j] = a_S + (asy * r1 - asx * r2) * i_IS
-        matrix[15, j] = a_Bx + (r1 - sin_B * r4) * i_mB
-        matrix[16, j] = a_By + (r2 + cos_B * r4) * i_mB
-        matrix[17, j] = a_B - (hby * r1 - hbx * r2 + r3 - w * r4) * i_IB
-        matrix[18, j] = a_Px + sin_B * r4 * i_mP
-        matrix[19, j] = a_Py - cos_B * r4 * i_mP
-        matrix[20, j] = a_P + r3 * i_IP
-        matrix[21, j] *= i_mT
-        matrix[22, j] *= i_mT
-        matrix[23, j] *= i_IT
-        matrix[24, j] *= i_tip
+        rows[12 * STATES + j] = -r1 * i_mS
+        rows[13 * STATES + j] = -r2 * i_mS
+        rows[14 * STATES + j] = a_S + (asy * r1 - asx * r2) * i_IS
+        rows[15 * STATES + j] = a_Bx + (r1 - sin_B * r4) * i_mB
+        rows[16 * STATES + j] = a_By + (r2 + cos_B * r4) * i_mB
+        rows[17 * STATES + j] = a_B - (hby * r1 - hbx * r2 + r3 - w * r4) * i_IB
+        rows[18 * STATES + j] = a_Px + sin_B * r4 * i_mP
+        rows[19 * STATES + j] = a_Py - cos_B * r4 * i_mP
+        rows[20 * STATES + j] = a_P + r3 * i_IP
+        rows[21 * STATES + j] *= i_mT
+        rows[22 * STATES + j] *= i_mT
+        rows[23 * STATES + j] *= i_IT
+        rows[24 * STATES + j] *= i_tip
 
 
 @njit
@@ -153,7 +156,7 @@ def jacobian_into(
     matrix[:, :] = 0.0
     force_columns(y, matrix, p, active, memory)
     joint_columns(y, matrix, p, slope, reactions)
-    accelerations(y, matrix, p)
+    accelerations(y, matrix.reshape(STATES * STATES), p)
     matrix[0:FORCES, :] = 0.0
     for place in range(12):
         matrix[place, 12 + place] = 1.0

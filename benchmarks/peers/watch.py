@@ -56,17 +56,17 @@ def slope(y: Vector, context: Vector) -> Vector:
 
 
 @njit
-def slope_jacobian_into(y: Vector, matrix: Matrix, context: Vector) -> None:
-    """Write d(dy/dt)/dy (25, 25) into ``matrix``."""
-    jacobian_into(y, matrix, context[0:30], context[30:32], context[32:34], np.empty(STATES), np.empty(4))
-
-
-@njit
 def slope_jacobian(y: Vector, context: Vector) -> Matrix:
     """d(dy/dt)/dy (25, 25)."""
     matrix = np.empty((STATES, STATES))
-    slope_jacobian_into(y, matrix, context)
+    jacobian_into(y, matrix, context[0:30], context[30:32], context[32:34], np.empty(STATES), np.empty(4))
     return matrix
+
+
+@njit
+def slope_jacobian_into(y: Vector, matrix: Matrix, context: Vector) -> None:
+    """Write d(dy/dt)/dy into ``matrix`` (25, 25), in whatever order that lies."""
+    matrix[:, :] = slope_jacobian(y, context)
 
 
 @njit

@@ -14,6 +14,7 @@ from scipy.integrate._ivp import dop853_coefficients as tableau
 from ..parameters import Matrix, Vector
 from ..start import STATES
 from ..watch import slope_into
+from .sums import weighted
 
 ORDER = 8
 STAGES = tableau.N_STAGES
@@ -26,21 +27,6 @@ FAST = {"contract", "reassoc", "nsz"}
 def workspace():
     """Room for the stages and one state, row after row: from one array of fixed rows a compiler makes vector code."""
     return np.zeros((ROWS + 1) * STATES)
-
-
-def weighted(weights):
-    """A compiled sum of the stages with constant ``weights``; those that are nil take no time."""
-    places = np.flatnonzero(weights)
-    values, rows, count = weights[places], places * STATES, len(places)
-
-    @njit(inline="always", fastmath=FAST)
-    def total(k, i):
-        found = values[0] * k[rows[0] + i]
-        for j in range(1, count):
-            found += values[j] * k[rows[j] + i]
-        return found
-
-    return total
 
 
 def stage_of(number: int):

@@ -11,9 +11,11 @@ import math
 import numpy as np
 from numba import njit
 
+from ..jacobian import jacobian_into
 from ..parameters import Matrix, Vector
 from ..start import STATES
-from ..watch import slope_into, slope_jacobian_into
+from ..watch import slope_into
+from .sums import weighted
 
 ORDER = 4
 GAMMA = 0.25
@@ -47,111 +49,161 @@ D = np.array(
     ]
 )
 TERMS = 2
+WIDE = 16  # numbers in a row of a matrix of 13 columns: two or four vector registers
+FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 @njit
 def workspace():
-    """Room for the stages, the Jacobian, its factors, pivots and one state."""
-    square = np.zeros((RATES, RATES))
-    return np.zeros((STAGES, STATES)), np.zeros((STATES, STATES)), square, np.zeros(RATES, np.int64), np.zeros(STATES)
+    """Room for the stages and one state (7 x 25), the Jacobian and its lower part turned (25 x 16), the inverse (13 x 16),
+    what positions add (12 x 16), a slope, reactions and three rows."""
+    stages, jacobian, turned = np.zeros((STAGES + 1) * STATES), np.zeros((STATES, STATES)), np.zeros(STATES * WIDE)
+    inverse, through = np.zeros(RATES * WIDE), np.zeros(POSITIONS * WIDE)
+    rows = (np.zeros(WIDE), np.zeros(WIDE), np.zeros(RATES, np.int64))
+    return stages, jacobian, turned, inverse, through, np.zeros(STATES), np.zeros(4), rows
 
 
-@njit(error_model="numpy")
-def factorise(matrix: Matrix, pivots) -> None:
-    """Gaussian elimination in place, rows exchanged."""
-    for column in range(RATES):
-        best = column
-        for row in range(column + 1, RATES):
-            if abs(matrix[row, column]) > abs(matrix[best, column]):
-                best = row
-        pivots[column] = best
-        if best != column:
-            for j in range(RATES):
-                matrix[column, j], matrix[best, j] = matrix[best, j], matrix[column, j]
-        inverse = 1.0 / matrix[column, column]
-        for row in range(column + 1, RATES):
-            share = matrix[row, column] * inverse
-            matrix[row, column] = share
-            for j in range(column + 1, RATES):
-                matrix[row, j] -= share * matrix[column, j]
-        matrix[column, column] = inverse
+@njit(error_model="numpy", fastmath=FAST)
+def invert(matrix, rows) -> None:
+    """Invert the 13 x 13 matrix in the rows of ``matrix`` (13 x 16) in place: Gauss and Jordan, rows exchanged.
+
+    Rows are updated as a whole, so that the loops are of fixed length. Six solutions by an inverse are quicker than
+    six by factors, whose every line waits for the one before.
+    """
+    pivot, shares, exchanged = rows
+    for place in range(RATES):
+        best, largest = place, 0.0
+        for row in range(RATES):
+            shares[row] = matrix[row * WIDE + place]
+            matrix[row * WIDE + place] = 0.0
+            if row >= place and abs(shares[row]) > largest:
+                best, largest = row, abs(shares[row])
+        exchanged[place] = best
+        inverse = 1.0 / shares[best]
+        shares[best] = shares[place]
+        for j in range(WIDE):
+            pivot[j] = matrix[best * WIDE + j] * inverse
+            matrix[best * WIDE + j] = matrix[place * WIDE + j]
+        pivot[place] = inverse
+        for j in range(WIDE):
+            for row in range(RATES):
+                matrix[row * WIDE + j] -= shares[row] * pivot[j]
+        for j in range(WIDE):
+            matrix[place * WIDE + j] = pivot[j]
+    for place in range(RATES - 1, -1, -1):
+        best = exchanged[place]
+        if best != place:
+            for row in range(RATES):
+                one, other = matrix[row * WIDE + place], matrix[row * WIDE + best]
+                matrix[row * WIDE + place], matrix[row * WIDE + best] = other, one
 
 
-@njit(error_model="numpy")
-def solve(r: Vector, g: float, work) -> None:
-    """Replace ``r`` (25,) by the solution u of (I/g - J) u = r."""
-    _, jacobian, factors, pivots, _ = work
-    b = r[POSITIONS:]
+@njit(error_model="numpy", fastmath=FAST)
+def turn(jacobian: Matrix, turned: Vector) -> None:
+    """The rates' rows of the Jacobian as columns."""
+    for j in range(STATES):
+        for i in range(RATES):
+            turned[j * WIDE + i] = jacobian[POSITIONS + i, j]
+
+
+@njit(error_model="numpy", fastmath=FAST)
+def prepare(h: float, work) -> None:
+    """The inverse of I/g - J_v - g J_q from the Jacobian, turned as that is."""
+    _, _, turned, inverse, through, _, _, rows = work
+    g = GAMMA * h
+    for i in range(POSITIONS * WIDE):
+        through[i] = g * turned[i]
+    for i in range(POSITIONS * WIDE):
+        inverse[i] = -turned[POSITIONS * WIDE + i] - through[i]
+    for i in range(POSITIONS * WIDE, RATES * WIDE):
+        inverse[i] = -turned[POSITIONS * WIDE + i]
     for i in range(RATES):
-        total = 0.0
+        inverse[i * WIDE + i] += 1.0 / g
+    invert(inverse, rows)
+
+
+@njit(error_model="numpy", fastmath=FAST)
+def solve(u: Vector, g: float, work) -> None:
+    """Replace the right-hand side ``u`` (25,) by the solution of (I/g - J) u = r."""
+    _, _, _, inverse, through, _, _, rows = work
+    right, found, _ = rows
+    for i in range(RATES):
+        right[i] = u[POSITIONS + i]
+    for i in range(WIDE):
+        total = right[i]
         for j in range(POSITIONS):
-            total += jacobian[POSITIONS + i, j] * r[j]
-        b[i] += g * total
+            total += u[j] * through[j * WIDE + i]
+        right[i] = total
+    for i in range(WIDE):
+        total = 0.0
+        for j in range(RATES):
+            total += right[j] * inverse[j * WIDE + i]
+        found[i] = total
     for i in range(RATES):
-        best = pivots[i]
-        b[i], b[best] = b[best], b[i]
-    for i in range(1, RATES):
-        total = 0.0
-        for j in range(i):
-            total += factors[i, j] * b[j]
-        b[i] -= total
-    for i in range(RATES - 1, -1, -1):
-        total = 0.0
-        for j in range(i + 1, RATES):
-            total += factors[i, j] * b[j]
-        b[i] = (b[i] - total) * factors[i, i]
+        u[POSITIONS + i] = found[i]
     for i in range(POSITIONS):
-        r[i] = g * (r[i] + b[i])
+        u[i] = g * (u[i] + found[i])
 
 
-@njit(error_model="numpy", fastmath={"contract", "reassoc"})
+def stage_of(number: int):
+    """One compiled stage, worked out from those before it."""
+    point_of, drift_of = weighted(A[number]), weighted(C[number])
+    row, place = number * STATES, STAGES * STATES
+
+    @njit(error_model="numpy", fastmath=FAST)
+    def stage(y, h, context, work):
+        u = work[0]
+        for i in range(STATES):
+            u[place + i] = y[i] + point_of(u, i)
+        slope_into(u[place:], u[row : row + STATES], context)
+        inverse = 1.0 / h
+        for i in range(STATES):
+            u[row + i] += inverse * drift_of(u, i)
+        solve(u[row : row + STATES], GAMMA * h, work)
+
+    return stage
+
+
+second, third, fourth, fifth, sixth = (stage_of(number) for number in range(1, STAGES))
+dense_1, dense_2 = (weighted(row) for row in D)
+
+
+@njit(error_model="numpy", fastmath=FAST)
 def step(y, slope, h, rtol, atol, anew, context, new, new_slope, work) -> float:
     """Write the state ``h`` [s] later and its slope into ``new`` and ``new_slope`` (25,); error over what is allowed.
 
     ``anew``: whether the Jacobian at ``y`` is still to be found.
     """
-    u, jacobian, factors, pivots, point = work
-    g = GAMMA * h
+    u, jacobian, turned, _, _, base, reactions, _ = work
     if anew:
-        slope_jacobian_into(y, jacobian, context)
-    for i in range(RATES):
-        for j in range(RATES):
-            own = 1.0 / g if i == j else 0.0
-            through = g * jacobian[POSITIONS + i, j] if j < POSITIONS else 0.0
-            factors[i, j] = own - jacobian[POSITIONS + i, POSITIONS + j] - through
-    factorise(factors, pivots)
-    for number in range(STAGES):
-        point[:] = y
-        for j in range(number):
-            for i in range(STATES):
-                point[i] += A[number, j] * u[j, i]
-        if number == 0:
-            u[0, :] = slope
-        else:
-            slope_into(point, u[number], context)
-        for j in range(number):
-            share = C[number, j] / h
-            for i in range(STATES):
-                u[number, i] += share * u[j, i]
-        solve(u[number], g, work)
+        jacobian_into(y, jacobian, context[0:30], context[30:32], context[32:34], base, reactions)
+        turn(jacobian, turned)
+    prepare(h, work)
+    for i in range(STATES):
+        u[i] = slope[i]
+    solve(u[0:STATES], GAMMA * h, work)
+    second(y, h, context, work)
+    third(y, h, context, work)
+    fourth(y, h, context, work)
+    fifth(y, h, context, work)
+    sixth(y, h, context, work)
     total = 0.0
     for i in range(STATES):
-        new[i] = point[i] + u[STAGES - 1, i]
-        total += (u[STAGES - 1, i] / (atol[i] + rtol * max(abs(y[i]), abs(new[i])))) ** 2
+        last = u[(STAGES - 1) * STATES + i]
+        new[i] = u[STAGES * STATES + i] + last
+        off = last / (atol[i] + rtol * max(abs(y[i]), abs(new[i])))
+        total += off * off
     slope_into(new, new_slope, context)
     return math.sqrt(total / STATES)
 
 
-@njit
+@njit(error_model="numpy", fastmath=FAST)
 def interpolant(y, h, new, context, terms, work) -> None:
     """Write what `at` needs of the step just taken into ``terms`` (2, 25)."""
     u = work[0]
-    for row in range(TERMS):
-        for i in range(STATES):
-            total = 0.0
-            for j in range(STAGES - 1):
-                total += D[row, j] * u[j, i]
-            terms[row, i] = total
+    for i in range(STATES):
+        terms[0, i] = dense_1(u, i)
+        terms[1, i] = dense_2(u, i)
 
 
 @njit
