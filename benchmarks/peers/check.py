@@ -21,7 +21,7 @@ def check_accuracy(cases: Sequence[Reference], peers: Sequence[str], rtol: float
     """Print a line for each peer and capture; whether all of them are right."""
     right = True
     print(f"rtol {rtol:g}, atol {atol:g}")
-    print(f"{'peer':14}{'capture':16}{'peak error':>12}{'end error':>12}{'impacts':>9}{'ms':>9}")
+    print(f"{'peer':22}{'capture':16}{'peak error':>12}{'end error':>12}{'impacts':>9}{'ms':>9}")
     for peer in peers:
         solve(peer, cases[0].parameters, 1e-4, 1e-6)  # compiles
         for case in cases:
@@ -31,7 +31,7 @@ def check_accuracy(cases: Sequence[Reference], peers: Sequence[str], rtol: float
             right = right and fine
             mark = "" if fine else f"  WRONG: {capture.outcome}, {case.outcome} after {case.impacts} expected"
             print(
-                f"{peer:14}{case.name:16}{found['peak']:12.1e}{found['end']:12.1e}{capture.impacts:9}"
+                f"{peer:22}{case.name:16}{found['peak']:12.1e}{found['end']:12.1e}{capture.impacts:9}"
                 f"{1e3 * seconds:9.1f}{mark}",
                 flush=True,
             )

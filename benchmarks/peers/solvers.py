@@ -16,10 +16,12 @@ from .start import STATES
 
 __all__ = ["ABSOLUTE", "PEERS", "PeerCapture", "solve", "tolerances"]
 
+COMPILED_CVODE = ("Adams", "BDF") if compiled.HAS_CVODE else ()
 PEERS: Mapping[str, Callable[..., PeerCapture]] = MappingProxyType(
     {
         "compiled DOP853": compiled.dop853,
         "compiled RODAS": compiled.rodas4,
+        **({f"compiled CVODE {name}": partial(compiled.cvode, name) for name in COMPILED_CVODE}),
         "SciPy DOP853": partial(scipy_peers.capture, DOP853),
         "SciPy LSODA": partial(scipy_peers.capture, LSODA, implicit=True),
         "SciPy Radau": partial(scipy_peers.capture, Radau, implicit=True),
