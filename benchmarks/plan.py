@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 ROOT = Path(__file__).resolve().parent.parent
 REFERENCES = ROOT / "tests" / "verification" / "captures.json"
-QUICK_PEERS = ("SciPy LSODA", "CVODE Adams")  # the quickest two of all where it matters
+QUICK_PEERS = ("compiled DOP853", "compiled RODAS", "SciPy LSODA", "CVODE Adams")  # the quickest of either kind
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,16 @@ from .peers.timing import curves
 from .plan import Plan
 
 TIMES = 10.0  # [-] target: times as fast as the explicit method
-PEERS = ("SciPy LSODA", "SciPy Radau", "CVODE Adams", "CVODE BDF", "IDA")
+PEERS = (
+    "compiled RODAS",
+    "compiled CVODE Adams",
+    "compiled CVODE BDF",
+    "SciPy LSODA",
+    "SciPy Radau",
+    "CVODE Adams",
+    "CVODE BDF",
+    "IDA",
+)
 TIGHT = (1e-11, 1e-13)  # rtol, atol of the exact solution, and the peers that must agree on it
 JUDGES = ("CVODE BDF", "SciPy LSODA")
 AGREE = 1e-6  # [-]

@@ -24,7 +24,7 @@ RATE = 600.0  # [1/s] captures,
 MEMORY = 1024.0  # [MiB]
 MOST = 0.9  # [-] part of the sample that must be within the target
 AGREE = 1e-6  # [-] relative difference of two tight peers, above which a capture is too ill-conditioned to judge by
-PEERS = ("SciPy LSODA", "CVODE Adams", "SciPy DOP853")
+PEERS = ("compiled DOP853", "compiled RODAS", "compiled CVODE Adams", "compiled CVODE BDF")
 SWEEP_RTOLS = RTOLS[2:]
 
 

@@ -81,9 +81,7 @@ def joint_columns(y: Vector, matrix: Matrix, p: Vector, slope: Vector, reactions
     # along the rod's and across it: how the fourth joint's distance and arm w change with P's place against B's
     by_offset, by_arm = spin_B * spin_B - square, two * spin_B + a_B
     by_x, by_y = cos_B * by_arm - sin_B * by_offset, sin_B * by_arm + cos_B * by_offset
-    matrix[3, 5] = (
-        2.0 * spin_B * across - by_offset * w + two * along + offset * by_arm + cos_B * pull + sin_B * push
-    )
+    matrix[3, 5] = 2.0 * spin_B * across - by_offset * w + two * along + offset * by_arm + cos_B * pull + sin_B * push
     for column, sign in ((3, -1.0), (6, 1.0)):
         matrix[3, column] = sign * by_x
         matrix[3, column + 1] = sign * by_y

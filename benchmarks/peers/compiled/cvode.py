@@ -149,7 +149,7 @@ def solver(method: str):
     return memory, vector, allowed, y, atol, room
 
 
-def cvode(method: str, parameters: Parameters, rtol: float, atol: float | Vector) -> PeerCapture:
+def capture(method: str, parameters: Parameters, rtol: float, atol: float | Vector) -> PeerCapture:
     """One capture by CVODE's ``method``, "Adams" or "BDF", step equations by Newton's method with a dense Jacobian."""
     memory, vector, allowed, y, tolerances, room = solver(method)
     y[:], room[0:CONTEXT] = context_of(parameters)
