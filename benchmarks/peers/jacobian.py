@@ -1,6 +1,6 @@
 """The Jacobian d(dy/dt)/dy of `model.rhs_into`, written out by hand and compiled.
 
-With M a = F - Phi_q^T lambda and Phi_q a = gamma (M16 of docs/model.md), a change of the state changes the accelerations
+With M a = F - Phi_q^T lambda and Phi_q a = gamma (M16 of docs/model.md), accelerations change with the state
 by M da = dF - d(Phi_q^T) lambda - Phi_q^T dlambda, and Phi_q da = dgamma - d(Phi_q) a.
 """
 

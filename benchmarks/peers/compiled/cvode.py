@@ -157,4 +157,4 @@ def capture(method: str, parameters: Parameters, rtol: float, atol: float | Vect
     C["CVodeSVtolerances"](memory, rtol, allowed)
     code, end, best, impacts, steps, calls = loop(memory, vector, y, room, parameters.duration)
     flank = ("lower", "upper")[int(best[2])]
-    return PeerCapture(OUTCOMES[code], end, best[0], best[1], flank, impacts, steps, calls)
+    return PeerCapture(OUTCOMES[code], end, float(best[0]), float(best[1]), flank, impacts, steps, int(calls))

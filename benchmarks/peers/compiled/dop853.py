@@ -49,9 +49,8 @@ d3, d4, d5, d6 = (weighted(row) for row in tableau.D)
 
 
 @njit(error_model="numpy", fastmath=FAST)
-def step(y, slope, h, rtol, atol, anew, context, new, new_slope, work) -> float:
-    """Write the state ``h`` [s] later and its slope into ``new`` and ``new_slope`` (25,); error over what is allowed."""
-    k = work
+def step(y, slope, h, rtol, atol, anew, context, new, new_slope, k) -> float:
+    """Write the state ``h`` [s] later and its slope into ``new`` and ``new_slope`` (25,); error over that allowed."""
     for i in range(STATES):
         k[i] = slope[i]
     s2(y, h, context, k)
@@ -83,9 +82,8 @@ def step(y, slope, h, rtol, atol, anew, context, new, new_slope, work) -> float:
 
 
 @njit(error_model="numpy", fastmath=FAST)
-def interpolant(y, h, new, context, terms, work) -> None:
+def interpolant(y, h, new, context, terms, k) -> None:
     """Write what `at` needs of the step just taken into ``terms`` (7, 25)."""
-    k = work
     extra_1(y, h, context, k)
     extra_2(y, h, context, k)
     extra_3(y, h, context, k)

@@ -6,6 +6,7 @@ come down to zero by itself.
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from types import ModuleType
 
@@ -49,7 +50,7 @@ def fell(event: int, before: Vector, now: Vector) -> bool:
 
 
 def root_of(method: ModuleType):
-    """Where, as a fraction up to ``late`` of a step, a watched number falls through zero: false position, kept moving."""
+    """Where, as a fraction up to ``late`` of a step, a watched number falls through zero, by false position."""
     at = method.at
 
     @njit(error_model="numpy")
@@ -123,7 +124,7 @@ def settle_of(method: ModuleType):
 
 @njit(error_model="numpy")
 def worth_a_look(h, y, new, before, now, best, context):
-    """Whether a step crossed anything but a release or a top that, by the tangents at its ends, is lower than the best."""
+    """Whether a step crossed anything but a release, or a top that the tangents at its ends show to be a low one."""
     for event in range(TOP):
         if fell(event, before, now) and (event >= CAPTURE or context[30 + event] == 0.0):
             return True
@@ -139,11 +140,11 @@ def worth_a_look(h, y, new, before, now, best, context):
 def loop_of(method: ModuleType):
     """The compiled loop of a method."""
     step, workspace, settle = method.step, method.workspace, settle_of(method)
-    terms_of, power = method.TERMS, -1.0 / method.ORDER
+    terms_of, power, slopes = method.TERMS, -1.0 / method.ORDER, method.STAGES  # those that locate events are few
 
     @njit(error_model="numpy")
     def loop(y, context, duration, rtol, atol):
-        """Outcome, end, best (3,), touchdowns, steps and attempts of one capture; ``y`` and ``context`` are altered."""
+        """Outcome, end, best (3,), touchdowns, steps and slopes of one capture; ``y`` and ``context`` are altered."""
         work, terms, best = workspace(), np.empty((terms_of, STATES)), np.zeros(3)
         slope, new, new_slope = np.empty(STATES), np.empty(STATES), np.empty(STATES)
         before, now = np.empty(EVENTS), np.empty(EVENTS)
@@ -162,10 +163,10 @@ def loop_of(method: ModuleType):
             attempts += 1
             anew = False
             if not error < 1.0:
-                h *= max(LEAST, SAFETY * error**power) if error == error else LEAST
+                h *= LEAST if math.isnan(error) else max(LEAST, SAFETY * error**power)
                 rejected = True
                 if h < SHORTEST:
-                    return FAILED, t, best, impacts, steps, attempts
+                    return FAILED, t, best, impacts, steps, attempts * slopes
                 continue
             most = 1.0 if rejected else MOST
             factor = min(most, max(LEAST, SAFETY * error**power)) if error > 0.0 else most
@@ -182,7 +183,7 @@ def loop_of(method: ModuleType):
             t += late * h
             y, new = new, y
             if halt >= CAPTURE:
-                return halt - 1, t, best, impacts, steps, attempts
+                return halt - 1, t, best, impacts, steps, attempts * slopes
             if halt >= 0:
                 impacts += meet(halt, y, context)
                 fresh = True
@@ -192,7 +193,7 @@ def loop_of(method: ModuleType):
             if changed:
                 watch_along(y, slope, before, context)
             h *= factor
-        return 0, t, best, impacts, steps, attempts
+        return 0, t, best, impacts, steps, attempts * slopes
 
     return loop
 
@@ -204,9 +205,9 @@ def capture(method: ModuleType, parameters: Parameters, rtol: float, atol: float
     """One capture by a ``method`` of this folder."""
     y, context = context_of(parameters)
     allowed = np.full(STATES, atol) if np.ndim(atol) == 0 else np.asarray(atol)
-    code, end, best, impacts, steps, attempts = LOOPS[method](y, context, parameters.duration, rtol, allowed)
+    code, end, best, impacts, steps, slopes = LOOPS[method](y, context, parameters.duration, rtol, allowed)
     flank = ("lower", "upper")[int(best[FLANK])]
-    return PeerCapture(OUTCOMES[code], end, best[PEAK], best[TIME], flank, impacts, steps, attempts)
+    return PeerCapture(OUTCOMES[code], end, float(best[PEAK]), float(best[TIME]), flank, impacts, steps, slopes)
 
 
 dop853 = partial(capture, dop853_method)

@@ -55,8 +55,8 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 @njit
 def workspace():
-    """Room for the stages and one state (7 x 25), the Jacobian and its lower part turned (25 x 16), the inverse (13 x 16),
-    what positions add (12 x 16), a slope, reactions and three rows."""
+    """Room for the stages and one state (7 x 25), the Jacobian and its rates' rows turned (25 x 16), the inverse
+    (13 x 16), what positions add (12 x 16), a slope, reactions and three rows."""
     stages, jacobian, turned = np.zeros((STAGES + 1) * STATES), np.zeros((STATES, STATES)), np.zeros(STATES * WIDE)
     inverse, through = np.zeros(RATES * WIDE), np.zeros(POSITIONS * WIDE)
     rows = (np.zeros(WIDE), np.zeros(WIDE), np.zeros(RATES, np.int64))

@@ -10,7 +10,7 @@ from ..start import STATES
 
 
 def weighted(weights: Vector):
-    """A compiled function of the stages ``k`` (rows of 25 one after another) and a place: their sum with ``weights``."""
+    """A compiled function of the stages ``k`` (rows of 25, one after another) and a place: the sum with ``weights``."""
     places = np.flatnonzero(weights)
     values, rows, count = weights[places], places * STATES, len(places)
 
