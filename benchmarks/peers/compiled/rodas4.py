@@ -56,40 +56,49 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 @njit
 def workspace():
     """Room for the stages and one state (7 x 25), the Jacobian and its rates' rows turned (25 x 16), the inverse
-    (13 x 16), what positions add (12 x 16), a slope, reactions and three rows."""
+    (14 x 16), what positions add (12 x 16), a slope, reactions and three rows."""
     stages, jacobian, turned = np.zeros((STAGES + 1) * STATES), np.zeros((STATES, STATES)), np.zeros(STATES * WIDE)
-    inverse, through = np.zeros(RATES * WIDE), np.zeros(POSITIONS * WIDE)
+    inverse, through = np.zeros((RATES + 1) * WIDE), np.zeros(POSITIONS * WIDE)
     rows = (np.zeros(WIDE), np.zeros(WIDE), np.zeros(RATES, np.int64))
     return stages, jacobian, turned, inverse, through, np.zeros(STATES), np.zeros(4), rows
 
 
 @njit(error_model="numpy", fastmath=FAST)
-def invert(matrix, rows) -> None:
-    """Invert the 13 x 13 matrix in the rows of ``matrix`` (13 x 16) in place: Gauss and Jordan, rows exchanged.
+def eliminate(matrix, shares) -> None:
+    """Take ``shares`` (13,) of the row that follows the 13 of ``matrix`` from them."""
+    for j in range(WIDE):
+        for row in range(RATES):
+            matrix[row * WIDE + j] -= shares[row] * matrix[RATES * WIDE + j]
+
+
+@njit(error_model="numpy", fastmath=FAST)
+def invert(matrix, shares, exchanged) -> None:
+    """Invert the 13 x 13 matrix in the first rows of ``matrix`` (14 x 16) in place: Gauss and Jordan, rows exchanged.
 
     Rows are updated as a whole, so that the loops are of fixed length. Six solutions by an inverse are quicker than
     six by factors, whose every line waits for the one before.
     """
-    pivot, shares, exchanged = rows
+    pivot = RATES * WIDE
     for place in range(RATES):
-        best, largest = place, 0.0
         for row in range(RATES):
             shares[row] = matrix[row * WIDE + place]
             matrix[row * WIDE + place] = 0.0
-            if row >= place and abs(shares[row]) > largest:
+        best, largest = place, abs(shares[place])
+        for row in range(place + 1, RATES):
+            if abs(shares[row]) > largest:
                 best, largest = row, abs(shares[row])
         exchanged[place] = best
         inverse = 1.0 / shares[best]
-        shares[best] = shares[place]
         for j in range(WIDE):
-            pivot[j] = matrix[best * WIDE + j] * inverse
-            matrix[best * WIDE + j] = matrix[place * WIDE + j]
-        pivot[place] = inverse
+            matrix[pivot + j] = matrix[best * WIDE + j] * inverse
+        matrix[pivot + place] = inverse
+        if best != place:
+            shares[best] = shares[place]
+            for j in range(WIDE):
+                matrix[best * WIDE + j] = matrix[place * WIDE + j]
+        eliminate(matrix, shares)
         for j in range(WIDE):
-            for row in range(RATES):
-                matrix[row * WIDE + j] -= shares[row] * pivot[j]
-        for j in range(WIDE):
-            matrix[place * WIDE + j] = pivot[j]
+            matrix[place * WIDE + j] = matrix[pivot + j]
     for place in range(RATES - 1, -1, -1):
         best = exchanged[place]
         if best != place:
@@ -119,7 +128,7 @@ def prepare(h: float, work) -> None:
         inverse[i] = -turned[POSITIONS * WIDE + i]
     for i in range(RATES):
         inverse[i * WIDE + i] += 1.0 / g
-    invert(inverse, rows)
+    invert(inverse, rows[0], rows[2])
 
 
 @njit(error_model="numpy", fastmath=FAST)
