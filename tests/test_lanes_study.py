@@ -1,16 +1,11 @@
 """`benchmarks.lanes.transform`: a function in lanes does in each lane what it does alone."""
 
-import sys
-from pathlib import Path
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jax import lax
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from benchmarks.lanes.transform import Lanes, Mapped, Stored
+from jax import lax
 
 COUNT = 4
 X = np.linspace(-1.0, 2.0, 3 * COUNT).reshape(3, COUNT)
