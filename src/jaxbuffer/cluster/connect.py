@@ -22,7 +22,8 @@ EXAMPLE = "tcp://host:8786"
 def require() -> None:
     """Raise `InputError` with what to install unless the extra's packages are there."""
     if missing := [name for name in NEEDED if find_spec(name) is None]:
-        raise InputError(f"a scheduler needs {' and '.join(missing)}, which are missing: pip install jaxbuffer[cluster]")
+        told = " and ".join(missing)
+        raise InputError(f"a scheduler needs {told}, not installed here: pip install 'jaxbuffer[cluster]'")
 
 
 @contextlib.contextmanager

@@ -56,6 +56,11 @@ def store_in(folder: str | Path | None) -> str:
     return wrong
 
 
+def folder() -> Path | None:
+    """Where programs are kept, if anywhere."""
+    return _folder
+
+
 @contextlib.contextmanager
 def watched(watcher: Callable[[float | None], None]) -> Iterator[None]:
     """Call ``watcher`` whenever a program's compilation begins, with the time that it is expected to take [s], and with

@@ -42,6 +42,14 @@ def identity(**parts: Any) -> dict[str, str]:
     return hashes
 
 
+def differing(file: Path, own: Mapping[str, str], found: Mapping[str, str]) -> None:
+    """Raise `InputError` where a file or store has another sweep's identity."""
+    differ = [name for name in {**own, **found} if own.get(name) != found.get(name)]
+    if differ:
+        told = "repeat the study, the options and the same --over of the first, or choose another --output"
+        raise InputError(f"{file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is")
+
+
 class SweepStore:
     """The folder of one sweep, locked until `close`."""
 
@@ -131,12 +139,7 @@ class SweepStore:
         if check != b"%08x" % zlib.crc32(text):
             raise InputError(f"{self.file} is damaged at its beginning and cannot be resumed; it is left as it is")
         found = json.loads(text)
-        differ = [name for name in {**identity, **found} if identity.get(name) != found.get(name)]
-        if differ:
-            told = "repeat the study, the options and the same --over of the first, or choose another --output"
-            raise InputError(
-                f"{self.file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is"
-            )
+        differing(self.file, identity, found)
 
 
 def _records(

@@ -27,6 +27,8 @@ from .found import column_names as column_names
 from .found import whole_numbers as whole_numbers
 from .grid import Batch, grid
 from .store import SweepStore, identity
+from .stored import StoredInterrupted as StoredInterrupted
+from .stored import StoredSweep as StoredSweep
 from .swept import Swept
 
 ONE_FOR_ALL = "all runs of a sweep share it"
@@ -48,6 +50,7 @@ def sweep(
     duration: Scalar | None = None,
     *,
     over: None = None,
+    client: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -65,6 +68,7 @@ def sweep(
     duration: Scalar | None = None,
     *,
     over: Mapping[str, Any],
+    client: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -75,12 +79,14 @@ def sweep(
 ) -> Swept: ...
 
 
+@overload
 def sweep(
     design: Part,
     scenarios: Part,
     duration: Scalar | None = None,
     *,
     over: Mapping[str, Any] | None = None,
+    client: Any,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -88,7 +94,24 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-) -> Sweep | Swept:
+) -> StoredSweep: ...
+
+
+def sweep(
+    design: Part,
+    scenarios: Part,
+    duration: Scalar | None = None,
+    *,
+    over: Mapping[str, Any] | None = None,
+    client: Any = None,
+    solver: Solver | str | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    stabilisation: float = 20.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+) -> Sweep | Swept | StoredSweep:
     """Simulate many runs of a mechanism.
 
     **Arguments:**
@@ -98,18 +121,21 @@ def sweep(
     - ``over``: values of several fields, all combinations of which are run: by dotted path, "scenario.…" for the
       scenario's, a list of numbers in the field's unit, {"from", "to", "count", "scale"}, or a list of choices.
       ``design`` and ``scenarios`` then have single numbers.
+    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" (threads) or "processes" on this
+      machine: the sweep goes to its workers, which store it in ``folder`` (docs/clusters.md).
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for, or True for a bar.
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
     - ``resume``: go on with the sweep in ``folder`` instead.
 
-    **Returns:** a `Sweep`, or with ``over`` a `Swept`, the same bits whether it was interrupted and resumed or not. A
-    run that fails says so in its ``code``; the others are not touched by it. Each combination of choices is a program
-    of its own, compiled once.
+    **Returns:** a `Sweep`, with ``over`` a `Swept`, with ``client`` a `StoredSweep`; the same bits whether it was
+    interrupted and resumed or not. A run that fails says so in its ``code``; the others are not touched by it. Each
+    combination of choices is a program of its own, compiled once.
 
     **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use, and on resuming
-    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C.
+    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C (`StoredInterrupted` with
+    ``client``).
 
     **Example:**
 
@@ -133,6 +159,8 @@ def sweep(
         check_whole("workers", workers, 1)
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
     storing = Storing(workers, counted(progress, mechanism.run_name), folder, resume)
+    if client is not None:
+        return _over_cluster((design, scenarios, duration), over, client, settings, storing)
     if over is None:
         return _run([Batch(None, design, scenarios)], duration, settings, storing)
     check_single("duration", duration, "s", ONE_FOR_ALL)
@@ -143,6 +171,21 @@ def sweep(
         assert isinstance(stop.found, Sweep)
         raise SweepInterrupted(Swept(asked, design, scenarios, stop.found, stop.done), stop.done) from None
     return Swept(asked, design, scenarios, found, np.ones(len(asked), bool))
+
+
+def _over_cluster(
+    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, client: Any, settings: Settings, storing: Storing
+) -> StoredSweep:
+    """The sweep of a design, scenarios and durations by the workers of a cluster."""
+    from .cut import GridSweep, RunsSweep, Template
+    from .distributed import Asked, run
+
+    if over is None:
+        count = runs(Batch(None, *swept[:2]), swept[2], 1, 1, filled=True).places.size
+        return run(Asked(lambda size: RunsSweep(*swept, count, size), count, settings, client, *storing))
+    check_single("duration", swept[2], "s", ONE_FOR_ALL)
+    asked, template = grid(over, *swept[:2], held=False), Template(*swept)
+    return run(Asked(lambda size: GridSweep(asked, template, size), len(asked), settings, client, *storing))
 
 
 def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:

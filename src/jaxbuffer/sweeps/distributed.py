@@ -1,0 +1,132 @@
+"""A sweep over a cluster: blocks as tasks, whose workers store what they find; nothing of it passes through here."""
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ..cluster.connect import connected, require
+from ..cluster.spread import spread
+from ..cluster.workers import Workers
+from ..compiling.programs import folder as programs_folder
+from ..errors import InputError
+from ..files import Lock
+from ..mechanisms.dataset import attributes
+from ..mechanisms.registry import mechanism_of
+from .chunk import CHUNK, Settings
+from .cut import Cut, GridSweep, RunsSweep
+from .found import column_names
+from .store import differing, identity
+from .stored import StoredInterrupted, StoredSweep
+from .task import Job, Told, solve_block
+from .zarr_store import BLOCK, IDENTITY, KIND, STORE, create, known
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+TASK = 512  # runs of a task: about a second, so that a scheduler has little to do
+PER_THREAD = 8  # tasks a thread at least, so that none waits long for the last
+
+
+class Asked(NamedTuple):
+    """What a sweep over a cluster is to do; as in `sweep`."""
+
+    sweep: Callable[[int], GridSweep | RunsSweep]  # cut into blocks of at most so many runs
+    count: int
+    settings: Settings
+    where: Any
+    workers: int | None
+    progress: Callable[[int, int], None] | None
+    folder: str | Path | None
+    resume: bool
+
+
+def run(asked: Asked) -> StoredSweep:
+    """Solve all runs, or those that the store lacks."""
+    require()
+    if asked.folder is None:
+        raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
+    folder = Path(asked.folder).absolute()
+    store = folder / STORE
+    if asked.resume and not store.exists():
+        raise InputError(f"{folder}: there is no sweep to resume; {STORE} is missing; leave out --resume to begin one")
+    lock = Lock(folder)
+    try:
+        with connected(asked.where, asked.workers) as client:
+            return _resumed(asked, client, store) if asked.resume else _begun(asked, client, store)
+    finally:
+        lock.release()
+
+
+def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
+    workers = Workers(client, _cache())
+    size = max(CHUNK, min(TASK, asked.count // (PER_THREAD * max(1, workers.threads))))
+    sweep = asked.sweep(size)
+    mechanism = mechanism_of(sweep.template.design)
+    own = _identity(asked, sweep)
+    about = {
+        **attributes(mechanism, sweep.template.design, sweep.template.scenario),
+        "settings": json.dumps(_settings(asked, sweep), sort_keys=True),
+        IDENTITY: own,
+        BLOCK: json.dumps(sweep.cut.block),
+        KIND: json.dumps(workers.kind, sort_keys=True),
+    }
+    create(store, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
+    return _solved(asked, client, workers, store, sweep)
+
+
+def _resumed(asked: Asked, client: "Client", store: Path) -> StoredSweep:
+    theirs, block, kind = known(store)
+    sweep = asked.sweep(CHUNK)
+    differing(store, json.loads(_identity(asked, sweep)), theirs)
+    sweep.cut = Cut(sweep.cut.sizes, block)
+    return _solved(asked, client, Workers(client, _cache(), kind), store, sweep)
+
+
+def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep: GridSweep | RunsSweep) -> StoredSweep:
+    mechanism = mechanism_of(sweep.template.design)
+    columns, grid = column_names(mechanism), isinstance(sweep, GridSweep)
+    job = Job(str(store), _identity(asked, sweep), columns, grid, sweep.template, asked.settings)
+    outcomes, done = Counter[int](), 0
+
+    def so_far() -> StoredSweep:
+        return StoredSweep(store, sweep, asked.count, done, dict(outcomes))
+
+    try:
+        for told in _spread(client, workers, job, sweep):
+            done += told.runs
+            outcomes.update(told.outcomes)
+            if asked.progress is not None:
+                asked.progress(done, asked.count)
+    except KeyboardInterrupt:
+        raise StoredInterrupted(so_far()) from None
+    except OSError as error:
+        kept = f"{done} of {asked.count} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
+        raise OSError(error.errno, f"{error.strerror or error}; {kept}", error.filename) from None
+    return so_far()
+
+
+def _spread(client: "Client", workers: Workers, job: Job, sweep: GridSweep | RunsSweep) -> Iterator[Told]:
+    return spread(client, workers, solve_block, job, sweep.blocks())
+
+
+def _identity(asked: Asked, sweep: GridSweep | RunsSweep) -> str:
+    options = (sweep.template.duration, *asked.settings)
+    columns = column_names(mechanism_of(sweep.template.design))
+    return json.dumps(identity(**sweep.identity(), options=options, quantities=columns), sort_keys=True)
+
+
+def _settings(asked: Asked, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
+    rtol, stabilisation, solver = asked.settings
+    return {
+        "rtol [-]": float(rtol),
+        "stabilisation [1/s]": float(stabilisation),
+        "duration [s]": float(sweep.template.duration),
+        "solver": "automatic" if solver is None else repr(solver),
+    }
+
+
+def _cache() -> str | None:
+    kept = programs_folder()
+    return None if kept is None else str(kept)

@@ -1,0 +1,69 @@
+"""What a worker of a cluster does for a sweep: solve a block, and store it."""
+
+import functools
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .chunk import CHUNK, Settings, runs, solve_chunk
+from .cut import Block, GridSweep, RunsSweep, Template
+from .zarr_store import Store
+
+
+class Job(NamedTuple):
+    """What all tasks of a sweep share, small enough to go with each of them. ``grid``: whether the blocks are those of
+    a `GridSweep`, or of a `RunsSweep`."""
+
+    store: str
+    identity: str
+    columns: tuple[str, ...]
+    grid: bool
+    template: Template
+    settings: Settings
+
+
+class Told(NamedTuple):
+    """What a worker says of a block. ``computed``: False if it was there already; ``outcomes``: how many runs ended
+    with each code; ``solving``, ``storing``: how long that took [s]."""
+
+    number: int
+    runs: int
+    computed: bool
+    outcomes: dict[int, int]
+    solving: float
+    storing: float
+
+
+def solve_block(job: Job, block: Block) -> Told:
+    """Solve and store a block, unless the store has it whole already."""
+    store = _opened(job.store, job.identity, job.columns)
+    store.check()
+    found, begin = store.read(block), time.perf_counter()
+    computed = found is None
+    if found is None:
+        found = solved(job, block)
+    between = time.perf_counter()
+    if computed:
+        store.write(block, found)
+    codes, counts = np.unique(found[0], return_counts=True)
+    outcomes = dict(zip(codes.tolist(), counts.tolist(), strict=True))
+    ended = time.perf_counter()
+    return Told(block.number, found[0].size, computed, outcomes, between - begin, ended - between)
+
+
+def solved(job: Job, block: Block) -> list[np.ndarray]:
+    """A block's columns, (runs,) each."""
+    batch, duration = (GridSweep if job.grid else RunsSweep).batch(job.template, block)
+    mine = runs(batch, duration, CHUNK, 1, filled=True)
+    parts = []
+    for first in range(0, mine.places.size, CHUNK):
+        wanted = slice(min(CHUNK, mine.places.size - first))
+        parts.append([np.asarray(values)[wanted] for values in solve_chunk(*mine.call(first), *job.settings)])
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+@functools.lru_cache(maxsize=8)
+def _opened(path: str, identity: str, columns: tuple[str, ...]) -> Store:
+    return Store(Path(path), identity, columns)

@@ -1,0 +1,172 @@
+"""A sweep as one Zarr store: an array a quantity, cut into files as the sweep is into blocks.
+
+Each file is put in place whole. The block's checksum, of all its numbers, comes last: a block whose checksum is missing
+or another one is not done, whatever ended its writer or damaged its files.
+"""
+
+import dataclasses
+import functools
+import hashlib
+import json
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..files import naming
+from ..labelled.arrays import Labelled, dataset
+from ..mechanisms.mechanism import Mechanism
+from .cut import Block, Cut
+from .found import column_names, whole_numbers
+
+if TYPE_CHECKING:
+    import zarr
+
+STORE, DRAFT = "sweep.zarr", ".sweep.zarr.draft"
+CHECKSUM = "checksum"
+IDENTITY, BLOCK, KIND = "identity", "block", "made_on"  # attributes, as JSON
+ATTRIBUTES = ".zattrs"  # the store's, in Zarr's format 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Store:
+    """The store of one sweep, as the process that writes it sees it. ``identity``: of the sweep, as JSON."""
+
+    path: Path
+    identity: str
+    columns: tuple[str, ...]
+
+    @functools.cached_property
+    def arrays(self) -> "list[zarr.Array]":
+        """An array a column, and that of the checksums."""
+        import zarr
+
+        group = zarr.open_group(self.path, mode="r+", zarr_format=2)
+        return [group[name] for name in (*self.columns, CHECKSUM)]  # type: ignore[misc]
+
+    def check(self) -> None:
+        """Raise `InputError` where another sweep has taken its place, so that nothing is written there."""
+        if _attributes(self.path).get(IDENTITY) != self.identity:
+            raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
+
+    def write(self, block: Block, found: Sequence[np.ndarray]) -> None:
+        """Store a block's columns."""
+        self.check()
+        *arrays, checksums = self.arrays
+        with naming(self.path):
+            for array, values in zip(arrays, found, strict=True):
+                array[block.region] = values.reshape(block.shape)
+            checksums[block.number] = self._checksum(block, found)
+
+    def read(self, block: Block) -> list[np.ndarray] | None:
+        """A block's columns, (runs,) each; None where it is not there, or not whole."""
+        *arrays, checksums = self.arrays
+        try:
+            expected = int(checksums[block.number])
+            if not expected:
+                return None
+            found = [np.asarray(array[block.region]).ravel() for array in arrays]
+        except Exception:  # cut off, garbled: codecs and file systems fail in many ways, and all mean the same
+            return None
+        return found if self._checksum(block, found) == expected else None
+
+    def _checksum(self, block: Block, found: Sequence[np.ndarray]) -> int:
+        content = hashlib.blake2b(f"{self.identity} {block.number}".encode(), digest_size=8)
+        for values in found:
+            content.update(np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes())
+        return int.from_bytes(content.digest(), "little") or 1
+
+
+def create(
+    path: Path,
+    mechanism: Mechanism,
+    cut: Cut,
+    dims: tuple[str, ...],
+    coordinates: Mapping[str, Labelled],
+    about: Mapping[str, Any],
+) -> None:
+    """Put a store there without any block, in place of what was there; it is whole or not there."""
+    import zarr
+
+    draft = path.with_name(DRAFT)
+    _removed(draft)
+    with naming(path):
+        dataset({}, coordinates, about).to_zarr(draft, zarr_format=2, consolidated=False)
+        group = zarr.open_group(draft, mode="r+", zarr_format=2)
+        outcomes = mechanism.outcomes
+        flags = {"flag_values": [int(it) for it in outcomes], "flag_meanings": " ".join(it.name for it in outcomes)}
+        whole = whole_numbers(mechanism)
+        for name in column_names(mechanism):
+            quantity = mechanism.quantities.get(name)
+            told = {} if quantity is None else {"units": quantity.unit, "long_name": quantity.description}
+            if name == "code":
+                told = {"long_name": "how the run ended, -1 where not computed", **flags}
+            _array(group, name, cut.sizes, cut.block, dims, -1 if name in whole else np.nan, told)
+        told = {"long_name": "of each block of runs, once it is whole"}
+        _array(group, CHECKSUM, (len(cut),), (1,), ("block_number",), np.uint64(0), told)
+        zarr.consolidate_metadata(group.store)
+        _removed(path)
+        draft.rename(path)
+
+
+def known(path: Path) -> tuple[dict[str, str], tuple[int, ...], dict[str, str]]:
+    """Of a store that is there: its sweep's identity, its block, and what it was made on.
+
+    **Raises:** `InputError` where it can't be told.
+    """
+    found = _attributes(path)
+    try:
+        identity, block, kind = (json.loads(found[name]) for name in (IDENTITY, BLOCK, KIND))
+        return identity, tuple(map(int, block)), kind
+    except (KeyError, ValueError, TypeError):
+        raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
+
+
+def _array(
+    group: "zarr.Group",
+    name: str,
+    shape: tuple[int, ...],
+    chunks: tuple[int, ...],
+    dims: tuple[str, ...],
+    empty: Any,
+    attributes: Mapping[str, Any],
+) -> None:
+    import numcodecs
+
+    group.create_array(
+        name,
+        shape=shape,
+        chunks=chunks,
+        dtype=np.asarray(empty).dtype,
+        fill_value=empty,
+        filters=[numcodecs.CRC32()],  # whoever reads a damaged file is told
+        compressors=numcodecs.Zstd(1),
+        chunk_key_encoding={"name": "v2", "separator": "/"},
+        attributes={"_ARRAY_DIMENSIONS": list(dims), **attributes},
+    )
+
+
+def _attributes(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((path / ATTRIBUTES).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _removed(path: Path) -> None:
+    """Remove a store as a whole: what is left of it after an interrupt has another name."""
+    if path.name != DRAFT and path.exists():
+        gone = path.with_name(f"{DRAFT}.old")
+        _removed_now(gone)
+        path.rename(gone)
+        path = gone
+    _removed_now(path)
+
+
+def _removed_now(path: Path) -> None:
+    if path.exists():
+        shutil.rmtree(path)
