@@ -14,6 +14,7 @@ from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
+from ..sweeps.zarr_store import STORE, opened
 from .formats import ARRAYS
 from .sweep_files import LABELLED
 from .sweep_files import read as read_arrays
@@ -161,7 +162,9 @@ def _run(folder: Path) -> "xr.Dataset | None":
 def _sweep(folder: Path) -> "xr.Dataset | None":
     if (folder / LABELLED).is_file():
         return read(folder / LABELLED)
-    return read_arrays(folder / ARRAYS).to_xarray() if (folder / ARRAYS).is_file() else None
+    if (folder / ARRAYS).is_file():
+        return read_arrays(folder / ARRAYS).to_xarray()
+    return opened(folder / STORE) if (folder / STORE).is_dir() else None
 
 
 def _record(file: Path) -> Record | None:

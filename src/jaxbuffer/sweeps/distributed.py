@@ -33,7 +33,7 @@ class Asked(NamedTuple):
     """What a sweep over a cluster is to do; as in `sweep`."""
 
     sweep: Callable[[int], GridSweep | RunsSweep]  # cut into blocks of at most so many runs
-    count: int
+    runs: int
     settings: Settings
     where: Any
     workers: int | None
@@ -61,7 +61,7 @@ def run(asked: Asked) -> StoredSweep:
 
 def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
     workers = Workers(client, _cache())
-    size = max(CHUNK, min(TASK, asked.count // (PER_THREAD * max(1, workers.threads))))
+    size = max(CHUNK, min(TASK, asked.runs // (PER_THREAD * max(1, workers.threads))))
     sweep = asked.sweep(size)
     mechanism = mechanism_of(sweep.template.design)
     own = _identity(asked, sweep)
@@ -91,18 +91,18 @@ def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep
     outcomes, done = Counter[int](), 0
 
     def so_far() -> StoredSweep:
-        return StoredSweep(store, sweep, asked.count, done, dict(outcomes))
+        return StoredSweep(store, sweep, asked.runs, done, dict(outcomes))
 
     try:
         for told in _spread(client, workers, job, sweep):
             done += told.runs
             outcomes.update(told.outcomes)
             if asked.progress is not None:
-                asked.progress(done, asked.count)
+                asked.progress(done, asked.runs)
     except KeyboardInterrupt:
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
-        kept = f"{done} of {asked.count} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
+        kept = f"{done} of {asked.runs} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
         raise OSError(error.errno, f"{error.strerror or error}; {kept}", error.filename) from None
     return so_far()
 

@@ -11,7 +11,7 @@ from ..mechanisms.registry import mechanism_of
 from .cut import GridSweep, RunsSweep
 from .found import Sweep, column_names
 from .swept import Swept
-from .zarr_store import CHECKSUM
+from .zarr_store import opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,16 +45,14 @@ class StoredSweep:
     def to_xarray(self) -> "xr.Dataset":
         """The sweep as labelled arrays that are read when they are used: a dimension for each field of a grid, else
         ``run``, with units; `code` is the outcome, -1 where there is none yet."""
-        import xarray as xr
-
-        return xr.open_zarr(self.store, mask_and_scale=False).drop_vars(CHECKSUM)
+        return opened(self.store)
 
     def load(self) -> Swept | Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
         import zarr
 
         group = zarr.open_group(self.store, mode="r", zarr_format=2)
-        columns = {name: np.asarray(group[name][...]).ravel() for name in column_names(self.mechanism)}
+        columns = {name: np.asarray(group[name]).ravel() for name in column_names(self.mechanism)}
         template = self.asked.template
         if isinstance(self.asked, RunsSweep):
             return Sweep(self.mechanism, columns, *self.asked.swept[:2])

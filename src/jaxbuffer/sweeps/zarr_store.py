@@ -23,6 +23,7 @@ from .cut import Block, Cut
 from .found import column_names, whole_numbers
 
 if TYPE_CHECKING:
+    import xarray as xr
     import zarr
 
 STORE, DRAFT = "sweep.zarr", ".sweep.zarr.draft"
@@ -65,7 +66,7 @@ class Store:
         """A block's columns, (runs,) each; None where it is not there, or not whole."""
         *arrays, checksums = self.arrays
         try:
-            expected = int(checksums[block.number])
+            expected = int(np.asarray(checksums[block.number]))
             if not expected:
                 return None
             found = [np.asarray(array[block.region]).ravel() for array in arrays]
@@ -101,7 +102,9 @@ def create(
         whole = whole_numbers(mechanism)
         for name in column_names(mechanism):
             quantity = mechanism.quantities.get(name)
-            told = {} if quantity is None else {"units": quantity.unit, "long_name": quantity.description}
+            told: dict[str, Any] = (
+                {} if quantity is None else {"units": quantity.unit, "long_name": quantity.description}
+            )
             if name == "code":
                 told = {"long_name": "how the run ended, -1 where not computed", **flags}
             _array(group, name, cut.sizes, cut.block, dims, -1 if name in whole else np.nan, told)
@@ -110,6 +113,19 @@ def create(
         zarr.consolidate_metadata(group.store)
         _removed(path)
         draft.rename(path)
+
+
+def opened(path: Path) -> "xr.Dataset":
+    """A store as labelled arrays, which are read when they are used. **Raises:** `InputError` where it is damaged."""
+    from ..cluster.connect import require
+
+    require()
+    import xarray as xr
+
+    try:
+        return xr.open_zarr(path, mask_and_scale=False).drop_vars(CHECKSUM)
+    except Exception as error:  # no store at all, or metadata cut short: all mean the same
+        raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
 
 
 def known(path: Path) -> tuple[dict[str, str], tuple[int, ...], dict[str, str]]:
