@@ -12,6 +12,7 @@ from ..cluster.workers import Workers
 from ..compiling.programs import folder as programs_folder
 from ..errors import InputError
 from ..files import Lock
+from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.registry import mechanism_of
 from .chunk import CHUNK, Settings
@@ -87,7 +88,9 @@ def _resumed(asked: Asked, client: "Client", store: Path) -> StoredSweep:
 def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep: GridSweep | RunsSweep) -> StoredSweep:
     mechanism = mechanism_of(sweep.template.design)
     columns, grid = column_names(mechanism), isinstance(sweep, GridSweep)
-    job = Job(str(store), _identity(asked, sweep), columns, grid, sweep.template, asked.settings)
+    rtol, stabilisation = float(asked.settings.rtol), float(asked.settings.stabilisation)
+    solver = name_of(asked.settings.solver)
+    job = Job(str(store), _identity(asked, sweep), columns, grid, sweep.template, rtol, stabilisation, solver)
     outcomes, done = Counter[int](), 0
 
     def so_far() -> StoredSweep:
@@ -118,12 +121,12 @@ def _identity(asked: Asked, sweep: GridSweep | RunsSweep) -> str:
 
 
 def _settings(asked: Asked, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
-    rtol, stabilisation, solver = asked.settings
+    settings = asked.settings
     return {
-        "rtol [-]": float(rtol),
-        "stabilisation [1/s]": float(stabilisation),
+        "rtol [-]": float(settings.rtol),
+        "stabilisation [1/s]": float(settings.stabilisation),
         "duration [s]": float(sweep.template.duration),
-        "solver": "automatic" if solver is None else repr(solver),
+        "solver": name_of(settings.solver) or "automatic",
     }
 
 
