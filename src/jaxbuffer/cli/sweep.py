@@ -71,8 +71,7 @@ def sweep(request: Request, over: Over = None, scheduler: Scheduler = None, resu
     from ..output.sweep_files import FIGURE, LABELLED, RECORD, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
-    from ..sweeps.store import STORE
-    from ..sweeps.zarr_store import STORE as ZARR
+    from ..sweeps.store import STORE, ZARR
 
     study = request.study()
     if scheduler is not None:

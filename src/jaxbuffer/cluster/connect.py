@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 LOCAL, PROCESSES = "local", "processes"
 LOOPBACK = "127.0.0.1"
-PATIENCE = 60.0  # s until a scheduler answers, or has a worker
+PATIENCE = 60.0  # s until a scheduler answers
 NEEDED = ("distributed", "zarr")
 EXAMPLE = "tcp://host:8786"
 
@@ -88,7 +88,8 @@ def _own(processes: bool, count: int) -> "Iterator[Client]":
 def _remote(address: str) -> "Iterator[Client]":
     from distributed import Client
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it has to say, we say in a line
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what it has to say, we say in a line
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -11,13 +11,13 @@ from ..compiling.backend import backend_is_up, one_kernel
 from ..compiling.kind import HOST, kind
 from ..compiling.process import configure
 from ..errors import InputError
-from .connect import PATIENCE
 
 if TYPE_CHECKING:
     from distributed import Client
 
 Kind = Mapping[str, str]
 TOLD = 5  # workers that a message names
+PATIENCE = 20.0  # s until it is said that there is no worker
 
 
 @functools.cache
@@ -51,14 +51,11 @@ class Workers:
     """
 
     def __init__(self, client: "Client", cache: str | None, given: Kind | None = None) -> None:
-        """**Raises:** `InputError` where no worker comes, or none of them fits."""
+        """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
         self.client, self.cache = client, cache
         self.seen: dict[str, list[str]] = {}  # what differs, by address
         self.threads = 0  # of all workers
-        try:
-            client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError:
-            raise InputError(f"the scheduler has no worker, {PATIENCE:.0f} s after it was asked for one") from None
+        self._wait()
         found = self._asked()
         self.kind = dict(given or self._expected(found))
         self._judge(found)
@@ -92,6 +89,16 @@ class Workers:
             self.seen[address] = differs
             what = ", ".join(differs)
             warnings.warn(f"worker {address} is left out: it differs in {what}, and so might its bits", stacklevel=2)
+
+    def _wait(self) -> None:
+        told = False
+        while True:
+            try:
+                return self.client.wait_for_workers(1, timeout=PATIENCE)
+            except TimeoutError:
+                if not told:
+                    warnings.warn("the scheduler has no worker yet; waiting for one", stacklevel=2)
+                told = True
 
     def _asked(self) -> dict[str, Any]:
         here = self.client.scheduler_info(n_workers=-1)["workers"]

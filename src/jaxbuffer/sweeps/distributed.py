@@ -18,10 +18,12 @@ from ..mechanisms.registry import mechanism_of
 from .chunk import CHUNK, Settings
 from .cut import Cut, GridSweep, RunsSweep
 from .found import column_names
+from .store import STORE as CHUNKS
+from .store import ZARR as STORE
 from .store import differing, identity
 from .stored import StoredInterrupted, StoredSweep
 from .task import Job, Told, solve_block
-from .zarr_store import BLOCK, IDENTITY, KIND, STORE, create, known
+from .zarr_store import BLOCK, IDENTITY, KIND, create, known, remove_drafts
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -51,7 +53,9 @@ def run(asked: Asked) -> StoredSweep:
     folder = Path(asked.folder).absolute()
     store = folder / STORE
     if asked.resume and not store.exists():
-        raise InputError(f"{folder}: there is no sweep to resume; {STORE} is missing; leave out --resume to begin one")
+        other = f", {CHUNKS} is that of one without a scheduler" if (folder / CHUNKS).exists() else ""
+        told = f"{STORE} is missing{other}; leave out --resume to begin one"
+        raise InputError(f"{folder}: there is no sweep to resume; {told}")
     lock = Lock(folder)
     try:
         with connected(asked.where, asked.workers) as client:
@@ -79,6 +83,7 @@ def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
 
 def _resumed(asked: Asked, client: "Client", store: Path) -> StoredSweep:
     theirs, block, kind = known(store)
+    remove_drafts(store)
     sweep = asked.sweep(CHUNK)
     differing(store, json.loads(_identity(asked, sweep)), theirs)
     sweep.cut = Cut(sweep.cut.sizes, block)
@@ -106,7 +111,9 @@ def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
         kept = f"{done} of {asked.runs} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
-        raise OSError(error.errno, f"{error.strerror or error}; {kept}", error.filename) from None
+        if error.errno is None:
+            raise type(error)(f"{error}; {kept}") from None
+        raise OSError(error.errno, f"{error.strerror}; {kept}", error.filename) from None
     return so_far()
 
 

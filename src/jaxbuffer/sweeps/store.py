@@ -24,7 +24,7 @@ from ..errors import InputError
 from ..files import Lock, naming, write
 from ..version import version
 
-STORE = "sweep.chunks"
+STORE, ZARR = "sweep.chunks", "sweep.zarr"  # and that of a sweep over a scheduler (`zarr_store`)
 PERIOD = 1.0  # s between records
 MARK = b"\xf1CHUNK\r\n"
 HEAD = struct.Struct("<8sII")
@@ -70,9 +70,9 @@ class SweepStore:
         self.stored = np.zeros_like(finished)
         self.due = time.monotonic() + PERIOD
         if resume and not self.file.exists():
-            raise InputError(
-                f"{folder}: there is no sweep to resume; {STORE} is missing; leave out --resume to begin one"
-            )
+            other = f", {ZARR} is one of --scheduler" if (folder / ZARR).exists() else ""
+            told = f"{STORE} is missing{other}; leave out --resume to begin one"
+            raise InputError(f"{folder}: there is no sweep to resume; {told}")
         self.lock = Lock(folder)
         try:
             self.length = self._read(identity) if resume else self._begin(identity)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
     import zarr
 
-STORE, DRAFT = "sweep.zarr", ".sweep.zarr.draft"
+DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
 IDENTITY, BLOCK, KIND = "identity", "block", "made_on"  # attributes, as JSON
 ATTRIBUTES = ".zattrs"  # the store's, in Zarr's format 2
@@ -113,6 +113,12 @@ def create(
         zarr.consolidate_metadata(group.store)
         _removed(path)
         draft.rename(path)
+
+
+def remove_drafts(path: Path) -> None:
+    """Remove what killed workers left half written."""
+    for draft in path.rglob("*.partial"):
+        draft.unlink(missing_ok=True)
 
 
 def opened(path: Path) -> "xr.Dataset":
