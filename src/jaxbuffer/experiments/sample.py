@@ -15,7 +15,7 @@ from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..sweeps.computed import Computed
-from ..sweeps.found import SweepInterrupted
+from ..sweeps.found import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
 from ..sweeps.sweep import sweep
 from ..tables import html, text
@@ -149,9 +149,15 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
     except SweepInterrupted as stop:
         raise SweepInterrupted(Sample(points, design, scenario, stop.found, stop.done), stop.done) from None
     except StoredInterrupted as stop:
-        read = stop.found.load()
+        read = _read(stop.found)
         done = read.code >= 0
         raise SweepInterrupted(Sample(points, design, scenario, read, done), done) from None
     if isinstance(found, StoredSweep):
-        found = found.load()
+        found = _read(found)
     return Sample(points, design, scenario, found, np.ones(len(points), bool))
+
+
+def _read(stored: StoredSweep) -> Sweep:
+    found = stored.load()
+    assert isinstance(found, Sweep)  # of runs, not over a grid
+    return found
