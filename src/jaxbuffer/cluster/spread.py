@@ -1,6 +1,7 @@
 """Tasks handed to a cluster, few at a time, until all are done."""
 
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -70,6 +71,7 @@ class _UnderWay:
         self.tasks = dict["Future", tuple[Any, int]]()  # and how many workers have ended at each
         self.watch = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self.room, self.due = 0, 0.0
+        self.name, self.count = f"{work.__name__}-{uuid.uuid4().hex}", 0
 
     def __bool__(self) -> bool:
         return bool(self.tasks)
@@ -85,8 +87,10 @@ class _UnderWay:
     def submit(self, task: Any, ended: int) -> None:
         confined = self.workers.allowed
         arguments = (self.workers.kind, self.workers.cache, self.work, self.common, task)
+        self.count += 1
+        key = (self.name, self.count)  # one group of tasks for the scheduler, which has a record of each group
         future = self.client.submit(
-            checked, *arguments, pure=False, workers=confined, allow_other_workers=confined is not None
+            checked, *arguments, key=key, pure=False, workers=confined, allow_other_workers=confined is not None
         )
         self.tasks[future] = task, ended
         self.watch.add(future)
