@@ -19,6 +19,13 @@ NEEDED = ("distributed", "zarr")
 EXAMPLE = "tcp://host:8786"
 
 
+class SchedulerGone(ConnectionError):
+    """The scheduler does not answer any more."""
+
+    def __init__(self) -> None:
+        super().__init__("the scheduler is gone")
+
+
 def require() -> None:
     """Raise `InputError` with what to install unless the extra's packages are there."""
     if missing := [name for name in NEEDED if find_spec(name) is None]:
@@ -32,8 +39,8 @@ def connected(where: Any, workers: int | None = None) -> "Iterator[Client]":
 
     **Arguments:**
 
-    - ``where``: "local", threads of this process, which open no port; "processes", one process a core, whose scheduler
-      listens on 127.0.0.1 only; an address, as in "tcp://host:8786"; or a `distributed.Client`, which stays open.
+    - ``where``: "local", threads of this process; "processes", one process a core; both listen on 127.0.0.1 only; an
+      address, as in "tcp://host:8786"; or a `distributed.Client`, which stays open.
     - ``workers``: threads or processes of a cluster of our own, by default one a core.
 
     **Raises:** `InputError` where packages are missing or no scheduler answers.
@@ -63,6 +70,8 @@ def _own(processes: bool, count: int) -> "Iterator[Client]":
 
     settings = {
         "distributed.scheduler.allowed-failures": 1000,  # of workers that a task was on; we count ourselves
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
         "distributed.worker.daemon": True,
         "distributed.worker.memory.terminate": False,
         "distributed.admin.tick.limit": "1h",  # a compilation holds Python for a while
@@ -74,7 +83,8 @@ def _own(processes: bool, count: int) -> "Iterator[Client]":
             processes=processes,
             host=LOOPBACK if processes else None,
             dashboard_address=None,
-            worker_dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},  # else its page is everybody's to read
+            worker_dashboard_address=f"{LOOPBACK}:0",
             silence_logs=logging.CRITICAL,
             memory_limit=0,
             **size,

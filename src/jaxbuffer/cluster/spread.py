@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from ..errors import InputError
+from .connect import SchedulerGone
 from .workers import Kind, Workers, differing, prepared
 
 if TYPE_CHECKING:
@@ -23,10 +24,6 @@ class Refused(NamedTuple):
 
     worker: str
     differs: list[str]
-
-
-class SchedulerGone(ConnectionError):
-    """The scheduler does not answer any more."""
 
 
 class TaskEndsWorkers(OSError):
@@ -88,6 +85,8 @@ class _UnderWay:
         confined = self.workers.allowed
         arguments = (self.workers.kind, self.workers.cache, self.work, self.common, task)
         self.count += 1
+        if self.client.status != "running":
+            raise SchedulerGone
         key = (self.name, self.count)  # one group of tasks for the scheduler, which has a record of each group
         future = self.client.submit(
             checked, *arguments, key=key, pure=False, workers=confined, allow_other_workers=confined is not None
@@ -102,7 +101,7 @@ class _UnderWay:
             if future.status == "error":
                 self.submit(task, self._after(found[1], task, ended))
             elif future.status != "finished":
-                raise SchedulerGone("the scheduler is gone")
+                raise SchedulerGone
             elif isinstance(found, Refused):
                 self._refuse(found)
                 self.submit(task, ended)

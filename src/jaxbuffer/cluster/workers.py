@@ -11,6 +11,7 @@ from ..compiling.backend import backend_is_up, one_kernel
 from ..compiling.kind import HOST, kind
 from ..compiling.process import configure
 from ..errors import InputError
+from .connect import SchedulerGone
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -99,8 +100,16 @@ class Workers:
                 if not told:
                     warnings.warn("the scheduler has no worker yet; waiting for one", stacklevel=2)
                 told = True
+            except OSError:
+                raise SchedulerGone from None
 
     def _asked(self) -> dict[str, Any]:
+        try:
+            return self._new()
+        except OSError:  # its connection was closed
+            raise SchedulerGone from None
+
+    def _new(self) -> dict[str, Any]:
         here = self.client.scheduler_info(n_workers=-1)["workers"]
         self.threads = sum(worker["nthreads"] for worker in here.values())
         self.seen = {address: differs for address, differs in self.seen.items() if address in here}

@@ -112,7 +112,7 @@ def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep
     except OSError as error:
         kept = f"{done} of {asked.runs} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
         if error.errno is None:
-            raise type(error)(f"{error}; {kept}") from None
+            raise ConnectionError(f"{error}; {kept}") from None
         raise OSError(error.errno, f"{error.strerror}; {kept}", error.filename) from None
     return so_far()
 
