@@ -30,7 +30,7 @@ from jaxbuffer.sweeps.cut import Block, GridSweep, Template
 from jaxbuffer.sweeps.found import column_names
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.task import Job, Told
-from jaxbuffer.sweeps.zarr_store import IDENTITY, Store, create
+from jaxbuffer.sweeps.zarr_store import TOKEN, Store, create
 
 from .memory import status
 
@@ -115,9 +115,9 @@ def storing(folder: Path) -> tuple[float, float, int]:
     seconds = []
     for size in (100, 4000):
         sweep, path = sweep_of(REPEATS * 4000, size), folder / f"storing-{size}.zarr"
-        about = {**attributes(mechanism, design, jb.Scenario()), IDENTITY: "{}"}
+        about = {**attributes(mechanism, design, jb.Scenario()), TOKEN: "one"}
         create(path, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
-        store = Store(path, "{}", column_names(mechanism))
+        store = Store(path, "one", column_names(mechanism))
         seconds.append(min(_stored(store, sweep.block(k)) for k in range(REPEATS)))
     number = max(0.0, (seconds[1] - seconds[0]) / (4000 - 100))
     return seconds[0] - 100 * number, number, len(column_names(mechanism)) + 1
@@ -141,7 +141,7 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
     columns = column_names(mechanism_of(jb.table2()))
-    job: Any = Job("nowhere", "{}", columns, True, sweep.template, TOLERANCE, 20.0, None)
+    job: Any = Job("nowhere", "one", columns, True, sweep.template, TOLERANCE, 20.0, None)
     times, memory = [], []
     with connected("processes", 2) as client:
         workers = Workers(client, None)

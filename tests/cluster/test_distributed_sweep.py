@@ -3,6 +3,7 @@
 import json
 import pickle
 
+import numcodecs
 import numpy as np
 import pytest
 import xarray as xr
@@ -169,6 +170,36 @@ def test_a_damaged_beginning_is_refused_and_left(client, tmp_path, solved, conte
     assert (tmp_path / ZARR / ".zattrs").read_bytes() == content
 
 
+@pytest.mark.parametrize("where", [".zmetadata", ".zarray"])
+def test_a_store_with_a_pickle_in_it_is_not_read(client, tmp_path, solved, where):
+    """Zarr would unpickle what such an array holds, which runs code."""
+    swept(tmp_path, client)
+    name = "scenario.height"
+    file = tmp_path / ZARR / (".zmetadata" if where == ".zmetadata" else f"{name}/.zarray")
+    content = json.loads(file.read_text())
+    array = content["metadata"][f"{name}/.zarray"] if where == ".zmetadata" else content
+    array |= {"dtype": "|O", "filters": [{"id": "pickle", "protocol": 5}], "compressor": None}
+    file.write_text(json.dumps(content))
+    (tmp_path / ZARR / name / "0").write_bytes(pickle.dumps(Runs(str(tmp_path / "was-run"))))
+    for read in (lambda: jb.load(tmp_path), lambda: swept(tmp_path, client, resume=True)):
+        with pytest.raises(InputError, match="it has arrays of another kind; it is not read"):
+            read()
+    assert not (tmp_path / "was-run").exists()
+    decoded = numcodecs.get_codec({"id": "pickle"}).decode((tmp_path / ZARR / name / "0").read_bytes())
+    decoded.close()
+    assert (tmp_path / "was-run").exists(), "which Zarr's codec of that name does"
+
+
+class Runs:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def __reduce__(self):
+        return open, (self.file, "w")
+
+
 def test_another_sweep_is_refused_with_what_differs(client, tmp_path, solved):
     swept(tmp_path, client)
     solved.clear()
@@ -196,6 +227,14 @@ def test_what_can_not_be_resumed(client, tmp_path, solved):
         swept(tmp_path / "other", None, resume=True)
 
 
+def test_the_same_sweep_begun_anew_in_other_blocks(client, tmp_path, solved, monkeypatch):
+    """By workers that have written to the store which was there."""
+    swept(tmp_path, client)
+    monkeypatch.setattr("jaxbuffer.sweeps.distributed.CHUNK", 11)
+    assert same(swept(tmp_path, client).load().found, whole())
+    assert len(list((tmp_path / ZARR / CHECKSUM).iterdir())) > BLOCKS
+
+
 def test_a_new_sweep_takes_the_place_of_one_that_was_there(client, tmp_path, solved):
     swept(tmp_path, client, rtol=1e-3)
     assert same(swept(tmp_path, client).load().found, whole())
@@ -216,7 +255,7 @@ def test_one_driver_at_a_time(client, tmp_path, solved):
 def test_a_worker_left_over_writes_nothing_into_another_sweeps_store(client, tmp_path, solved):
     """As of a driver that was killed, while another one begins anew there."""
     swept(tmp_path, client)
-    now = json.loads((tmp_path / ZARR / ".zattrs").read_text())["identity"]
+    now = json.loads((tmp_path / ZARR / ".zattrs").read_text())["token"]
     late, block = Store(tmp_path / ZARR, "that of before", COLUMNS), Block(0, (slice(0, BLOCK), slice(0, 1)), {})
     with pytest.raises(InputError, match="has become another sweep's meanwhile"):
         late.write(block, [np.zeros(BLOCK, int if name in WHOLE else float) for name in COLUMNS])

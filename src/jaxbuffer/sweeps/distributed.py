@@ -1,6 +1,7 @@
 """A sweep over a cluster: blocks as tasks, whose workers store what they find; nothing of it passes through here."""
 
 import json
+import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,7 +24,7 @@ from .store import ZARR as STORE
 from .store import differing, identity
 from .stored import StoredInterrupted, StoredSweep
 from .task import Job, Told, solve_block
-from .zarr_store import BLOCK, IDENTITY, KIND, create, known, remove_drafts
+from .zarr_store import BLOCK, IDENTITY, KIND, TOKEN, create, known, remove_drafts
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -43,6 +44,13 @@ class Asked(NamedTuple):
     progress: Callable[[int, int], None] | None
     folder: str | Path | None
     resume: bool
+
+
+class _Place(NamedTuple):
+    """Where a sweep is stored, and the store's token."""
+
+    store: Path
+    token: str
 
 
 def run(asked: Asked) -> StoredSweep:
@@ -76,26 +84,30 @@ def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
         IDENTITY: own,
         BLOCK: json.dumps(sweep.cut.block),
         KIND: json.dumps(workers.kind, sort_keys=True),
+        TOKEN: uuid.uuid4().hex,
     }
     create(store, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
-    return _solved(asked, client, workers, store, sweep)
+    return _solved(asked, client, workers, _Place(store, about[TOKEN]), sweep)
 
 
 def _resumed(asked: Asked, client: "Client", store: Path) -> StoredSweep:
-    theirs, block, kind = known(store)
+    there = known(store)
     remove_drafts(store)
     sweep = asked.sweep(CHUNK)
-    differing(store, json.loads(_identity(asked, sweep)), theirs)
-    sweep.cut = Cut(sweep.cut.sizes, block)
-    return _solved(asked, client, Workers(client, _cache(), kind), store, sweep)
+    differing(store, json.loads(_identity(asked, sweep)), there.identity)
+    sweep.cut = Cut(sweep.cut.sizes, there.block)
+    return _solved(asked, client, Workers(client, _cache(), there.kind), _Place(store, there.token), sweep)
 
 
-def _solved(asked: Asked, client: "Client", workers: Workers, store: Path, sweep: GridSweep | RunsSweep) -> StoredSweep:
+def _solved(
+    asked: Asked, client: "Client", workers: Workers, place: _Place, sweep: GridSweep | RunsSweep
+) -> StoredSweep:
+    store, token = place
     mechanism = mechanism_of(sweep.template.design)
     columns, grid = column_names(mechanism), isinstance(sweep, GridSweep)
     rtol, stabilisation = float(asked.settings.rtol), float(asked.settings.stabilisation)
     solver = name_of(asked.settings.solver)
-    job = Job(str(store), _identity(asked, sweep), columns, grid, sweep.template, rtol, stabilisation, solver)
+    job = Job(str(store), token, columns, grid, sweep.template, rtol, stabilisation, solver)
     outcomes, done = Counter[int](), 0
 
     def so_far() -> StoredSweep:

@@ -11,7 +11,7 @@ from ..mechanisms.registry import mechanism_of
 from .cut import GridSweep, RunsSweep
 from .found import Sweep, column_names
 from .swept import Swept
-from .zarr_store import opened
+from .zarr_store import group_of, opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,9 +49,7 @@ class StoredSweep:
 
     def load(self) -> Swept | Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
-        import zarr
-
-        group = zarr.open_group(self.store, mode="r", zarr_format=2)
+        group = group_of(self.store)
         columns = {name: np.asarray(group[name]).ravel() for name in column_names(self.mechanism)}
         template = self.asked.template
         if isinstance(self.asked, RunsSweep):

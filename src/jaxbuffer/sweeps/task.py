@@ -21,7 +21,7 @@ class Job(NamedTuple):
     """
 
     store: str
-    identity: str
+    token: str
     columns: tuple[str, ...]
     grid: bool
     template: Template
@@ -75,7 +75,7 @@ class _Once:
     its classes and values are the same objects, and the program that is made for them is found again."""
 
     def __init__(self, job: Job) -> None:
-        self.job, self.key = job, (job.store, job.identity)
+        self.job, self.key = job, (job.store, job.token)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Once) and other.key == self.key
@@ -89,4 +89,4 @@ def _prepared(once: _Once) -> tuple[Store, Template, Settings]:
     job = once.job
     solver = None if job.solver is None else solver_named(job.solver)
     settings = Settings(np.asarray(job.rtol), np.asarray(job.stabilisation), solver)
-    return Store(Path(job.store), job.identity, job.columns), job.template, settings
+    return Store(Path(job.store), job.token, job.columns), job.template, settings

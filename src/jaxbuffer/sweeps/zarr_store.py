@@ -11,7 +11,7 @@ import json
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,29 +28,28 @@ if TYPE_CHECKING:
 
 DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
-IDENTITY, BLOCK, KIND = "identity", "block", "made_on"  # attributes, as JSON
-ATTRIBUTES = ".zattrs"  # the store's, in Zarr's format 2
+IDENTITY, BLOCK, KIND, TOKEN = "identity", "block", "made_on", "token"  # attributes, the last one a word, else JSON
+ATTRIBUTES, ARRAY, ALL = ".zattrs", ".zarray", ".zmetadata"  # in Zarr's format 2
+CODECS = {None, "crc32", "zstd", "blosc"}  # ours and xarray's; others run code that a store brings: pickle
 
 
 @dataclasses.dataclass(frozen=True)
 class Store:
-    """The store of one sweep, as the process that writes it sees it. ``identity``: of the sweep, as JSON."""
+    """The store of one sweep, as the process that writes it sees it. ``token``: its own, made up with it."""
 
     path: Path
-    identity: str
+    token: str
     columns: tuple[str, ...]
 
     @functools.cached_property
     def arrays(self) -> "list[zarr.Array]":
         """An array a column, and that of the checksums."""
-        import zarr
-
-        group = zarr.open_group(self.path, mode="r+", zarr_format=2)
+        group = group_of(self.path, "r+")
         return [group[name] for name in (*self.columns, CHECKSUM)]  # type: ignore[misc]
 
     def check(self) -> None:
-        """Raise `InputError` where another sweep has taken its place, so that nothing is written there."""
-        if _attributes(self.path).get(IDENTITY) != self.identity:
+        """Raise `InputError` where another store has taken its place, so that nothing is written there."""
+        if _attributes(self.path).get(TOKEN) != self.token:
             raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
 
     def write(self, block: Block, found: Sequence[np.ndarray]) -> None:
@@ -75,7 +74,7 @@ class Store:
         return found if self._checksum(block, found) == expected else None
 
     def _checksum(self, block: Block, found: Sequence[np.ndarray]) -> int:
-        content = hashlib.blake2b(f"{self.identity} {block.number}".encode(), digest_size=8)
+        content = hashlib.blake2b(f"{self.token} {block.number}".encode(), digest_size=8)
         for values in found:
             content.update(np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes())
         return int.from_bytes(content.digest(), "little") or 1
@@ -115,6 +114,28 @@ def create(
         draft.rename(path)
 
 
+def group_of(path: Path, mode: Literal["r", "r+"] = "r") -> "zarr.Group":
+    """The arrays of a store. **Raises:** `InputError` where it is none of ours."""
+    check_codecs(path)
+    import zarr
+
+    return zarr.open_group(path, mode=mode, zarr_format=2)
+
+
+def check_codecs(path: Path) -> None:
+    """Raise `InputError` for a store whose arrays hold more than numbers and words, before any of them is decoded."""
+    try:
+        listed = json.loads((path / ALL).read_text(encoding="utf-8"))["metadata"]
+        found = [it for name, it in listed.items() if name.endswith(ARRAY)]
+        found += [json.loads(file.read_text(encoding="utf-8")) for file in path.glob(f"*/{ARRAY}")]
+        for it in found:
+            codecs = {(codec or {}).get("id") for codec in (it["compressor"], *(it["filters"] or ()))}
+            if not codecs <= CODECS or not isinstance(it["dtype"], str) or it["dtype"][1:2] not in "fiuU":
+                raise InputError(f"{path} is no store of jaxbuffer: it has arrays of another kind; it is not read")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
+
+
 def remove_drafts(path: Path) -> None:
     """Remove what killed workers left half written."""
     for draft in path.rglob("*.partial"):
@@ -126,6 +147,7 @@ def opened(path: Path) -> "xr.Dataset":
     from ..cluster.connect import require
 
     require()
+    check_codecs(path)
     import xarray as xr
 
     try:
@@ -134,15 +156,23 @@ def opened(path: Path) -> "xr.Dataset":
         raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
 
 
-def known(path: Path) -> tuple[dict[str, str], tuple[int, ...], dict[str, str]]:
-    """Of a store that is there: its sweep's identity, its block, and what it was made on.
+class Known(NamedTuple):
+    """What a store says of itself: its sweep's ``identity``, the shape of a ``block``, the ``kind`` of process that it
+    was made by, and its ``token``."""
 
-    **Raises:** `InputError` where it can't be told.
-    """
+    identity: dict[str, str]
+    block: tuple[int, ...]
+    kind: dict[str, str]
+    token: str
+
+
+def known(path: Path) -> Known:
+    """Of a store that is there. **Raises:** `InputError` where it can't be told."""
+    check_codecs(path)
     found = _attributes(path)
     try:
         identity, block, kind = (json.loads(found[name]) for name in (IDENTITY, BLOCK, KIND))
-        return identity, tuple(map(int, block)), kind
+        return Known(dict(identity), tuple(map(int, block)), dict(kind), str(found[TOKEN]))
     except (KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
 
