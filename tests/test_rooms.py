@@ -15,7 +15,18 @@ TOP = PACKAGE.name
 # A room imports only from rooms above it; "" is the package itself, whose public names are imported when asked for.
 ROOMS = (
     *("errors", "files", "tables", "progress", "version", "_types", "fields", "labelled", "plane", "multibody"),
-    *("contact", "compiling", "hybrid", "mechanisms", "run", "sensitivities", "sweeps", "tuning", "experiments"),
+    *(
+        "contact",
+        "compiling",
+        "cluster",
+        "hybrid",
+        "mechanisms",
+        "run",
+        "sensitivities",
+        "sweeps",
+        "tuning",
+        "experiments",
+    ),
     *("study", "output", "papers", "report", "", "cli", "__main__"),
 )
 HYBRID = (

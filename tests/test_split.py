@@ -15,7 +15,7 @@ from jaxbuffer.hybrid import Options
 from jaxbuffer.run.request import CHECKED
 from jaxbuffer.run.simulate import _simulate
 from jaxbuffer.sensitivities.gradients import _gradients
-from jaxbuffer.sweeps.sweep import _chunk
+from jaxbuffer.sweeps.sweep import solve_chunk
 
 
 def steps(base, times, label):
@@ -55,7 +55,7 @@ def test_one_part():
     assert run(program, (np.asarray(2.0),)) == [4.0]
 
 
-@pytest.mark.parametrize("asked", [_simulate, _gradients, _chunk])
+@pytest.mark.parametrize("asked", [_simulate, _gradients, solve_chunk])
 def test_the_time_loop_is_in_the_first_program_alone(asked):
     design, scenario = (jax.tree.map(lambda x: jnp.asarray(x, float), x) for x in (jb.table2(), jb.Scenario()))
     rtol, duration, gain = jnp.asarray(1e-6), jnp.asarray(8.0), jnp.asarray(20.0)
@@ -63,7 +63,7 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
     arguments = {
         _simulate: ((design, scenario, gain), duration, (rtol, rtol), Options(max_events=8), CHECKED),
         _gradients: ((design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",)), None),
-        _chunk: (runs, jnp.array([True, False]), rtol, gain, None),
+        solve_chunk: (runs, jnp.array([True, False]), rtol, gain, None),
     }[asked]
     arrays, rest = eqx.partition(arguments, eqx.is_array)
     whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731

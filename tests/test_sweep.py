@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.sweeps.chunk import runs
 from jaxbuffer.sweeps.grid import Batch
-from jaxbuffer.sweeps.sweep import SweepInterrupted, _chunk, _part
+from jaxbuffer.sweeps.sweep import SweepInterrupted, solve_chunk
 from verification.cases import CASES, PATHS, WELDED
 
 
@@ -45,15 +46,15 @@ def test_one_capture():
 
 def test_one_program_for_any_number_of_runs():
     """What is not wanted takes no step, and a run's numbers don't depend on its place or on how many there are."""
-    _chunk.programs.clear()
+    solve_chunk.programs.clear()
     speeds = np.linspace(0.1, 0.2, 19)
     all_runs = jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), 0.05)
     for count in (1, 3, 16, 17):
         few = jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds[-count:]), 0.05)
         np.testing.assert_array_equal(few.peak_force, all_runs.peak_force[-count:])
-    assert len(_chunk.programs) == 1
-    part = _part(Batch(None, jb.table2(), jb.Scenario(approach_speed=speeds)), 0.05, 16, 1, filled=True)
-    found = _chunk.first(*part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
+    assert len(solve_chunk.programs) == 1
+    part = runs(Batch(None, jb.table2(), jb.Scenario(approach_speed=speeds)), 0.05, 16, 1, filled=True)
+    found = solve_chunk.first(*part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
     assert np.all((np.asarray(found.attempts) > 0) == (np.arange(16) < 3))
 
 

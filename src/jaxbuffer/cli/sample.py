@@ -8,6 +8,7 @@ import typer
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
 from .request import Request
+from .scheduler import Scheduler, check
 from .streams import note
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def sample(
     of: Of = None,
     indices: IndicesOf = False,
     surface: SurfaceOf = False,
+    scheduler: Scheduler = None,
     resume: Resume = False,
 ) -> int:
     """Simulate runs spread evenly over ranges of some fields of the design and the scenario, on all cores.
@@ -48,7 +50,7 @@ def sample(
     The ranges are those of [sample.ranges] in CONFIG.toml, with those of --over added or put in their place; without
     either, the bounds that a tuning has by default. A range of more than a decade is spread on a logarithmic scale.
     A run that fails is counted and named; it does not touch the others. Ctrl-C ends the sample and saves what was
-    done; --resume goes on, also after a kill.
+    done; --resume goes on, also after a kill. --scheduler hands the runs to a Dask cluster, as in sweep.
 
     --indices makes count × (fields + 2) runs. With another --method, indices are those of the response surface.
 
@@ -70,7 +72,7 @@ def sample(
       sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
       indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
       surface.csv, .png, .svg  of --surface: predicted against computed
-      sweep.chunks  kept up while running; --resume needs it
+      sweep.chunks  kept up while running, with --scheduler sweep.zarr; --resume needs it
 
     \b
     Example:
@@ -80,9 +82,11 @@ def sample(
     from ..output.results import swept_json
     from ..output.sample_files import INDICES, SAMPLE, SURFACE, sample_files
     from ..sweeps.grid import check_swept_once
-    from ..sweeps.store import STORE
+    from ..sweeps.store import STORE, ZARR
 
     study = request.study()
+    if scheduler is not None:
+        check(scheduler, request)
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults.mapped[:1])
@@ -90,8 +94,8 @@ def sample(
         if name not in study.mechanism.swept:
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
     wanted = [*SAMPLE, *(INDICES if indices else ()), *(SURFACE if surface else ())]
-    files = request.files(*wanted, resumable=(STORE,), resume=resume)
-    found, interrupted = _computed(request, study, points, resume)
+    files = request.files(*wanted, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
+    found, interrupted = _computed(request, study, points, resume, scheduler)
     if found is None:
         return INTERRUPTED
     made = request.made(study, resume)
@@ -128,7 +132,9 @@ def _whole(name: str, text: str) -> int:
         raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
 
 
-def _computed(request: Request, study: "Config", points: "Points", resume: bool) -> "tuple[Sample | None, bool]":
+def _computed(
+    request: Request, study: "Config", points: "Points", resume: bool, scheduler: str | None
+) -> "tuple[Sample | None, bool]":
     """The sample, as far as it came, and whether it was interrupted."""
     from ..experiments.sample import sample_at
     from ..sweeps.found import SweepInterrupted
@@ -136,6 +142,7 @@ def _computed(request: Request, study: "Config", points: "Points", resume: bool)
 
     options: dict[str, Any] = {"solver": study.options.stepper(), "rtol": study.options.rtol}
     options |= {"folder": request.output, "resume": resume}
+    options |= {} if scheduler is None else {"client": scheduler}
     asked = (points, study.design, study.scenario, study.options.duration)
     try:
         return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False

@@ -1,18 +1,21 @@
 """`jaxbuffer sweep`: captures over a grid."""
 
 import dataclasses
+import json
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..errors import InputError
-from .exits import INTERRUPTED, any_solved
+from .exits import INTERRUPTED, OK, any_solved
 from .request import Request
+from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
 
 if TYPE_CHECKING:
     from ..study.config import Config
     from ..sweeps.grid import Grid
+    from ..sweeps.swept import Swept
     from ..tuning.objective import Limits
 
 Over = Annotated[
@@ -26,13 +29,17 @@ Over = Annotated[
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in DIR, however it ended.")]
 
 
-def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
+def sweep(request: Request, over: Over = None, scheduler: Scheduler = None, resume: Resume = False) -> int:
     """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
 
     The grid is that of [sweep] in CONFIG.toml, with the fields of --over added or put in their place. Without either:
     approach speeds from 0.05 to 0.25 m/s by misalignments from -0.1 to 0.1 rad, 11 of each. A capture that fails is
     counted and named; it does not touch the others. Ctrl-C ends the sweep and saves what was done; --resume goes on,
     also after a kill.
+
+    --scheduler hands the captures to the workers of a Dask cluster, which store them in DIR/sweep.zarr as they are
+    found; "processes" starts some on this machine. Tables and figures are made of up to 100 000 captures, larger sweeps
+    are read from the store. It needs pip install 'jaxbuffer[cluster]'.
 
     \b
     In CONFIG.toml:
@@ -51,6 +58,7 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
       sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.chunks  kept up while running; --resume needs it
+      sweep.zarr  in its place with --scheduler: all captures as labelled arrays, for xarray or jb.load
 
     \b
     Examples:
@@ -63,44 +71,32 @@ def sweep(request: Request, over: Over = None, resume: Resume = False) -> int:
     from ..output.sweep_files import FIGURE, LABELLED, RECORD, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
-    from ..sweeps.store import STORE
+    from ..sweeps.store import STORE, ZARR
 
     study = request.study()
+    if scheduler is not None:
+        check(scheduler, request)
     asked = _asked(study, over or [])
-    grid = made(asked, study.design, study.scenario)
+    grid = made(asked, study.design, study.scenario, held=scheduler is None)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
-    grid.batches(study.design, study.scenario)  # checks that the values go together
-    limits = _limits(study, grid)
+    told = scheduler is None or len(grid) <= LARGEST
+    if told:
+        grid.batches(study.design, study.scenario)  # checks that the values go together
+    limits = _limits(study, grid) if told else None
     drawn = () if limits is None else ENVELOPE
-    files = request.files(*drawn, TABLE, ARRAYS, FIGURE, LABELLED, RECORD, resumable=(STORE,), resume=resume)
-    from ..sweeps.sweep import SweepInterrupted
+    names = (*drawn, TABLE, ARRAYS, FIGURE, LABELLED, RECORD) if told else ()
+    files = request.files(*names, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
+    from ..sweeps.stored import StoredSweep
     from ..sweeps.sweep import sweep as compute
-    from .progress import sweeping
 
-    options = study.options
-    interrupted = False
-    try:
-        swept = sweeping(
-            len(grid),
-            lambda report: compute(
-                study.design,
-                study.scenario,
-                options.duration,
-                over=asked,
-                solver=options.stepper(),
-                rtol=options.rtol,
-                progress=report,
-                folder=request.output,
-                resume=resume,
-            ),
-        )
-    except SweepInterrupted as stop:
-        swept, interrupted = stop.found, True
-        if request.output is not None:
-            told = f"{stop.done.sum()} of {stop.done.size} {study.mechanism.run_name}s are kept"
-            note(f"{told}; the same command with --resume goes on in {request.output}")
-        if not stop.done.any():
-            return INTERRUPTED
+    options = {} if scheduler is None else {"client": scheduler}
+    found, interrupted = computed(compute, study, asked, len(grid), folder=request.output, resume=resume, **options)
+    if isinstance(found, StoredSweep) and not told:
+        files.save_and_show(dict, found, lambda: json.dumps(found.outcomes))
+        return INTERRUPTED if interrupted else OK
+    swept: Swept = found.load() if isinstance(found, StoredSweep) else found  # type: ignore[assignment] # over a grid
+    if not swept.done.any():
+        return INTERRUPTED
     from ..experiments.rectangle import safe_rectangle
 
     envelope = None if limits is None else safe_rectangle(swept, limits)

@@ -7,6 +7,7 @@ import typer
 
 from .exits import LIMITS_BROKEN, OK, fail
 from .request import Request, given
+from .scheduler import Scheduler
 from .streams import note
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
@@ -17,6 +18,7 @@ def tune(
     iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
     starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
     seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")] = False,
 ) -> int:
     """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
@@ -34,7 +36,7 @@ def tune(
       tune.txt     the tables
       log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
 
-    Ctrl-C saves the best design so far.
+    Ctrl-C saves the best design so far. --scheduler hands the scenarios to a Dask cluster; the search stays here.
 
     \b
     Example: jaxbuffer tune optimise/table2.toml --output results/table2
@@ -53,9 +55,10 @@ def tune(
     from .progress import tuning
 
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         tuned = tuning(
-            lambda report: compute(problem, **settings, folder=request.output, resume=resume, report=report),
+            lambda report: compute(problem, **settings, **keeping, report=report),
             problem.mechanism.success,
             study.tuning.most_evaluations * (1 if problem.then is None else 2),
         )

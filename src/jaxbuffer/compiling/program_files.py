@@ -22,7 +22,7 @@ except ImportError:  # Windows: files are trusted to load
     fcntl = None  # type: ignore[assignment]
 
 MAGIC = b"jaxbuffer program 1\n"  # the number is the format's
-SUFFIX, MARKER, DRAFT = ".program", ".loading", ".draft"
+SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
 UNUSED = 30 * 86400.0  # s after which a file is deleted: new source makes new files
 _log = logging.getLogger(__name__)
 
@@ -78,14 +78,30 @@ def remove(file: Path) -> None:
 def being_loaded(file: Path) -> Iterator[None]:
     """Mark a file while it is loaded and first run. The marker is locked by this process: once that has ended, however
     it did, the lock is gone and the marker is not."""
-    handle, marker = tempfile.mkstemp(prefix=f"{file.name}.", suffix=MARKER, dir=file.parent)
+    handle, draft = tempfile.mkstemp(prefix=f"{file.name}.", suffix=DRAFT, dir=file.parent)
+    marker = Path(draft).with_suffix(MARKER)
     try:
         if fcntl is not None:
             fcntl.flock(handle, fcntl.LOCK_EX)
+        os.replace(draft, marker)  # locked before anybody finds it
         yield
     finally:
-        remove(Path(marker))
+        remove(Path(draft))
+        remove(marker)
         os.close(handle)
+
+
+@contextlib.contextmanager
+def being_made(file: Path) -> Iterator[None]:
+    """Hold the right to make a file, once whoever has it is done or gone; where files can't be locked, all make it."""
+    lock = file.with_suffix(MAKING)
+    with contextlib.ExitStack() as stack:
+        if fcntl is not None:
+            with contextlib.suppress(OSError):
+                opened = stack.enter_context(open(lock, "wb"))
+                stack.callback(remove, lock)  # who waits for it will find the file made
+                fcntl.flock(opened, fcntl.LOCK_EX)
+        yield
 
 
 def _ended_a_process(file: Path) -> bool:
@@ -118,7 +134,7 @@ def _unpacked(body: bytes) -> Stored:
 
 
 def _remove_unused(folder: Path) -> None:
-    for suffix in (SUFFIX, MARKER, DRAFT):
+    for suffix in (SUFFIX, MARKER, DRAFT, MAKING):
         for old in folder.glob(f"*{suffix}"):
             with contextlib.suppress(OSError):
                 if time.time() - old.stat().st_mtime > UNUSED:

@@ -10,12 +10,10 @@ import functools
 import hashlib
 import logging
 import os
-import platform
 import sys
 import threading
 import time
 from collections.abc import Callable, Hashable, Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -28,9 +26,10 @@ from jax.stages import Compiled
 
 from ..contact.laws import LAWS
 from . import executable, program_files, structure
-from .backend import check_ready, one_kernel
+from .backend import check_ready
 from .folder import made_private
-from .identity import PACKAGES, fingerprint, lasting, lasts
+from .identity import fingerprint, lasting, lasts
+from .kind import kind
 from .split import compiled, run
 
 R = TypeVar("R")
@@ -55,6 +54,11 @@ def store_in(folder: str | Path | None) -> str:
     if not wrong:
         _folder = Path(folder).resolve()
     return wrong
+
+
+def folder() -> Path | None:
+    """Where programs are kept, if anywhere."""
+    return _folder
 
 
 @contextlib.contextmanager
@@ -146,9 +150,12 @@ class stored(Generic[R]):  # a decorator
         file = _folder / f"{self.last.__name__}-{_digest(repr(described), str(kinds))}{program_files.SUFFIX}"
         program = _read(file, tree, given)
         if program is None:
-            with _without_cache():
-                program = self._compiled(tree, kinds, given)
-            _write(file, tree, program)
+            with program_files.being_made(file):  # of many processes that come at once, one compiles
+                program = _read(file, tree, given)
+                if program is None:
+                    with _without_cache():
+                        program = self._compiled(tree, kinds, given)
+                    _write(file, tree, program)
         return program
 
     def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
@@ -303,25 +310,4 @@ def _digest(*parts: str) -> str:
 @functools.cache
 def _made_from() -> bytes:
     """Our own source, the packages, the processor and JAX's settings."""
-    content = hashlib.sha256()
-    for file in sorted(Path(__file__).parents[1].rglob("*.py")):
-        content.update(f"{file}\0".encode() + file.read_bytes())
-    settings = [
-        sys.version,
-        jax.default_backend(),
-        str(jax.dtypes.canonicalize_dtype(float)),
-        os.environ.get("XLA_FLAGS", ""),
-        str(one_kernel()),
-        _processor(),
-    ]
-    content.update("\0".join([*map(version, PACKAGES), *settings]).encode())
-    return content.digest()
-
-
-def _processor() -> str:
-    """What the machine's code may use."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    return next((line for line in lines if line.startswith(("flags", "Features"))), platform.platform())
+    return hashlib.sha256("\0".join([sys.version, *kind().values()]).encode()).digest()

@@ -15,7 +15,8 @@ from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..sweeps.computed import Computed
-from ..sweeps.found import SweepInterrupted
+from ..sweeps.found import Sweep, SweepInterrupted
+from ..sweeps.stored import StoredInterrupted, StoredSweep
 from ..sweeps.sweep import sweep
 from ..tables import html, text
 from .points import METHODS, Points, points
@@ -102,6 +103,7 @@ def sample(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
+    client: Any = None,
 ) -> Sample:
     """Simulate a mechanism at points spread over ranges of its numbers.
 
@@ -115,7 +117,8 @@ def sample(
       indices off without a response surface.
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
-    - ``workers``, ``progress``, ``folder``, ``resume``: as for `sweep`.
+    - ``workers``, ``progress``, ``folder``, ``resume``, ``client``: as for `sweep`; the sample is read back into
+      memory.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -131,7 +134,7 @@ def sample(
     ('log', 'linear')
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
-    options = {"solver": solver, "rtol": rtol, "workers": workers, "progress": progress}
+    options = {"solver": solver, "rtol": rtol, "workers": workers, "progress": progress, "client": client}
     return sample_at(spread, design, scenario, duration, folder=folder, resume=resume, **options)
 
 
@@ -145,4 +148,16 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
         found = sweep(*points.applied(design, scenario), at_most, **options)
     except SweepInterrupted as stop:
         raise SweepInterrupted(Sample(points, design, scenario, stop.found, stop.done), stop.done) from None
+    except StoredInterrupted as stop:
+        read = _read(stop.found)
+        done = read.code >= 0
+        raise SweepInterrupted(Sample(points, design, scenario, read, done), done) from None
+    if isinstance(found, StoredSweep):
+        found = _read(found)
     return Sample(points, design, scenario, found, np.ones(len(points), bool))
+
+
+def _read(stored: StoredSweep) -> Sweep:
+    found = stored.load()
+    assert isinstance(found, Sweep)  # of runs, not over a grid
+    return found

@@ -15,6 +15,7 @@ from .rungekutta.controller import Tolerance as Tolerance
 from .rungekutta.diffrax_solver import Diffrax as Diffrax
 from .rungekutta.named_solvers import SOLVER_NAMES as SOLVER_NAMES
 from .rungekutta.named_solvers import SOLVERS as SOLVERS
+from .rungekutta.named_solvers import name_of as name_of
 from .rungekutta.named_solvers import solver_named as solver_named
 from .rungekutta.solvers import Automatic as Automatic
 from .rungekutta.solvers import DiagonallyImplicit as DiagonallyImplicit

@@ -14,6 +14,8 @@ from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
+from ..sweeps.store import ZARR
+from ..sweeps.zarr_store import opened
 from .formats import ARRAYS
 from .sweep_files import LABELLED
 from .sweep_files import read as read_arrays
@@ -161,7 +163,9 @@ def _run(folder: Path) -> "xr.Dataset | None":
 def _sweep(folder: Path) -> "xr.Dataset | None":
     if (folder / LABELLED).is_file():
         return read(folder / LABELLED)
-    return read_arrays(folder / ARRAYS).to_xarray() if (folder / ARRAYS).is_file() else None
+    if (folder / ARRAYS).is_file():
+        return read_arrays(folder / ARRAYS).to_xarray()
+    return opened(folder / ZARR) if (folder / ZARR).is_dir() else None
 
 
 def _record(file: Path) -> Record | None:

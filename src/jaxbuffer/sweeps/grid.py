@@ -84,15 +84,17 @@ class Batch(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """The product of its axes, the last one changing fastest."""
+    """The product of its axes, the last one changing fastest. ``held``: whether there will be arrays in memory with an
+    entry for each run."""
 
     axes: tuple[Axis, ...]
+    held: bool = True
 
     def __post_init__(self) -> None:
         if not self.axes:
             raise InputError("nothing to sweep; name a field and its values")
         need, have = BYTES * len(self), _free_memory()
-        if need > have:
+        if self.held and need > have:
             counts = " × ".join(str(count) for count in self.shape)
             raise InputError(
                 f"the grid has {counts} = {len(self):.4g} runs, which need {_size(need)} of memory;"
@@ -142,16 +144,16 @@ class Grid:
         return swept[0], swept[1]
 
 
-def grid(asked: Mapping[str, Any], design: Part, scenario: Part) -> Grid:
+def grid(asked: Mapping[str, Any], design: Part, scenario: Part, held: bool = True) -> Grid:
     """A grid from values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
 
     Of a choice the values are a word, a truth, a whole number, or a list of them.
 
     **Arguments:** ``asked``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
-    fields they are. **Raises:** `InputError` for paths that are unknown, empty lists, values out of range, and for a
-    grid that does not fit into memory.
+    fields they are; ``held`` as of `Grid`. **Raises:** `InputError` for paths that are unknown, empty lists, values out
+    of range, and for a grid that does not fit into memory.
     """
-    return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()))
+    return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()), held)
 
 
 def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:

@@ -24,7 +24,7 @@ from ..errors import InputError
 from ..files import Lock, naming, write
 from ..version import version
 
-STORE = "sweep.chunks"
+STORE, ZARR = "sweep.chunks", "sweep.zarr"  # and that of a sweep over a scheduler (`zarr_store`)
 PERIOD = 1.0  # s between records
 MARK = b"\xf1CHUNK\r\n"
 HEAD = struct.Struct("<8sII")
@@ -40,6 +40,14 @@ def identity(**parts: Any) -> dict[str, str]:
             content.update(repr(leaf).encode() if isinstance(leaf, str) else _bytes(np.asarray(leaf, float)))
         hashes[name] = content.hexdigest()[:16]
     return hashes
+
+
+def differing(file: Path, own: Mapping[str, str], found: Mapping[str, str]) -> None:
+    """Raise `InputError` where a file or store has another sweep's identity."""
+    differ = [name for name in {**own, **found} if own.get(name) != found.get(name)]
+    if differ:
+        told = "repeat the study, the options and the same --over of the first, or choose another --output"
+        raise InputError(f"{file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is")
 
 
 class SweepStore:
@@ -62,9 +70,9 @@ class SweepStore:
         self.stored = np.zeros_like(finished)
         self.due = time.monotonic() + PERIOD
         if resume and not self.file.exists():
-            raise InputError(
-                f"{folder}: there is no sweep to resume; {STORE} is missing; leave out --resume to begin one"
-            )
+            other = f", {ZARR} is one of --scheduler" if (folder / ZARR).exists() else ""
+            told = f"{STORE} is missing{other}; leave out --resume to begin one"
+            raise InputError(f"{folder}: there is no sweep to resume; {told}")
         self.lock = Lock(folder)
         try:
             self.length = self._read(identity) if resume else self._begin(identity)
@@ -131,12 +139,7 @@ class SweepStore:
         if check != b"%08x" % zlib.crc32(text):
             raise InputError(f"{self.file} is damaged at its beginning and cannot be resumed; it is left as it is")
         found = json.loads(text)
-        differ = [name for name in {**identity, **found} if identity.get(name) != found.get(name)]
-        if differ:
-            told = "repeat the study, the options and the same --over of the first, or choose another --output"
-            raise InputError(
-                f"{self.file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is"
-            )
+        differing(self.file, identity, found)
 
 
 def _records(

@@ -11,36 +11,27 @@ from typing import Any, NamedTuple, overload
 
 import jax
 import numpy as np
-from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..compiling.pool import Pool, cores
-from ..compiling.programs import after
-from ..errors import InputError, as_number, check_number, check_single, check_whole
+from ..errors import InputError, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
-from ..hybrid import Result, Solver, solver_named
+from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..progress import counted
-from ..run.read_off import run_of
-from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, Request, check_pair, request, stepped
+from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from .chunk import CHUNK, Runs, Settings, runs, solve_chunk
 from .found import Sweep as Sweep
 from .found import SweepInterrupted as SweepInterrupted
 from .found import column_names as column_names
 from .found import whole_numbers as whole_numbers
 from .grid import Batch, grid
 from .store import SweepStore, identity
+from .stored import StoredInterrupted as StoredInterrupted
+from .stored import StoredSweep as StoredSweep
 from .swept import Swept
 
-CHUNK = 16
 ONE_FOR_ALL = "all runs of a sweep share it"
-
-
-class Settings(NamedTuple):
-    """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``."""
-
-    rtol: np.ndarray
-    stabilisation: np.ndarray
-    solver: Solver | None
 
 
 class Storing(NamedTuple):
@@ -59,6 +50,7 @@ def sweep(
     duration: Scalar | None = None,
     *,
     over: None = None,
+    client: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -76,6 +68,7 @@ def sweep(
     duration: Scalar | None = None,
     *,
     over: Mapping[str, Any],
+    client: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -86,12 +79,14 @@ def sweep(
 ) -> Swept: ...
 
 
+@overload
 def sweep(
     design: Part,
     scenarios: Part,
     duration: Scalar | None = None,
     *,
     over: Mapping[str, Any] | None = None,
+    client: Any,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
@@ -99,7 +94,24 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-) -> Sweep | Swept:
+) -> StoredSweep: ...
+
+
+def sweep(
+    design: Part,
+    scenarios: Part,
+    duration: Scalar | None = None,
+    *,
+    over: Mapping[str, Any] | None = None,
+    client: Any = None,
+    solver: Solver | str | None = None,
+    rtol: float = DEFAULT_TOLERANCE,
+    stabilisation: float = 20.0,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
+    folder: str | Path | None = None,
+    resume: bool = False,
+) -> Sweep | Swept | StoredSweep:
     """Simulate many runs of a mechanism.
 
     **Arguments:**
@@ -109,18 +121,21 @@ def sweep(
     - ``over``: values of several fields, all combinations of which are run: by dotted path, "scenario.…" for the
       scenario's, a list of numbers in the field's unit, {"from", "to", "count", "scale"}, or a list of choices.
       ``design`` and ``scenarios`` then have single numbers.
+    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" (threads) or "processes" on this
+      machine: the sweep goes to its workers, which store it in ``folder`` (docs/clusters.md).
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for, or True for a bar.
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
     - ``resume``: go on with the sweep in ``folder`` instead.
 
-    **Returns:** a `Sweep`, or with ``over`` a `Swept`, the same bits whether it was interrupted and resumed or not. A
-    run that fails says so in its ``code``; the others are not touched by it. Each combination of choices is a program
-    of its own, compiled once.
+    **Returns:** a `Sweep`, with ``over`` a `Swept`, with ``client`` a `StoredSweep`; the same bits whether it was
+    interrupted and resumed or not. A run that fails says so in its ``code``; the others are not touched by it. Each
+    combination of choices is a program of its own, compiled once.
 
     **Raises:** `InputError` for values out of range, arrays of unequal lengths, a folder in use, and on resuming
-    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C.
+    another sweep; `SweepInterrupted`, a `KeyboardInterrupt` that has what was done, on Ctrl-C (`StoredInterrupted` with
+    ``client``).
 
     **Example:**
 
@@ -144,6 +159,8 @@ def sweep(
         check_whole("workers", workers, 1)
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
     storing = Storing(workers, counted(progress, mechanism.run_name), folder, resume)
+    if client is not None:
+        return _over_cluster((design, scenarios, duration), over, client, settings, storing)
     if over is None:
         return _run([Batch(None, design, scenarios)], duration, settings, storing)
     check_single("duration", duration, "s", ONE_FOR_ALL)
@@ -156,23 +173,19 @@ def sweep(
     return Swept(asked, design, scenarios, found, np.ones(len(asked), bool))
 
 
-class _Part(NamedTuple):
-    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, how many
-    of them a call solves, and how many its program has room for."""
+def _over_cluster(
+    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, client: Any, settings: Settings, storing: Storing
+) -> StoredSweep:
+    """The sweep of a design, scenarios and durations by the workers of a cluster."""
+    from .cut import GridSweep, RunsSweep, Template
+    from .distributed import Asked, run
 
-    structure: Any
-    arrays: list[np.ndarray]
-    places: np.ndarray
-    chunk: int
-    room: int
-
-    def call(self, first: int) -> tuple[Any, np.ndarray]:
-        """The runs from ``first`` on as arrays (room,), and which of them are wanted: filled up, a call with few runs
-        needs no program of its own."""
-        room = np.arange(self.room)
-        wanted = room < min(self.chunk, self.places.size - first)
-        batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
-        return jax.tree.unflatten(self.structure, batch), wanted
+    if over is None:
+        count = runs(Batch(None, *swept[:2]), swept[2], 1, 1, filled=True).places.size
+        return run(Asked(lambda size: RunsSweep(*swept, count, size), count, settings, client, *storing))
+    check_single("duration", swept[2], "s", ONE_FOR_ALL)
+    asked, template = grid(over, *swept[:2], held=False), Template(*swept)
+    return run(Asked(lambda size: GridSweep(asked, template, size), len(asked), settings, client, *storing))
 
 
 def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
@@ -180,16 +193,16 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
     on_cpu = jax.default_backend() == "cpu"
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
     workers = workers if storing.workers is None else storing.workers
-    parts = [_part(batch, duration, most, workers, on_cpu) for batch in batches]
+    parts = [runs(batch, duration, most, workers, on_cpu) for batch in batches]
     count, alone = sum(part.places.size for part in parts), batches[0] if len(batches) == 1 else None
     result = Sweep.empty(mechanism_of(batches[0].design), count, *(alone[1:] if alone else (None, None)))
     finished = np.zeros(count, bool)
     columns = list(result.columns.values())
     store, progress = _store(batches, duration, settings, storing, result, finished), storing.progress
 
-    def solve(item: tuple[_Part, int]) -> None:
+    def solve(item: tuple[Runs, int]) -> None:
         part, first = item
-        found = _chunk(*part.call(first), *settings)
+        found = solve_chunk(*part.call(first), *settings)
         its_own = part.places[first : first + part.chunk]
         for mine, values in zip(columns, found, strict=True):
             mine[its_own] = np.asarray(values)[: its_own.size]
@@ -219,17 +232,6 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
     return result
 
 
-def _part(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> _Part:
-    """``most``: runs of a call; ``filled``: whether each call has room for so many. On an accelerator, whose calls are
-    large, runs that are not wanted would take memory."""
-    leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
-    arrays = [np.asarray(leaf, float) for leaf in leaves]
-    count = _common_length(structure, arrays)
-    places = np.arange(count) if batch.places is None else batch.places
-    chunk = min(most, -(-count // workers))
-    return _Part(structure, arrays, places, chunk, most if filled else chunk)
-
-
 def _store(
     batches: Sequence[Batch],
     duration: Any,
@@ -251,46 +253,3 @@ def _store(
         quantities=tuple(result.columns),
     )
     return SweepStore(Path(storing.folder), asked, list(result.columns.values()), finished, storing.resume)
-
-
-Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
-Wanted = Bool[Array, " runs"]  # which of them are wanted: the others fill up the chunk
-
-
-def _request(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
-    return request(*chunk, solver, (rtol, rtol), stabilisation)
-
-
-def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
-    """What time stepping finds of each run."""
-
-    def one(chunk: Chunk, wanted: Array) -> Result:
-        return stepped(*_request(chunk, rtol, stabilisation, solver), wanted=wanted)
-
-    return jax.vmap(one)(chunk, wanted)
-
-
-@after(_stepped)
-def _chunk(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result) -> tuple:
-    catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
-
-    def numbers(chunk: Chunk, result: Result) -> tuple:
-        parameters, duration, _, options = _request(chunk, rtol, stabilisation, solver)
-        run = run_of(parameters, duration, options, result)
-        own = (catalogue[name].of(run) for name in swept)
-        return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
-
-    return jax.vmap(numbers)(chunk, result)
-
-
-def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:
-    lengths = {array.shape for array in arrays if array.ndim}
-    if not lengths:
-        return 1
-    if len(lengths) > 1 or len(shape := lengths.pop()) != 1 or shape[0] == 0:
-        raise InputError("the arrays of a sweep must all have one shape (n,), n at least 1; found " + _shapes(arrays))
-    return int(shape[0])
-
-
-def _shapes(arrays: list[np.ndarray]) -> str:
-    return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))

@@ -1,15 +1,18 @@
 """All cases of a design problem at one design: values and first derivatives, on all cores."""
 
+import functools
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ..cluster.pool import ClusterPool
 from ..compiling.pool import Pool
 from ..errors import InputError
 from ..fields import Part, get
 from ..mechanisms.quantity import rising
+from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.request import check_pair
 from ..run.simulate import simulate
@@ -65,11 +68,11 @@ class Evaluation(NamedTuple):
 
 class Evaluator:
     """Evaluates designs of one problem and counts the runs it took, each with its derivatives unless ``slopes`` is
-    False: they are zero then, for methods that use none."""
+    False: they are zero then, for methods that use none. ``client``: as in `tune`."""
 
-    def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True) -> None:
+    def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True, client: Any = None) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
-        self._pool = Pool(workers)
+        self._pool = Pool(workers) if client is None else ClusterPool(client, workers)
 
     def __enter__(self) -> "Evaluator":
         return self
@@ -84,15 +87,11 @@ class Evaluator:
         ``slopes`` to the evaluator's."""
         problem, with_slopes = self.problem, self.slopes if slopes is None else slopes
         points = [np.asarray(point, float) for point in points]
-        jobs = [(point, case) for point in points for case in problem.cases]
-
-        def solved(job: tuple[np.ndarray, Case]) -> Measured:
-            fitting = fitted(problem, *job)
-            if fitting is None:
-                return Measured.lost(problem)
-            return measure(problem, fitting, job[1].scenario, problem.duration, rtol or problem.rtol, with_slopes)
-
-        found = self._pool.map(solved, jobs)
+        jobs = [(fitted(problem, point, case), case.scenario) for point in points for case in problem.cases]
+        fitting = [(design, scenario) for design, scenario in jobs if design is not None]
+        one = functools.partial(_measured, Wanted.of(problem), problem.duration, rtol or problem.rtol, with_slopes)
+        measured = iter(self._pool.map(one, fitting))
+        found = [Measured.lost(problem) if design is None else next(measured) for design, _ in jobs]
         self.captures += len(jobs)
         count = len(problem.cases)
         return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
@@ -144,12 +143,23 @@ class Measured(NamedTuple):
         )
 
 
-def measure(
-    problem: Problem, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
-) -> Measured:
-    """One run and, with ``slopes``, its derivatives by the problem's variables; else those are zero."""
-    catalogue, rest, paths = problem.mechanism.quantities, list(problem.measured[1:]), problem.paths
-    margin = [] if problem.mechanism.margin is None else [problem.mechanism.margin]
+class Wanted(NamedTuple):
+    """What is read off each run: quantities and the paths they are differentiated by, all by name."""
+
+    measured: tuple[str, ...]
+    paths: tuple[str, ...]
+
+    @staticmethod
+    def of(problem: Problem) -> "Wanted":
+        """A problem's."""
+        return Wanted(tuple(problem.measured), tuple(problem.paths))
+
+
+def measure(wanted: Wanted, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True) -> Measured:
+    """One run and, with ``slopes``, its derivatives by the paths wanted; else those are zero."""
+    mechanism, rest, paths = mechanism_of(design), list(wanted.measured[1:]), wanted.paths
+    catalogue = mechanism.quantities
+    margin = [] if mechanism.margin is None else [mechanism.margin]
     if slopes:
         found = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
         run = found.run
@@ -172,11 +182,15 @@ def measure(
         rest=values[: len(rest)],
         margin=float(values[-1]) if margin else 1.0,
         first=float(peaks[0]),
-        rising=np.isin(problem.mechanism.tuned, rising(run)),
+        rising=np.isin(mechanism.tuned, rising(run)),
         peaks_slope=of_peaks[slots],
         rest_slope=of_rest,
         margin_slope=others[-1] if margin else np.zeros(len(paths)),
     )
+
+
+def _measured(wanted: Wanted, duration: Any, rtol: float, slopes: bool, job: tuple[Part, Part]) -> Measured:
+    return measure(wanted, *job, duration, rtol, slopes)
 
 
 def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

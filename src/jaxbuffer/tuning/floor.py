@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..fields import get, replace
-from .evaluation import fitted, measure
+from .evaluation import Wanted, fitted, measure
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
@@ -91,7 +91,7 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
             continue
         design = replace(built, {path: GONE * float(get(built, path)) for path in known.softeners})
         duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
-        found = measure(problem, design, case.scenario, duration, SHARPER * problem.rtol)
+        found = measure(Wanted.of(problem), design, case.scenario, duration, SHARPER * problem.rtol)
         if found.code >= problem.mechanism.outcomes["failed_steps"]:
             continue
         factors = dict(case.factors)

@@ -29,6 +29,7 @@ def tune(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
+    client: Any = None,
     report: Callable[[Record], None] | bool | None = None,
     **settings: Any,
 ) -> Tuned:
@@ -47,6 +48,8 @@ def tune(
     - ``folder``: where log and state are kept; an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
     - ``workers``: threads, by default one a core.
+    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers evaluate
+      the scenarios, each a task; the search itself stays here (docs/clusters.md).
     - ``report``: called with the log's record of each evaluation, also those of the run that is resumed, or True for a
       line that tells the last one.
     - ``settings``: the fields of `Settings`, such as ``iterations``, ``starts``, ``seed``.
@@ -79,7 +82,7 @@ def tune(
         _check_known(problem)
     with (
         Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
-        Evaluator(problem, workers) as evaluator,
+        Evaluator(problem, workers, True, client) as evaluator,
         reported(report, lambda record: in_words(record, problem.mechanism.success)) as told,
     ):
         if told is not None:

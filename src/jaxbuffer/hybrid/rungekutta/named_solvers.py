@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import diffrax
+import jax
 
-from ...errors import check_choice
+from ...errors import InputError, check_choice
 from .diffrax_solver import DIFFRAX_METHODS, Diffrax
 from .solvers import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Solver
 
@@ -26,3 +27,24 @@ def solver_named(solver: Any) -> Solver:
     if solver in SOLVERS:
         return SOLVERS[solver]()
     return Diffrax(getattr(diffrax, solver.removeprefix("diffrax:"))())
+
+
+def name_of(solver: Solver | None) -> str | None:
+    """The name by which another process makes a solver for itself: pickled, one of diffrax's is another one.
+
+    **Raises:** `InputError` for a solver that no name makes.
+    """
+    if solver is None:
+        return None
+    kinds = [name for name, kind in SOLVERS.items() if type(solver) is kind]
+    names = kinds or [name for name in SOLVER_NAMES if name not in SOLVERS]
+    alike = [name for name in names if _equal(solver, solver_named(name))]
+    if not alike:
+        raise InputError(f"solver {solver!r} cannot be sent to another process; name one of {', '.join(SOLVER_NAMES)}")
+    return alike[0]
+
+
+def _equal(one: Solver, other: Solver) -> bool:
+    leaves, others = jax.tree.leaves(one), jax.tree.leaves(other)
+    alike: bool = jax.tree.structure(one) == jax.tree.structure(other)  # type: ignore[operator]
+    return alike and leaves == others

@@ -1,0 +1,111 @@
+"""A client of Dask's scheduler: somebody's cluster by its address, or one of our own on this machine."""
+
+import contextlib
+import logging
+from collections.abc import Iterator
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from ..compiling.pool import cores
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+LOCAL, PROCESSES = "local", "processes"
+LOOPBACK = "127.0.0.1"
+PATIENCE = 60.0  # s until a scheduler answers
+NEEDED = ("distributed", "zarr")
+EXAMPLE = "tcp://host:8786"
+
+
+class SchedulerGone(ConnectionError):
+    """The scheduler does not answer any more."""
+
+    def __init__(self) -> None:
+        super().__init__("the scheduler is gone")
+
+
+def require() -> None:
+    """Raise `InputError` with what to install unless the extra's packages are there."""
+    if missing := [name for name in NEEDED if find_spec(name) is None]:
+        told = " and ".join(missing)
+        raise InputError(f"a scheduler needs {told}, not installed here: pip install 'jaxbuffer[cluster]'")
+
+
+@contextlib.contextmanager
+def connected(where: Any, workers: int | None = None) -> "Iterator[Client]":
+    """A client until the end of the block, and so long the cluster, if it is one of our own.
+
+    **Arguments:**
+
+    - ``where``: "local", threads of this process; "processes", one process a core; both listen on 127.0.0.1 only; an
+      address, as in "tcp://host:8786"; or a `distributed.Client`, which stays open.
+    - ``workers``: threads or processes of a cluster of our own, by default one a core.
+
+    **Raises:** `InputError` where packages are missing or no scheduler answers.
+    """
+    require()
+    from distributed import Client
+
+    if isinstance(where, Client):
+        yield where
+        return
+    if not isinstance(where, str):
+        raise InputError(f"client = {where!r} is no distributed.Client, nor {LOCAL}, {PROCESSES} or an address")
+    if where in (LOCAL, PROCESSES):
+        with _own(where == PROCESSES, workers or cores()) as client:
+            yield client
+        return
+    if "://" not in where:
+        raise InputError(f"scheduler {where} is unknown; expected {LOCAL}, {PROCESSES} or an address as in {EXAMPLE}")
+    with _remote(where) as client:
+        yield client
+
+
+@contextlib.contextmanager
+def _own(processes: bool, count: int) -> "Iterator[Client]":
+    import dask
+    from distributed import Client, LocalCluster
+
+    settings = {
+        "distributed.scheduler.allowed-failures": 1000,  # of workers that a task was on; we count ourselves
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
+        "distributed.worker.daemon": True,
+        "distributed.worker.memory.terminate": False,
+        "distributed.admin.tick.limit": "1h",  # a compilation holds Python for a while
+    }
+    size = {"n_workers": count, "threads_per_worker": 1} if processes else {"n_workers": 1, "threads_per_worker": count}
+    with (
+        dask.config.set(settings),
+        LocalCluster(
+            processes=processes,
+            host=LOOPBACK if processes else None,
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": f"{LOOPBACK}:0"},  # else its page is everybody's to read
+            worker_dashboard_address=f"{LOOPBACK}:0",
+            silence_logs=logging.CRITICAL,
+            memory_limit=0,
+            **size,
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        yield client
+
+
+@contextlib.contextmanager
+def _remote(address: str) -> "Iterator[Client]":
+    from distributed import Client
+
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # what it has to say, we say in a line
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(f"no scheduler answers at {address}: {error}") from None
+    try:
+        yield client
+    finally:
+        with contextlib.suppress(OSError, TimeoutError):
+            client.close(timeout=5)

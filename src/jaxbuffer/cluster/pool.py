@@ -1,0 +1,37 @@
+"""A pool whose workers are those of a cluster, in the place of `compiling.pool.Pool`."""
+
+import contextlib
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+from ..compiling.programs import folder
+from .connect import connected
+from .spread import spread
+from .workers import Workers
+
+R = TypeVar("R")
+
+
+class ClusterPool:
+    """The workers of a client, or of a scheduler by its address, until `close`."""
+
+    def __init__(self, where: Any, workers: int | None = None) -> None:
+        with contextlib.ExitStack() as stack:
+            self.client = stack.enter_context(connected(where, workers))
+            kept = folder()
+            self.workers = Workers(self.client, None if kept is None else str(kept))
+            self._open = stack.pop_all()
+
+    def map(self, function: Callable[[Any], R], items: Iterable[Any]) -> list[R]:
+        """What the function returns for each item, in their order. Both are sent: a function by its name, or a
+        `functools.partial` of one."""
+        found = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
+        return [result for _, result in sorted(found, key=lambda it: it[0])]
+
+    def close(self) -> None:
+        """Leave the cluster, or end it if it is our own."""
+        self._open.close()
+
+
+def _numbered(function: Callable[[Any], R], item: tuple[int, Any]) -> tuple[int, R]:
+    return item[0], function(item[1])

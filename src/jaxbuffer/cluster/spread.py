@@ -1,0 +1,135 @@
+"""Tasks handed to a cluster, few at a time, until all are done."""
+
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from ..errors import InputError
+from .connect import SchedulerGone
+from .workers import Kind, Workers, differing, prepared
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+R = TypeVar("R")
+
+AHEAD = 2  # tasks a thread that are under way or waiting
+ENDED = 10  # workers that may end while they are at one task
+PERIOD = 1.0  # s between looks at which workers there are
+
+
+class Refused(NamedTuple):
+    """What a worker answers that must not compute."""
+
+    worker: str
+    differs: list[str]
+
+
+class TaskEndsWorkers(OSError):
+    """Worker after worker ended at the same task."""
+
+
+def checked(kind: Kind, cache: str | None, work: Callable[[Any, Any], R], common: Any, own: Any) -> R | Refused:
+    """The work, on a worker, if it is of that kind."""
+    from distributed import get_worker
+
+    address = get_worker().address
+    differs = differing(kind, prepared(address, cache))
+    return Refused(address, differs) if differs else work(common, own)
+
+
+def spread(
+    client: "Client", workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
+) -> Iterator[R]:
+    """What the work finds for each task, as they are done; nothing of it is kept here.
+
+    **Arguments:** ``work``: a function of ``common`` and a task, which are sent to workers; it may be called again for
+    a task that it has done, if its worker ends before it could tell.
+    **Raises:** what the work does; `SchedulerGone`; `TaskEndsWorkers`; `InputError` where no worker is left that fits.
+    """
+    under_way = _UnderWay(client, workers, work, common)
+    try:
+        under_way.fill(tasks)
+        while under_way:
+            yield from under_way.finished()
+            under_way.fill(tasks)
+    finally:
+        under_way.cancel()
+
+
+class _UnderWay:
+    """Tasks that a cluster has."""
+
+    def __init__(self, client: "Client", workers: Workers, work: Callable[[Any, Any], Any], common: Any) -> None:
+        from distributed import as_completed
+
+        self.client, self.workers, self.work, self.common = client, workers, work, common
+        self.tasks = dict["Future", tuple[Any, int]]()  # and how many workers have ended at each
+        self.watch = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        self.room, self.due = 0, 0.0
+        self.name, self.count = f"{work.__name__}-{uuid.uuid4().hex}", 0
+
+    def __bool__(self) -> bool:
+        return bool(self.tasks)
+
+    def fill(self, tasks: Iterator[Any]) -> None:
+        """As many as are good to have waiting."""
+        if time.monotonic() >= self.due:
+            self.workers.look()
+            self.room, self.due = AHEAD * max(1, self.workers.threads), time.monotonic() + PERIOD
+        while len(self.tasks) < self.room and (task := next(tasks, None)) is not None:
+            self.submit(task, 0)
+
+    def submit(self, task: Any, ended: int) -> None:
+        confined = self.workers.allowed
+        arguments = (self.workers.kind, self.workers.cache, self.work, self.common, task)
+        self.count += 1
+        if self.client.status != "running":
+            raise SchedulerGone
+        key = (self.name, self.count)  # one group of tasks for the scheduler, which has a record of each group
+        future = self.client.submit(
+            checked, *arguments, key=key, pure=False, workers=confined, allow_other_workers=confined is not None
+        )
+        self.tasks[future] = task, ended
+        self.watch.add(future)
+
+    def finished(self) -> Iterator[Any]:
+        """What the next tasks to be done have found; those that have to be done again are handed out again."""
+        for future, found in self.watch.next_batch():
+            task, ended = self.tasks.pop(future)
+            if future.status == "error":
+                self.submit(task, self._after(found[1], task, ended))
+            elif future.status != "finished":
+                raise SchedulerGone
+            elif isinstance(found, Refused):
+                self._refuse(found)
+                self.submit(task, ended)
+            else:
+                yield found
+
+    def cancel(self) -> None:
+        if self.tasks and self.client.status == "running":
+            self.client.cancel([*self.tasks], force=True)
+
+    def _after(self, error: BaseException, task: Any, ended: int) -> int:
+        """How many workers have ended at the task by now; raises any other error, if it is not that of a worker which
+        does not fit and was not known."""
+        from distributed import KilledWorker
+
+        if isinstance(error, KilledWorker):
+            if ended + 1 >= ENDED:
+                raise TaskEndsWorkers(f"{ENDED} times the workers ended that were at {task}") from None
+            return ended + 1
+        unfit = len(self.workers.unfit)
+        self.workers.look()
+        if len(self.workers.unfit) == unfit:
+            raise error
+        return ended
+
+    def _refuse(self, found: Refused) -> None:
+        self.workers.refuse(found.worker, found.differs)
+        self.workers.look()
+        if not self.workers.fit:
+            told = ", ".join(found.differs)
+            raise InputError(f"no worker is left that can be used; {found.worker} differs in {told}")

@@ -1,0 +1,130 @@
+"""Which workers of a cluster may compute: those that find the same bits."""
+
+import functools
+import os
+import warnings
+from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ..compiling.backend import backend_is_up, one_kernel
+from ..compiling.kind import HOST, kind
+from ..compiling.process import configure
+from ..errors import InputError
+from .connect import SchedulerGone
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Kind = Mapping[str, str]
+TOLD = 5  # workers that a message names
+PATIENCE = 20.0  # s until it is said that there is no worker
+
+
+@functools.cache
+def prepared(address: str, cache: str | None) -> dict[str, str]:
+    """Set this process up for computing, once, and say what its numbers depend on.
+
+    **Arguments:** ``address``: of the worker that it is; ``cache``: folder of compiled programs where $JAXBUFFER_CACHE
+    names none.
+    """
+    asks_itself = address.startswith("inproc:")
+    if not asks_itself and (one_kernel() or not backend_is_up()):
+        configure(cache=os.environ.get("JAXBUFFER_CACHE") or cache)
+    return kind()
+
+
+def looked_at(cache: str | None, dask_worker: Any) -> dict[str, str]:
+    """`prepared`, as `distributed.Client.run` calls it."""
+    return prepared(dask_worker.address, cache)
+
+
+def differing(one: Kind, other: Kind) -> list[str]:
+    """The names under which two kinds differ."""
+    return [name for name in {**one, **other} if one.get(name) != other.get(name)]
+
+
+class Workers:
+    """The workers of a cluster, those that differ left out.
+
+    ``kind``: what all that compute agree in: the installation that asks, and the machine of most workers, or the one
+    that is given.
+    """
+
+    def __init__(self, client: "Client", cache: str | None, given: Kind | None = None) -> None:
+        """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
+        self.client, self.cache = client, cache
+        self.seen: dict[str, list[str]] = {}  # what differs, by address
+        self.threads = 0  # of all workers
+        self._wait()
+        found = self._asked()
+        self.kind = dict(given or self._expected(found))
+        self._judge(found)
+        if not self.fit:
+            what = "; ".join(f"{address} in {', '.join(self.seen[address])}" for address in [*self.seen][:TOLD])
+            whose = "this process and its store" if given else "this process"
+            raise InputError(f"no worker can be used: all differ from {whose}: {what}")
+
+    @property
+    def fit(self) -> list[str]:
+        """Addresses of those that may compute, of all that were seen."""
+        return [address for address, differs in self.seen.items() if not differs]
+
+    @property
+    def unfit(self) -> list[str]:
+        """Addresses of those that may not."""
+        return [address for address, differs in self.seen.items() if differs]
+
+    @property
+    def allowed(self) -> list[str] | None:
+        """To which a task must be confined; None where all may have it."""
+        return self.fit if self.unfit else None
+
+    def look(self) -> None:
+        """Judge those that have come since."""
+        self._judge(self._asked())
+
+    def refuse(self, address: str, differs: list[str]) -> None:
+        """Give a worker no more tasks."""
+        if not self.seen.get(address):
+            self.seen[address] = differs
+            what = ", ".join(differs)
+            warnings.warn(f"worker {address} is left out: it differs in {what}, and so might its bits", stacklevel=2)
+
+    def _wait(self) -> None:
+        told = False
+        while True:
+            try:
+                return self.client.wait_for_workers(1, timeout=PATIENCE)
+            except TimeoutError:
+                if not told:
+                    warnings.warn("the scheduler has no worker yet; waiting for one", stacklevel=2)
+                told = True
+            except OSError:
+                raise SchedulerGone from None
+
+    def _asked(self) -> dict[str, Any]:
+        try:
+            return self._new()
+        except OSError:  # its connection was closed
+            raise SchedulerGone from None
+
+    def _new(self) -> dict[str, Any]:
+        here = self.client.scheduler_info(n_workers=-1)["workers"]
+        self.threads = sum(worker["nthreads"] for worker in here.values())
+        self.seen = {address: differs for address, differs in self.seen.items() if address in here}
+        new = [address for address in here if address not in self.seen]
+        return self.client.run(looked_at, self.cache, workers=new, on_error="return") if new else {}
+
+    def _expected(self, found: Mapping[str, Any]) -> dict[str, str]:
+        mine = kind()
+        machines = Counter(tuple(it[name] for name in HOST) for it in found.values() if isinstance(it, dict))
+        return {**mine, **dict(zip(HOST, machines.most_common(1)[0][0], strict=True))} if machines else mine
+
+    def _judge(self, found: Mapping[str, Any]) -> None:
+        for address, it in found.items():
+            differs = differing(self.kind, it) if isinstance(it, dict) else [f"its answer, {it!r}"]
+            if differs:
+                self.refuse(address, differs)
+            else:
+                self.seen[address] = []

@@ -1,0 +1,104 @@
+"""Runs solved in one call of a compiled program: what every way of sweeping is made of.
+
+Runs are solved in small chunks, one after the other within a chunk so that none waits for the slowest.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..compiling.programs import after
+from ..errors import InputError, as_number
+from ..hybrid import Result, Solver
+from ..mechanisms.registry import mechanism_of
+from ..run.read_off import run_of
+from ..run.request import Request, request, stepped
+from .grid import Batch
+
+CHUNK = 16
+
+
+class Settings(NamedTuple):
+    """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``."""
+
+    rtol: np.ndarray
+    stabilisation: np.ndarray
+    solver: Solver | None
+
+
+class Runs(NamedTuple):
+    """A batch in the making: its numbers as arrays of shape (n,) or (), the places of its runs in the results, how many
+    of them a call solves, and how many its program has room for."""
+
+    structure: Any
+    arrays: list[np.ndarray]
+    places: np.ndarray
+    chunk: int
+    room: int
+
+    def call(self, first: int) -> tuple[Any, np.ndarray]:
+        """The runs from ``first`` on as arrays (room,), and which of them are wanted: filled up, a call with few runs
+        needs no program of its own."""
+        room = np.arange(self.room)
+        wanted = room < min(self.chunk, self.places.size - first)
+        batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
+        return jax.tree.unflatten(self.structure, batch), wanted
+
+
+def runs(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> Runs:
+    """``most``: runs of a call; ``filled``: whether each call has room for so many. On an accelerator, whose calls are
+    large, runs that are not wanted would take memory."""
+    leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
+    arrays = [np.asarray(leaf, float) for leaf in leaves]
+    count = _common_length(structure, arrays)
+    places = np.arange(count) if batch.places is None else batch.places
+    chunk = min(most, -(-count // workers))
+    return Runs(structure, arrays, places, chunk, most if filled else chunk)
+
+
+Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
+Wanted = Bool[Array, " runs"]  # which of them are wanted: the others fill up the chunk
+
+
+def _request(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
+    return request(*chunk, solver, (rtol, rtol), stabilisation)
+
+
+def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
+    """What time stepping finds of each run."""
+
+    def one(chunk: Chunk, wanted: Array) -> Result:
+        return stepped(*_request(chunk, rtol, stabilisation, solver), wanted=wanted)
+
+    return jax.vmap(one)(chunk, wanted)
+
+
+@after(_stepped)
+def solve_chunk(
+    chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result
+) -> tuple:
+    """The columns of a sweep (`found.column_names`), each an array with an entry for each run of the chunk."""
+    catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
+
+    def numbers(chunk: Chunk, result: Result) -> tuple:
+        parameters, duration, _, options = _request(chunk, rtol, stabilisation, solver)
+        run = run_of(parameters, duration, options, result)
+        own = (catalogue[name].of(run) for name in swept)
+        return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
+
+    return jax.vmap(numbers)(chunk, result)
+
+
+def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:
+    lengths = {array.shape for array in arrays if array.ndim}
+    if not lengths:
+        return 1
+    if len(lengths) > 1 or len(shape := lengths.pop()) != 1 or shape[0] == 0:
+        raise InputError("the arrays of a sweep must all have one shape (n,), n at least 1; found " + _shapes(arrays))
+    return int(shape[0])
+
+
+def _shapes(arrays: list[np.ndarray]) -> str:
+    return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))

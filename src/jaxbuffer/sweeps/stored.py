@@ -1,0 +1,74 @@
+"""A sweep in its Zarr store."""
+
+import dataclasses
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.registry import mechanism_of
+from .cut import GridSweep, RunsSweep
+from .found import Sweep, column_names
+from .swept import Swept
+from .zarr_store import group_of, opened
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclasses.dataclass(frozen=True)
+class StoredSweep:
+    """What a sweep over a scheduler found, in a Zarr store. Print it for how the runs ended.
+
+    - ``store``: the store's folder.
+    - ``asked``: what was swept; ``count``: runs of it; ``done``: how many of these are in the store.
+    - ``codes``: how many runs ended with each outcome's code.
+    """
+
+    store: Path
+    asked: GridSweep | RunsSweep
+    count: int
+    done: int
+    codes: dict[int, int]
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Of which these are runs."""
+        return mechanism_of(self.asked.template.design)
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many runs ended how."""
+        return {self.mechanism.outcomes(code).name: count for code, count in sorted(self.codes.items())}
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The sweep as labelled arrays that are read when they are used: a dimension for each field of a grid, else
+        ``run``, with units; `code` is the outcome, -1 where there is none yet."""
+        return opened(self.store)
+
+    def load(self) -> Swept | Sweep:
+        """All of it in memory, as the same sweep without a scheduler would have returned it."""
+        group = group_of(self.store)
+        columns = {name: np.asarray(group[name]).ravel() for name in column_names(self.mechanism)}
+        template = self.asked.template
+        if isinstance(self.asked, RunsSweep):
+            return Sweep(self.mechanism, columns, *self.asked.swept[:2])
+        plain = [axis.path for axis in self.asked.grid.axes if not axis.unit]
+        applied = (template.design, template.scenario) if plain else self.asked.grid.applied(*template[:2])
+        found = Sweep(self.mechanism, columns, *((None, None) if plain else applied))
+        return Swept(self.asked.grid, template.design, template.scenario, found, columns["code"] >= 0)
+
+    def __repr__(self) -> str:
+        name = self.mechanism.run_name
+        ended = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes.items())
+        head = f"Sweep of {self.count} {name}s" + ("" if self.done == self.count else f"; {self.done} of them done")
+        return f"{head}: {ended}\n  in {self.store}: to_xarray() reads what is asked for, load() all"
+
+
+class StoredInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a sweep over a scheduler; ``found`` says where it is stored."""
+
+    def __init__(self, found: StoredSweep) -> None:
+        super().__init__(f"{found.done} of {found.count} {found.mechanism.run_name}s done; they are in {found.store}")
+        self.found = found

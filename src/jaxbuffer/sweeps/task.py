@@ -1,0 +1,92 @@
+"""What a worker of a cluster does for a sweep: solve a block, and store it."""
+
+import functools
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..hybrid import solver_named
+from .chunk import CHUNK, Settings, runs, solve_chunk
+from .cut import Block, GridSweep, RunsSweep, Template
+from .zarr_store import Store
+
+
+class Job(NamedTuple):
+    """What all tasks of a sweep share, small enough to go with each of them.
+
+    ``grid``: whether the blocks are those of a `GridSweep`, or of a `RunsSweep`; ``solver``: its name; ``rtol`` [-],
+    ``stabilisation`` [1/s].
+    """
+
+    store: str
+    token: str
+    columns: tuple[str, ...]
+    grid: bool
+    template: Template
+    rtol: float
+    stabilisation: float
+    solver: str | None
+
+
+class Told(NamedTuple):
+    """What a worker says of a block. ``computed``: False if it was there already; ``outcomes``: how many runs ended
+    with each code; ``solving``, ``storing``: how long that took [s]."""
+
+    number: int
+    runs: int
+    computed: bool
+    outcomes: dict[int, int]
+    solving: float
+    storing: float
+
+
+def solve_block(job: Job, block: Block) -> Told:
+    """Solve and store a block, unless the store has it whole already."""
+    store, template, settings = _prepared(_Once(job))
+    store.check()
+    found, begin = store.read(block), time.perf_counter()
+    computed = found is None
+    if found is None:
+        found = solved(template, settings, job.grid, block)
+    between = time.perf_counter()
+    if computed:
+        store.write(block, found)
+    codes, counts = np.unique(found[0], return_counts=True)
+    outcomes = dict(zip(codes.tolist(), counts.tolist(), strict=True))
+    ended = time.perf_counter()
+    return Told(block.number, found[0].size, computed, outcomes, between - begin, ended - between)
+
+
+def solved(template: Template, settings: Settings, grid: bool, block: Block) -> list[np.ndarray]:
+    """A block's columns, (runs,) each."""
+    batch, duration = (GridSweep if grid else RunsSweep).batch(template, block)
+    mine = runs(batch, duration, CHUNK, 1, filled=True)
+    parts = []
+    for first in range(0, mine.places.size, CHUNK):
+        wanted = slice(min(CHUNK, mine.places.size - first))
+        parts.append([np.asarray(values)[wanted] for values in solve_chunk(*mine.call(first), *settings)])
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+class _Once:
+    """A job as the key of what a process makes of it: of equal ones that come with many tasks, the first stays, so that
+    its classes and values are the same objects, and the program that is made for them is found again."""
+
+    def __init__(self, job: Job) -> None:
+        self.job, self.key = job, (job.store, job.token)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Once) and other.key == self.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+
+@functools.lru_cache(maxsize=8)
+def _prepared(once: _Once) -> tuple[Store, Template, Settings]:
+    job = once.job
+    solver = None if job.solver is None else solver_named(job.solver)
+    settings = Settings(np.asarray(job.rtol), np.asarray(job.stabilisation), solver)
+    return Store(Path(job.store), job.token, job.columns), job.template, settings

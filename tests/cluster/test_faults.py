@@ -1,0 +1,57 @@
+"""Kills, full disks, damage and strangers, a few hundred captures each: short runs of `python -m verify.faults`."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from verify import faults
+
+import jaxbuffer as jb
+
+CAPTURES = 500
+COMPILES = """
+import sys
+import jaxbuffer as jb
+jb.configure(cache=sys.argv[1])
+from jaxbuffer.compiling import programs
+compiled = programs.stored._compiled
+def told(*arguments):
+    with open(sys.argv[2], "a") as file:
+        file.write("compiled\\n")
+    return compiled(*arguments)
+programs.stored._compiled = told
+print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01, trust=False).peak_force).hex())
+"""
+
+
+@pytest.fixture(scope="module")
+def setup(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("faults")
+    return faults.Setup(folder, folder / "cache", faults.words(CAPTURES), 3, 16)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["kills", "version"])
+def test_a_fault_costs_no_bit_or_is_refused(setup, name):
+    """Of a worker, the scheduler and the driver; a worker of another source, which is left out or refused."""
+    said = faults.CHECKS[name](setup)
+    assert {"kills": "3 kills", "version": "alone refused"}[name] in said
+
+
+@pytest.mark.slow
+def test_of_processes_that_need_one_program_one_compiles(tmp_path):
+    command = [sys.executable, "-c", COMPILES, str(tmp_path / "cache"), str(tmp_path / "told")]
+    both = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    found = {process.communicate(timeout=300)[0] for process in both}
+    assert len(found) == 1 and all(process.returncode == 0 for process in both)
+    assert len((tmp_path / "told").read_text().splitlines()) == len(list((tmp_path / "cache").glob("*.program")))
+
+
+@pytest.mark.slow
+def test_a_tuning_over_a_scheduler_is_the_same(tmp_path):
+    problem = jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)])
+    here, there = (jb.tune(problem, iterations=2, starts=1, client=client) for client in (None, "local"))
+    assert jb.get(here.design, "buffer.k_A") == jb.get(there.design, "buffer.k_A")
+    np.testing.assert_array_equal(here.objective, there.objective)
+    assert here.records == there.records
