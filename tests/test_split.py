@@ -15,7 +15,7 @@ from jaxbuffer.hybrid import Options
 from jaxbuffer.run.request import CHECKED
 from jaxbuffer.run.simulate import _simulate
 from jaxbuffer.sensitivities.gradients import _gradients
-from jaxbuffer.sweeps.sweep import solve_chunk
+from jaxbuffer.sweeps.chunk import solve_chunk
 
 
 def steps(base, times, label):

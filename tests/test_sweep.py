@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.sweeps.chunk import runs
+from jaxbuffer.sweeps.chunk import runs, solve_chunk
 from jaxbuffer.sweeps.grid import Batch
-from jaxbuffer.sweeps.sweep import SweepInterrupted, solve_chunk
+from jaxbuffer.sweeps.sweep import SweepInterrupted
 from verification.cases import CASES, PATHS, WELDED
 
 

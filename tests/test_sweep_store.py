@@ -30,7 +30,7 @@ def solved(monkeypatch):
         columns = (np.sin(found * (1 + k)) for k in range(len(COLUMNS)))
         return [(1e6 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
-    monkeypatch.setattr(module, "solve_chunk", chunk)
+    monkeypatch.setattr(module, "columns_of_chunk", chunk)
     monkeypatch.setattr(module.Pool, "as_completed", lambda pool, solve, items: (solve(item) for item in items))
     monkeypatch.setattr(stored, "PERIOD", 0.0)
     return speeds

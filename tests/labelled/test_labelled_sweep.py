@@ -75,7 +75,7 @@ def test_summary_and_html_tell_choices(swept):
 
 
 def test_interrupted_and_resumed_a_sweep_over_choices_is_the_same(swept, tmp_path, monkeypatch):
-    second, compute = threading.Event(), sweeps.solve_chunk
+    second, compute = threading.Event(), sweeps.columns_of_chunk
 
     def chunk(batch, *settings):
         if batch[0].impact.law == "hertz":
@@ -85,7 +85,7 @@ def test_interrupted_and_resumed_a_sweep_over_choices_is_the_same(swept, tmp_pat
     def stop(done, count):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweeps, "solve_chunk", chunk)
+    monkeypatch.setattr(sweeps, "columns_of_chunk", chunk)
     scenario = jb.BarDropScenario()
     with pytest.raises(SweepInterrupted) as stopped:
         jb.sweep(DESIGN, scenario, over=OVER, folder=tmp_path, progress=stop, **OPTIONS)

@@ -1,32 +1,21 @@
 """`jaxbuffer simulate`: one run."""
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from ..errors import check_choice
 from .exits import fail
 from .limits import asked_limits, keeps_limits
 from .request import Request, ScenarioNumber
 from .streams import note
+from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..mechanisms.run import Run
-    from ..run.trust import Trust
+    from ..run.trust import Trust as HowFar
     from ..study.config import Config
 
 
-TRUST = ("on", "off")
-
-
-def simulate(
-    request: Request,
-    scenario_number: ScenarioNumber = None,
-    trust: Annotated[
-        str, typer.Option(metavar="WHEN", help="Whether to run again at a tenth of the tolerance: on or off.")
-    ] = "on",
-) -> int:
+def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Trust = "on") -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
@@ -49,12 +38,11 @@ def simulate(
     \b
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
-    check_choice("trust", trust, TRUST)
     study = request.one_scenario(scenario_number)
     limits, name = asked_limits(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
-    run, closer = simulated(study, request.output is not None, trust == "on")
+    run, closer = simulated(study, request.output is not None, asked_for(trust))
     if run.outcome.failed:
         return fail(run.outcome.reason)
     if study.mechanism.chaotic:
@@ -88,7 +76,7 @@ def simulated(study: "Config", history: bool, again: bool) -> "tuple[Run, Run | 
     return working("simulating", lambda: (at(options.rtol), at(closer) if again else None))
 
 
-def trusted(run: "Run", closer: "Run") -> "Trust | None":
+def trusted(run: "Run", closer: "Run") -> "HowFar | None":
     """How far the run's numbers can be trusted, said; None where the second run failed."""
     from ..run.trust import trust
 

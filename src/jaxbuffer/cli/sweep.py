@@ -11,6 +11,7 @@ from .exits import INTERRUPTED, OK, any_solved
 from .request import Request
 from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
+from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..study.config import Config
@@ -29,13 +30,18 @@ Over = Annotated[
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in DIR, however it ended.")]
 
 
-def sweep(request: Request, over: Over = None, scheduler: Scheduler = None, resume: Resume = False) -> int:
+def sweep(
+    request: Request, over: Over = None, scheduler: Scheduler = None, resume: Resume = False, trust: Trust = "on"
+) -> int:
     """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
 
     The grid is that of [sweep] in CONFIG.toml, with the fields of --over added or put in their place. Without either:
     approach speeds from 0.05 to 0.25 m/s by misalignments from -0.1 to 0.1 rad, 11 of each. A capture that fails is
     counted and named; it does not touch the others. Ctrl-C ends the sweep and saves what was done; --resume goes on,
     also after a kill.
+
+    Each is run again at a tenth of the tolerance: those whose numbers may be off, or where a bounce more or less
+    decides, are counted, and marked in the column trust. --trust off takes half the time.
 
     --scheduler hands the captures to the workers of a Dask cluster, which store them in DIR/sweep.zarr as they are
     found; "processes" starts some on this machine. Tables and figures are made of up to 100 000 captures, larger sweeps
@@ -89,7 +95,7 @@ def sweep(request: Request, over: Over = None, scheduler: Scheduler = None, resu
     from ..sweeps.stored import StoredSweep
     from ..sweeps.sweep import sweep as compute
 
-    options = {} if scheduler is None else {"client": scheduler}
+    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
     found, interrupted = computed(compute, study, asked, len(grid), folder=request.output, resume=resume, **options)
     if isinstance(found, StoredSweep) and not told:
         files.save_and_show(dict, found, lambda: json.dumps(found.outcomes))

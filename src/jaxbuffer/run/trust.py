@@ -1,16 +1,20 @@
 """How far a run's numbers can be trusted: what a tenth of the tolerance changes."""
 
 import dataclasses
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from ..errors import InputError
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
 
 TENTH = 0.1
 SAFETY = 3.0  # an error is estimated as so many times the change; benchmarks/trust.py holds that against tight runs
 DOUBTFUL = 1e-4  # relative
 HOPELESS = 1e-2  # from here on a run is ill-conditioned even if nothing else changes
+VERDICTS = ("trusted", "check", "ill-conditioned")
 SMALL = 1e-3  # of the largest quantity of the same unit: errors of smaller ones are relative to this
 
 
@@ -42,10 +46,7 @@ class Trust:
     @property
     def verdict(self) -> str:
         """In a word: "trusted", "check", or "ill-conditioned" where little decides what happens."""
-        error = self.worst[1]
-        if self.differs.startswith("the outcome") or error > HOPELESS or (error > DOUBTFUL and self.differs):
-            return "ill-conditioned"
-        return "check" if error > DOUBTFUL else "trusted"
+        return VERDICTS[int(verdicts(self.worst[1], self.differs.startswith("the outcome"), bool(self.differs)))]
 
     def __str__(self) -> str:
         name, error = self.worst
@@ -91,19 +92,37 @@ def changes(run: Run, other: Run) -> dict[str, float]:
 
     It is infinite where only one of the runs has the quantity.
     """
-    catalogue = run.mechanism.quantities
-    pairs = {name: [float(catalogue[name].of(it)) for it in (run, other)] for name in run.mechanism.swept}
-    largest: dict[str, float] = {}
-    for name, (value, _) in pairs.items():
-        unit = catalogue[name].unit
-        largest[unit] = max(largest.get(unit, 0.0), np.nan_to_num(abs(value)))
+    catalogue, swept = run.mechanism.quantities, run.mechanism.swept
+    values, others = ({name: float(catalogue[name].of(it)) for name in swept} for it in (run, other))
+    return {name: float(change) for name, change in relative_changes(run.mechanism, values, others).items()}
+
+
+def relative_changes(
+    mechanism: Mechanism, values: Mapping[str, Any], others: Mapping[str, Any]
+) -> dict[str, np.ndarray]:
+    """`changes` of many runs at once: by name of the quantity arrays, with an entry for each run, of ``values`` and of
+    what the ``others`` have."""
+    sizes = {name: np.abs(values[name]) for name in mechanism.swept}
+    largest: dict[str, np.ndarray] = {}
+    for name, size in sizes.items():
+        unit = mechanism.quantities[name].unit
+        largest[unit] = np.fmax(largest.get(unit, 0.0), np.nan_to_num(size))
     found = {}
-    for name, (value, there) in pairs.items():
-        size = max(abs(value), SMALL * largest[catalogue[name].unit])
-        same = value == there or np.isnan([value, there]).all()
-        change = abs(value - there) / size if size > 0.0 else np.inf
-        found[name] = 0.0 if same else np.inf if np.isnan(change) else float(change)
+    for name, size in sizes.items():
+        value, there = np.asarray(values[name]), np.asarray(others[name])
+        least = np.fmax(size, SMALL * largest[mechanism.quantities[name].unit])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
+        same = (value == there) | (np.isnan(value) & np.isnan(there))
+        found[name] = np.where(same, 0.0, np.where(np.isnan(change), np.inf, change))
     return found
+
+
+def verdicts(error: Any, outcome_differs: Any, differs: Any) -> np.ndarray:
+    """The index in `VERDICTS`, from the largest estimated ``error`` of a run's quantities [-], whether the outcome is
+    another at a tenth of the tolerance, and whether anything is. Numbers, or arrays with an entry for each run."""
+    hopeless = outcome_differs | (error > HOPELESS) | ((error > DOUBTFUL) & differs)
+    return np.where(hopeless, 2, np.where(np.asarray(error) > DOUBTFUL, 1, 0))
 
 
 def _differs(run: Run, closer: Run) -> str:

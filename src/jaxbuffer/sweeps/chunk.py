@@ -14,18 +14,22 @@ from ..errors import InputError, as_number
 from ..hybrid import Result, Solver
 from ..mechanisms.registry import mechanism_of
 from ..run.read_off import run_of
-from ..run.request import Request, request, stepped
+from ..run.request import TOLERANCES, Request, request, stepped
+from ..run.trust import SAFETY, TENTH, relative_changes, verdicts
+from .found import UNKNOWN, column_names
 from .grid import Batch
 
 CHUNK = 16
 
 
 class Settings(NamedTuple):
-    """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``."""
+    """What all runs of a sweep share: ``rtol`` [-], Baumgarte's gain ``stabilisation`` [1/s], ``solver``; ``trust``:
+    whether each is run again at a tenth of the tolerance."""
 
     rtol: np.ndarray
     stabilisation: np.ndarray
     solver: Solver | None
+    trust: bool = False
 
 
 class Runs(NamedTuple):
@@ -79,7 +83,8 @@ def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver
 def solve_chunk(
     chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result
 ) -> tuple:
-    """The columns of a sweep (`found.column_names`), each an array with an entry for each run of the chunk."""
+    """The columns of a sweep (`found.column_names`) but the last, each an array with an entry for each run of the
+    chunk."""
     catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
 
     def numbers(chunk: Chunk, result: Result) -> tuple:
@@ -89,6 +94,25 @@ def solve_chunk(
         return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
 
     return jax.vmap(numbers)(chunk, result)
+
+
+def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.ndarray]:
+    """The columns of a sweep (`found.column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
+    which of them are."""
+    mechanism, (rtol, stabilisation, solver, trust) = mechanism_of(chunk[0]), settings
+    found = [np.asarray(values) for values in solve_chunk(chunk, wanted, rtol, stabilisation, solver)]
+    verdict = np.full(len(found[0]), UNKNOWN)
+    if trust:
+        tenth = np.maximum(TENTH * rtol, TOLERANCES["low"])
+        closer = [np.asarray(values) for values in solve_chunk(chunk, wanted, tenth, stabilisation, solver)]
+        here, there = (dict(zip(column_names(mechanism), values, strict=False)) for values in (found, closer))
+        changes = relative_changes(mechanism, here, there)
+        error = SAFETY * np.max([*changes.values(), np.zeros(len(verdict))], axis=0)
+        others = (f"peak_{mechanism.contact}", "impact_count")
+        differs = np.any([here[name] != there[name] for name in others], axis=0)
+        solved = np.maximum(here["code"], there["code"]) < mechanism.outcomes["failed_steps"]
+        verdict = np.where(solved, verdicts(error, here["code"] != there["code"], differs), UNKNOWN)
+    return [*found, verdict]
 
 
 def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:

@@ -80,7 +80,13 @@ def what_was_found(swept: Computed, file: str) -> list[str | Table]:
     parts: list[str | Table] = []
     if swept.solved.any():
         parts += [_spread(swept), *_extremes(swept)]
-    return [*parts, *_beyond_validity(swept), *_rising(swept), *_failures(swept, file)]
+    return [
+        *parts,
+        *_beyond_validity(swept),
+        *_rising(swept),
+        *swept.found.doubts(f"see trust in {file}"),
+        *_failures(swept, file),
+    ]
 
 
 def _rising(swept: Computed) -> list[str]:

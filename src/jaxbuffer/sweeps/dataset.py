@@ -87,6 +87,8 @@ def _variables(
     where = [contacts[k] if is_solved else "" for k, is_solved in zip(sweep.columns[largest], solved, strict=True)]
     what = f"{mechanism.contact} with the largest force"
     found[largest] = Labelled(dims, np.array(where, str).reshape(shape), "", what)
+    trusted = np.array(sweep.verdicts, str).reshape(shape)
+    found["trust"] = Labelled(dims, trusted, "", "how far the numbers can be trusted, empty where not known")
     for name in ("impact_count", "attempts"):
         counted = f"number of {name.removesuffix('_count').rstrip('s')}s, -1 where not computed"
         found[name] = Labelled(dims, sweep.columns[name].reshape(shape), "-", counted)
@@ -95,8 +97,8 @@ def _variables(
 
 def _table(sweep: "Sweep", inputs: Mapping[str, np.ndarray], done: np.ndarray, contacts: Sequence[str]) -> Rows:
     contact = f"peak_{sweep.mechanism.contact}"
-    numbers = [name for name in sweep.columns if name not in ("code", contact)]
-    header = [*inputs, "outcome", *(named(sweep, name) for name in numbers), contact]
+    numbers = [name for name in sweep.columns if name not in ("code", contact, "trust")]
+    header = [*inputs, "outcome", *(named(sweep, name) for name in numbers), contact, "trust"]
     return header, _rows(sweep, list(inputs.values()), numbers, done, contacts)
 
 
@@ -104,9 +106,9 @@ def _rows(
     sweep: "Sweep", inputs: Sequence[np.ndarray], numbers: Sequence[str], done: np.ndarray, contacts: Sequence[str]
 ) -> Iterator[Sequence[Any]]:
     columns, solved = [sweep.columns[name] for name in numbers], done & sweep.solved
-    largest = sweep.columns[f"peak_{sweep.mechanism.contact}"]
+    largest, verdicts = sweep.columns[f"peak_{sweep.mechanism.contact}"], sweep.verdicts
     for i in np.flatnonzero(done):
         values = [None if math.isnan(value) else value for value in (column[i].item() for column in columns)]
         outcome = sweep.mechanism.outcomes(int(sweep.columns["code"][i])).name
         where = contacts[largest[i]] if solved[i] else None
-        yield [*(column[i].item() for column in inputs), outcome, *values, where]
+        yield [*(column[i].item() for column in inputs), outcome, *values, where, verdicts[i] or None]

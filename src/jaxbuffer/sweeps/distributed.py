@@ -107,7 +107,7 @@ def _solved(
     columns, grid = column_names(mechanism), isinstance(sweep, GridSweep)
     rtol, stabilisation = float(asked.settings.rtol), float(asked.settings.stabilisation)
     solver = name_of(asked.settings.solver)
-    job = Job(str(store), token, columns, grid, sweep.template, rtol, stabilisation, solver)
+    job = Job(str(store), token, columns, grid, sweep.template, rtol, stabilisation, solver, asked.settings.trust)
     outcomes, done = Counter[int](), 0
 
     def so_far() -> StoredSweep:
@@ -146,6 +146,7 @@ def _settings(asked: Asked, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
         "stabilisation [1/s]": float(settings.stabilisation),
         "duration [s]": float(sweep.template.duration),
         "solver": name_of(settings.solver) or "automatic",
+        "trust": settings.trust,
     }
 
 

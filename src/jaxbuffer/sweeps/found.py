@@ -8,10 +8,13 @@ import numpy as np
 from ..fields import Part
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import NotComputed, RunOutcome
+from ..run.trust import DOUBTFUL, VERDICTS
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+UNKNOWN = -1  # how far a run's numbers can be trusted: not asked, or one of the two runs failed
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,7 +24,7 @@ class Sweep:
     - ``mechanism``: of which these are runs.
     - ``columns``: by name, each of shape (n,) and an attribute too: ``code`` of the outcome, the mechanism's quantities
       that sweeps have (units in its catalogue), the contact with the largest force (``peak_flank`` where contacts are
-      flanks), ``impact_count`` and ``attempts``.
+      flanks), ``impact_count``, ``attempts``, and ``trust``: the index of its verdict in `VERDICTS`, -1 if not known.
     - ``design``, ``scenarios``: what was swept, with arrays (n,) for the numbers that differ.
 
     **Example:**
@@ -57,6 +60,22 @@ class Sweep:
     def solved(self) -> np.ndarray:
         """Which runs have numbers, shape (n,)."""
         return (self.columns["code"] >= 0) & (self.columns["code"] < self.mechanism.outcomes["failed_steps"])
+
+    @property
+    def verdicts(self) -> list[str]:
+        """How far the numbers of each run can be trusted, in a word as of `jb.trust`; "" where that is not known."""
+        return [VERDICTS[index] if index >= 0 else "" for index in self.columns["trust"]]
+
+    def doubts(self, where: str) -> list[str]:
+        """How many runs are not trusted, in words; ``where`` they are marked."""
+        counts = [int(np.sum(self.columns["trust"] == k)) for k in range(len(VERDICTS))]
+        of_all = f"of {len(self)} {self.mechanism.run_name}s"
+        told = []
+        if counts[2]:
+            told.append(f"{counts[2]} {of_all} are ill-conditioned: a bounce more or less decides, no number is sure")
+        if counts[1]:
+            told.append(f"{counts[1]} {of_all} have numbers that may be off by more than {DOUBTFUL:.0e} of them")
+        return [f"{line} ({where})" for line in told]
 
     @staticmethod
     def empty(mechanism: Mechanism, count: int, design: Part | None = None, scenarios: Part | None = None) -> "Sweep":
@@ -110,7 +129,7 @@ def column_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
     """Those of `column_names` that are whole numbers."""
-    return ("code", f"peak_{mechanism.contact}", "impact_count", "attempts")
+    return ("code", f"peak_{mechanism.contact}", "impact_count", "attempts", "trust")
 
 
 class SweepInterrupted(KeyboardInterrupt):

@@ -30,4 +30,5 @@ def sweep_table(result: "Sweep") -> Table:
         known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         shown.add_row(f"{name} [{symbol}]", *figures)
+    shown.caption = "\n".join(result.doubts("see trust")) or None
     return shown

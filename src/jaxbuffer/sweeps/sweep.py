@@ -14,13 +14,13 @@ import numpy as np
 
 from .._types import Scalar
 from ..compiling.pool import Pool, cores
-from ..errors import InputError, check_number, check_single, check_whole
+from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .chunk import CHUNK, Runs, Settings, runs, solve_chunk
+from .chunk import CHUNK, Runs, Settings, columns_of_chunk, runs
 from .found import Sweep as Sweep
 from .found import SweepInterrupted as SweepInterrupted
 from .found import column_names as column_names
@@ -54,6 +54,7 @@ def sweep(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
+    trust: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
@@ -72,6 +73,7 @@ def sweep(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
+    trust: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
@@ -90,6 +92,7 @@ def sweep(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
+    trust: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
@@ -107,6 +110,7 @@ def sweep(
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
     stabilisation: float = 20.0,
+    trust: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
@@ -124,6 +128,8 @@ def sweep(
     - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" (threads) or "processes" on this
       machine: the sweep goes to its workers, which store it in ``folder`` (docs/clusters.md).
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
+    - ``trust``: whether to run each again at a tenth of the tolerance, which says how far its numbers can be trusted
+      (`Sweep.verdicts`, as of `jb.trust`); takes about twice as long.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for, or True for a bar.
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
@@ -157,7 +163,8 @@ def sweep(
     solver = None if solver is None else solver_named(solver)
     if workers is not None:
         check_whole("workers", workers, 1)
-    settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver)
+    check_flag("trust", trust)
+    settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
     storing = Storing(workers, counted(progress, mechanism.run_name), folder, resume)
     if client is not None:
         return _over_cluster((design, scenarios, duration), over, client, settings, storing)
@@ -202,10 +209,10 @@ def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: S
 
     def solve(item: tuple[Runs, int]) -> None:
         part, first = item
-        found = solve_chunk(*part.call(first), *settings)
+        found = columns_of_chunk(*part.call(first), settings)
         its_own = part.places[first : first + part.chunk]
         for mine, values in zip(columns, found, strict=True):
-            mine[its_own] = np.asarray(values)[: its_own.size]
+            mine[its_own] = values[: its_own.size]
         finished[its_own] = True
 
     todo = [

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..hybrid import solver_named
-from .chunk import CHUNK, Settings, runs, solve_chunk
+from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .cut import Block, GridSweep, RunsSweep, Template
 from .zarr_store import Store
 
@@ -17,7 +17,7 @@ class Job(NamedTuple):
     """What all tasks of a sweep share, small enough to go with each of them.
 
     ``grid``: whether the blocks are those of a `GridSweep`, or of a `RunsSweep`; ``solver``: its name; ``rtol`` [-],
-    ``stabilisation`` [1/s].
+    ``stabilisation`` [1/s]; ``trust`` as in `Settings`.
     """
 
     store: str
@@ -28,6 +28,7 @@ class Job(NamedTuple):
     rtol: float
     stabilisation: float
     solver: str | None
+    trust: bool
 
 
 class Told(NamedTuple):
@@ -66,7 +67,7 @@ def solved(template: Template, settings: Settings, grid: bool, block: Block) -> 
     parts = []
     for first in range(0, mine.places.size, CHUNK):
         wanted = slice(min(CHUNK, mine.places.size - first))
-        parts.append([np.asarray(values)[wanted] for values in solve_chunk(*mine.call(first), *settings)])
+        parts.append([values[wanted] for values in columns_of_chunk(*mine.call(first), settings)])
     return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
@@ -88,5 +89,5 @@ class _Once:
 def _prepared(once: _Once) -> tuple[Store, Template, Settings]:
     job = once.job
     solver = None if job.solver is None else solver_named(job.solver)
-    settings = Settings(np.asarray(job.rtol), np.asarray(job.stabilisation), solver)
+    settings = Settings(np.asarray(job.rtol), np.asarray(job.stabilisation), solver, job.trust)
     return Store(Path(job.store), job.token, job.columns), job.template, settings

@@ -19,6 +19,7 @@ from ..errors import InputError
 from ..files import naming
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.mechanism import Mechanism
+from ..run.trust import VERDICTS
 from .cut import Block, Cut
 from .found import column_names, whole_numbers
 
@@ -96,8 +97,8 @@ def create(
     with naming(path):
         dataset({}, coordinates, about).to_zarr(draft, zarr_format=2, consolidated=False)
         group = zarr.open_group(draft, mode="r+", zarr_format=2)
-        outcomes = mechanism.outcomes
-        flags = {"flag_values": [int(it) for it in outcomes], "flag_meanings": " ".join(it.name for it in outcomes)}
+        codes = {it.name: int(it) for it in mechanism.outcomes}
+        verdicts = {name: index for index, name in enumerate(VERDICTS)}
         whole = whole_numbers(mechanism)
         for name in column_names(mechanism):
             quantity = mechanism.quantities.get(name)
@@ -105,7 +106,9 @@ def create(
                 {} if quantity is None else {"units": quantity.unit, "long_name": quantity.description}
             )
             if name == "code":
-                told = {"long_name": "how the run ended, -1 where not computed", **flags}
+                told = {"long_name": "how the run ended, -1 where not computed", **_flags(codes)}
+            if name == "trust":
+                told = {"long_name": "how far the numbers can be trusted, -1 where not known", **_flags(verdicts)}
             _array(group, name, cut.sizes, cut.block, dims, -1 if name in whole else np.nan, told)
         told = {"long_name": "of each block of runs, once it is whole"}
         _array(group, CHECKSUM, (len(cut),), (1,), ("block_number",), np.uint64(0), told)
@@ -175,6 +178,11 @@ def known(path: Path) -> Known:
         return Known(dict(identity), tuple(map(int, block)), dict(kind), str(found[TOKEN]))
     except (KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
+
+
+def _flags(meanings: Mapping[str, int]) -> dict[str, Any]:
+    """What whole numbers mean, as netCDF's conventions say it."""
+    return {"flag_values": list(meanings.values()), "flag_meanings": " ".join(meanings)}
 
 
 def _array(
