@@ -13,6 +13,8 @@ from ...plane import inverse
 from ..sensitivity.augmented_state import Columns
 from ..system import Linearisation
 
+TERMS = 6
+
 
 class NewtonMatrix(NamedTuple):
     """I - shift J, ready to be solved with.
@@ -49,4 +51,11 @@ class NewtonMatrix(NamedTuple):
 
 def _product(a: Array, b: Array) -> Array:
     """A matrix product written as a sum: a call into a library would split the loop's kernel."""
-    return jnp.sum(a[:, :, None] * b[None], axis=1)
+    return summed(jnp.swapaxes(a, 0, 1)[:, :, None] * b[:, None])
+
+
+def summed(terms: Float[Array, "terms *shape"]) -> Float[Array, "*shape"]:
+    """The sum over the first axis, in sums of `TERMS` terms at most: LLVM writes out one that is so short and evaluates
+    it in vector instructions, a longer one number by number (see `compiling.process`)."""
+    sums = [jnp.sum(terms[k : k + TERMS], axis=0) for k in range(0, max(len(terms), 1), TERMS)]
+    return sum(sums[1:], sums[0])

@@ -18,7 +18,7 @@ from .linear_map import Unsupported
 
 Rows = Float[Array, "rows state"]
 Columns = Float[Array, "state columns"]  # the rows transposed and padded with columns of zeros: what steps work on
-VECTOR = 4  # the number of columns is a multiple of this, the size of a vector register
+VECTOR = 8  # numbers in a vector register: so many columns or a multiple, of few columns half as many
 P = TypeVar("P")
 S = TypeVar("S")
 
@@ -78,9 +78,10 @@ class Tangents(eqx.Module, Generic[P]):
 
 
 def columns(rows: Rows) -> Columns:
-    """Rows transposed; if there are tangents, padded with zeros to a multiple of `VECTOR` columns."""
+    """Rows transposed; if there are tangents, padded with columns of zeros to whole vector registers."""
     count = rows.shape[0]
-    return jnp.pad(rows, [(0, -count % VECTOR if count > 1 else 0), (0, 0)]).T
+    whole = 1 if count == 1 else VECTOR // 2 if count <= VECTOR // 2 else VECTOR
+    return jnp.pad(rows, [(0, -count % whole), (0, 0)]).T
 
 
 def push_through_assembly(

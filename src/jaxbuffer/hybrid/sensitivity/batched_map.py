@@ -15,6 +15,7 @@ from jaxtyping import Array, Float
 
 from .graph import Vertex, scaled
 from .linear_map import read
+from .stored import Store
 
 USED_OFTEN = 2  # users from which on a vector is stored rather than evaluated anew for each
 
@@ -34,7 +35,7 @@ def on_columns(linear: Callable[..., Array], *examples: Any) -> Callable[..., Fl
     def multiplied(*arguments: Any) -> Float[Array, "out columns"]:
         vectors: dict[Vertex, Array] = {}
         example = jax.tree.leaves(arguments)[-1]
-        zero, one = jnp.zeros(example.shape[-1]), 1.0 + 0.0 * example.ravel()[0]  # which XLA cannot know
+        zero, stored = jnp.zeros(example.shape[-1]), Store.of(example)
         for vertices, leaf in zip(inputs, jax.tree.leaves(arguments), strict=True):
             for vertex, vector in zip(vertices.ravel(), jnp.reshape(leaf, (-1, leaf.shape[-1])), strict=True):
                 vectors[vertex] = vector
@@ -43,8 +44,8 @@ def on_columns(linear: Callable[..., Array], *examples: Any) -> Callable[..., Fl
                 continue
             terms = [scaled(coefficient, vectors[source]) for source, coefficient in vertex.sources.items()]
             vectors[vertex] = sum(terms[1:], terms[0])
-            if users[vertex] >= USED_OFTEN:  # XLA evaluates sums and products anew for every user, but no division
-                vectors[vertex] = vectors[vertex] / one
+            if users[vertex] >= USED_OFTEN:
+                vectors[vertex] = stored(vectors[vertex])
         return jnp.stack([zero if vertex is None else vectors[vertex] for vertex in results])
 
     return multiplied
