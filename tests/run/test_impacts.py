@@ -143,8 +143,8 @@ def test_an_event_moves_by_its_guard_over_the_guards_rate():
 
 
 def test_touchdowns_and_releases_move_with_the_gap():
-    """A gap that grows by p: touchdowns, where minus the gap rises at 2, come p/2 later; releases p/2 earlier; maxima and
-    a touchdown at the start stay."""
+    """A gap that grows by p: touchdowns, where minus the gap rises at 2, come p/2 later; releases p/2 earlier; maxima
+    and a touchdown at the start stay."""
     log = logged([(T, 1, 0.0, (0.0, 0.0), (0, 1)), *EVENTS], 20)
 
     def times(p):

@@ -93,6 +93,8 @@ class _Found:
             it for it in ast.iter_child_nodes(node) if isinstance(it, ast.stmt | ast.ExceptHandler | ast.match_case)
         ]
         last = max((it.end_lineno or it.lineno for it in heads), default=node.lineno)
+        if isinstance(node, ast.FunctionDef):  # a default counts when the function is called
+            last = node.end_lineno or last
         self.place = (node.lineno, last, () if inside else _assigned(node))
         if isinstance(node, ast.AugAssign):
             self.operator(node.target, node.value, *BINARY[type(node.op)], suffix="=")
@@ -172,8 +174,6 @@ def _annotation(node: ast.stmt) -> ast.expr | None:
 
 def _assigned(node: ast.stmt) -> tuple[str, ...]:
     """Names that a statement outside functions binds."""
-    if isinstance(node, ast.FunctionDef):
-        return (node.name,)
     targets = getattr(node, "targets", [getattr(node, "target", None)])
     return tuple(name.id for target in targets if target for name in ast.walk(target) if isinstance(name, ast.Name))
 

@@ -20,9 +20,10 @@ FILES = (
     "tests/hybrid/test_crossing.py", "tests/hybrid/test_bracketing.py", "tests/hybrid/test_prediction.py",
     "tests/hybrid/test_controller.py", "tests/hybrid/test_stages.py", "tests/hybrid/test_log.py",
     "tests/hybrid/test_transitions.py", "tests/hybrid/test_batched_map.py", "tests/test_certificate.py",
-    "tests/test_trust.py", "tests/test_differences.py", "tests/test_evidence.py", "tests/test_quantities.py",
-    "tests/mechanisms/test_start.py", "tests/mechanisms/test_augmented.py", "tests/mechanisms/test_inputs.py",
-    "tests/mechanisms/test_rod_modes.py", "tests/mechanisms/test_diagnosis.py", "tests/mechanisms/test_watched.py",
+    "tests/run/test_instants.py", "tests/run/test_impacts.py", "tests/test_trust.py", "tests/test_differences.py",
+    "tests/test_evidence.py", "tests/test_quantities.py", "tests/mechanisms/test_start.py",
+    "tests/mechanisms/test_augmented.py", "tests/mechanisms/test_inputs.py", "tests/mechanisms/test_rod_modes.py",
+    "tests/mechanisms/test_diagnosis.py", "tests/mechanisms/test_watched.py",
     "tests/mechanisms/test_slider_crank_statistics.py", "tests/multibody/test_flexible_elements.py",
     "tests/multibody/test_flexible_bars.py", "tests/multibody/test_flexible_solution.py",
     "tests/multibody/test_flexible_joints.py", "tests/multibody/test_flexible_planar.py",
@@ -90,8 +91,13 @@ class Reach:
             spent += test["seconds"]
             first.append(test["test"])
             files.append(test["file"])
-        beside = [t for t in self.tests if t["file"] in files and t["test"] not in first and t["seconds"] < CHEAP]
-        return [*first, *(test["test"] for test in beside)], spent + sum(test["seconds"] for test in beside)
+        chosen, spent_beside = list(first), 0.0
+        for test in sorted((test for test in self.tests if test["file"] in files), key=lambda test: test["seconds"]):
+            if test["test"] in first or test["seconds"] > CHEAP or spent_beside > budget / 2.0:
+                continue
+            spent_beside += test["seconds"]
+            chosen.append(test["test"])
+        return chosen, spent + spent_beside
 
     def _places(self, mutant: Mutant) -> dict[str, set[int]]:
         if not mutant.names:
