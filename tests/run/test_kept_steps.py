@@ -18,7 +18,8 @@ def test_the_last_step_is_repeated(monkeypatch, taken, expected):
     for k in range(1, taken + 1):
         rows = jnp.stack([jnp.full(3, 10.0 * k), jnp.full(3, -1.0)])
         steps = steps.append(jnp.asarray(True), jnp.asarray(float(k)), jnp.full(2, 0.1 * k), rows)
-    time, active, state = module.history(None, steps)
+    spare = jnp.asarray(False), jnp.asarray(99.0), jnp.full(2, 99.0), jnp.full((2, 3), 99.0)
+    time, active, state = module.history(None, steps.append(*spare))
     np.testing.assert_array_equal(time, expected)
     np.testing.assert_allclose(active, 0.1 * np.outer(expected, np.ones(2)), rtol=1e-15)
     np.testing.assert_array_equal(state, 10.0 * np.outer(expected, np.ones(3)))

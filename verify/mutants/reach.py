@@ -22,7 +22,7 @@ FILES = (
     "tests/hybrid/test_transitions.py", "tests/hybrid/test_batched_map.py", "tests/test_certificate.py",
     "tests/run/test_instants.py", "tests/run/test_impacts.py", "tests/run/test_largest.py",
     "tests/run/test_kept_steps.py", "tests/test_tight_solves.py", "tests/contact/test_pressure.py",
-    "tests/hybrid/test_fastest.py", "tests/mechanisms/test_slider_crank_parts.py",
+    "tests/hybrid/test_fastest.py", "tests/hybrid/test_tableaus.py", "tests/mechanisms/test_slider_crank_parts.py",
     "tests/mechanisms/test_loss_factor.py", "tests/mechanisms/test_margins.py", "tests/test_trust.py",
     "tests/test_differences.py", "tests/test_evidence.py", "tests/test_quantities.py",
     "tests/mechanisms/test_start.py", "tests/mechanisms/test_augmented.py", "tests/mechanisms/test_inputs.py",
@@ -83,10 +83,14 @@ class Reach:
     def checks(self, mutant: Mutant, budget: float) -> tuple[list[str], float]:
         """Tests that reach a fault, the quickest first, and the cheap ones beside them; and how long they take [s].
 
-        A fault outside functions is reached by those that reach a line where what the statement binds is named.
+        A fault outside functions is reached by those that reach a line where what the statement binds is named, or,
+        where there are none, a line of the same folder.
         """
         places = self._places(mutant)
         reaching = [test for test in self.tests if any(places[p] & test["lines"].get(p, set()) for p in places)]
+        if not reaching and mutant.names:  # named at import only, as a table is
+            folder = mutant.path.rpartition("/")[0]
+            reaching = [test for test in self.tests if any(path.rpartition("/")[0] == folder for path in test["lines"])]
         first, spent, files = [], 0.0, []
         for test in sorted(reaching, key=lambda test: test["seconds"]):
             if first and spent + test["seconds"] > budget:
