@@ -34,7 +34,8 @@ def main() -> int:
     faults = chosen(package, options.count, options.seed)
     if not options.report:
         preload()
-        reaching.measure(tree, folder / "reach.jsonl", _told)
+        if not options.tests:
+            reaching.measure(tree, folder / "reach.jsonl", _told)
         reach = reaching.Reach(folder / "reach.jsonl", package)
         _all(tree, faults, reach, log, options)
     records = [record for record in _latest(log).values() if record["mutant"] in {fault.key for fault in faults}]
@@ -53,12 +54,12 @@ def _all(tree: Path, faults: list[Mutant], reach: reaching.Reach, log: Path, opt
         before = known.get(fault.key)
         if before and not (before["verdict"] in ("survived", "unreached") and options.again):
             continue
-        if fault.key in equivalent:
+        if fault.key in equivalent or (options.only and number not in options.only):
             continue
-        if tries % CONTROLS == 0 and (wrong := control(tree, fault, reach, options.seconds)):
+        if tries % CONTROLS == 0 and not options.tests and (wrong := control(tree, fault, reach, options.seconds)):
             _told(f"without a fault: {wrong}")
         tries += 1
-        record = tried(tree, fault, reach, options.seconds)
+        record = tried(tree, fault, reach, options.seconds, options.tests)
         with log.open("a") as file:
             file.write(json.dumps(record, ensure_ascii=False) + "\n")
         _told(f"{number:3} {record['verdict']:12} {record['seconds']:5.0f} s  {fault.key}  {record['by']}")
@@ -106,6 +107,8 @@ def _parsed() -> argparse.Namespace:
     parser.add_argument("--resume", action="store_true", help="go on with the log in the folder")
     parser.add_argument("--again", action="store_true", help="with --resume: try survivors again")
     parser.add_argument("--seconds", type=float, default=45.0, help="of tests for a fault, at most; default: 45")
+    parser.add_argument("--only", type=int, nargs="+", help="these faults, by their number in the choice")
+    parser.add_argument("--tests", nargs="+", default=[], help="these tests instead of those that reach a fault's line")
     parser.add_argument("--report", action="store_true", help="only count what the log says")
     parser.add_argument("--keep", type=Path, help="write the verdicts to this JSON file")
     parser.add_argument("--output", type=Path, default=Path("results/mutants"), help="folder of the log and the copy")

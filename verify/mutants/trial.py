@@ -10,16 +10,18 @@ from .reach import Reach
 from .tree import Broken
 
 BEYOND = 60.0  # s that a fault may add
+NAMED = 200.0  # s of the processor that tests named by hand may take
 COLLECTION = (2, 4)  # how pytest ends where a file can't be imported
 
 
-def tried(tree: Path, mutant: Mutant, reach: Reach, budget: float) -> dict[str, Any]:
+def tried(tree: Path, mutant: Mutant, reach: Reach, budget: float, named: list[str]) -> dict[str, Any]:
     """What became of a fault: ``killed`` (by which test), ``survived``, ``timeout``, ``unimportable``, ``unreached``.
 
-    **Arguments:** ``tree``: the copy; ``budget``: s of the processor that its tests may take on sound source.
+    **Arguments:** ``tree``: the copy; ``budget``: s of the processor that its tests may take on sound source;
+    ``named``: tests to run instead of those that reach it.
     """
     record: dict[str, Any] = {"mutant": mutant.key, "line": mutant.line}
-    checks, seconds = reach.checks(mutant, budget)
+    checks, seconds = (named, NAMED) if named else reach.checks(mutant, budget)
     if not checks:
         return record | {"verdict": "unreached", "by": "", "said": "", "seconds": 0.0, "tests": 0}
     with Broken(tree, mutant):
