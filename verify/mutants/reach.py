@@ -113,7 +113,10 @@ class Reach:
         word = re.compile(r"\b(" + "|".join(mutant.names) + r")\b")
         found = {}
         for path in {path for test in self.tests for path in test["lines"]}:
-            lines = (self.package / path).read_text().splitlines()
+            text = (self.package / path).read_text()
+            lines = text.splitlines()
+            if path != mutant.path and not re.search(rf"import .*\b({'|'.join(mutant.names)})\b", text):
+                continue
             if named := {k for k, line in enumerate(lines, 1) if word.search(line)}:
                 found[path] = named
         return found
