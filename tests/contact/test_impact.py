@@ -7,6 +7,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from jaxbuffer.contact import LankaraniNikravesh, hertz_stiffness
+from jaxbuffer.contact.laws import KelvinVoigt, free_impact
 
 MASS, STIFFNESS, SPEED = 1.0, 1.4e8, 4.4294  # kg, N/m^1.5, m/s
 
@@ -73,3 +74,10 @@ def test_lankarani_nikravesh_delivers_its_own_restitution(asked, delivered):
 def test_delivered_restitution_depends_on_neither_mass_nor_speed(mass, speed):
     impact = Impact(LankaraniNikravesh(hertz_stiffness(0.015), 0.7), mass, speed)
     assert_allclose(impact.restitution, 0.7960, atol=5.1e-5)
+
+
+def test_a_damper_pushes_most_at_touchdown():
+    """c v, where ζ = c/(2 √(k m)) is above ½: 0.9 and 0.63 here."""
+    for stiffness, damping in ((1e3, 57.0), (1e3, 40.0)):
+        impact = free_impact(KelvinVoigt(stiffness, damping), 1.0, 0.2)
+        assert impact.peak_force == pytest.approx(0.2 * damping, rel=1e-6)

@@ -163,6 +163,14 @@ def test_the_root_to_rounding(evidence):
 
 
 @each_law
+def test_without_penetration_there_is_no_force(name):
+    of = law(name)
+    for apart in (0.0, -1e-9, -1e-4):
+        assert float(of.elastic(jnp.asarray(apart))) == 0.0
+    assert float(of.elastic(jnp.asarray(1e-9))) > 0.0
+
+
+@each_law
 def test_force_and_depth_are_inverse(name, evidence):
     chosen = law(name)
     forces = jnp.geomspace(1e-6, top(chosen), 3000)

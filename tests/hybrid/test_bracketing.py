@@ -66,6 +66,14 @@ def test_the_middle_where_newtons_method_leaves_the_bracket(value, rate):
     np.testing.assert_allclose(float(found.bracket.step), LENGTH * (0.25 if value > 0.0 else 0.75), rtol=1e-12)
 
 
+@pytest.mark.parametrize("rate", [-0.5, -1e-9, 0.0])
+def test_where_a_guard_falls_there_is_no_event(rate):
+    """However near its zero: it rises through the event that is sought."""
+    found = refined(begun(GUARD, 0.5 * LENGTH, lambda x: x - 0.3 * LENGTH), value=1e-30, rate=rate)
+    assert not found.converged
+    assert not found.finished
+
+
 def test_a_misleading_rate_does_not_hold_a_location_up():
     """An implicit step's error changes with its length too: the guard then goes on three times as fast as its rate at
     the step's end says, so that Newton's method overshoots threefold and bisection alone would take 23 tries."""

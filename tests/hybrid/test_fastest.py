@@ -1,0 +1,40 @@
+"""How fast stiff forces may be, of oscillators whose rates are known."""
+
+import jax.numpy as jnp
+import pytest
+
+from jaxbuffer.hybrid.system import Linearisation
+
+
+def of_spring(mass, stiffness, damping, pull=1.0):
+    """One mass on a spring and a damper that act along ``pull`` times its coordinate."""
+    ones = jnp.ones((1, 1))
+    return Linearisation(pull * ones, pull / mass * ones, stiffness * ones, damping * ones, 1)
+
+
+@pytest.mark.parametrize(("mass", "stiffness", "damping"), [(2.0, 800.0, 1.0), (0.5, 8.0, 50.0), (3.0, 0.0, 6.0)])
+@pytest.mark.parametrize("pull", [1.0, 0.5])
+def test_one_oscillator(mass, stiffness, damping, pull):
+    """max(c/m, √(k/m)), both with the square of the lever."""
+    expected = max(pull**2 * damping / mass, pull * (stiffness / mass) ** 0.5)
+    assert float(of_spring(mass, stiffness, damping, pull).fastest()) == pytest.approx(expected, rel=1e-14)
+
+
+def test_forces_add_up():
+    """Springs of 30 N/m and 70 N/m side by side on 4 kg; a velocity beyond the coordinates has a damper of its own."""
+    directions = jnp.array([[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    response = jnp.array([[0.25, 0.25, 0.0], [0.0, 0.0, 2.0]])
+    stiff, damped = jnp.diag(jnp.array([30.0, 70.0, 900.0])), jnp.diag(jnp.array([0.0, 0.0, 1.5]))
+    assert float(Linearisation(directions, response, stiff, 0.0 * damped, 1).fastest()) == pytest.approx(5.0)
+    assert float(Linearisation(directions, response, 0.0 * stiff, damped, 1).fastest()) == pytest.approx(3.0)
+
+
+def test_a_negative_stiffness_rings_with_nothing():
+    assert float(of_spring(1.0, -4.0, 0.5).fastest()) == 0.5
+
+
+def test_without_stiff_forces():
+    nothing = Linearisation.none(3, 2)
+    assert nothing.rank == 0
+    assert nothing.directions.shape == nothing.response.shape == (3, 0)
+    assert float(nothing.fastest()) == 0.0

@@ -1,0 +1,66 @@
+"""How near a capture came to the limits of the law, and how it ends: by hand."""
+
+from types import SimpleNamespace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
+from jaxbuffer.mechanisms.probe_cone.margins import _rising, rising, throat
+
+
+def test_beyond_the_limits_of_the_law_and_just_on_them():
+    found = Validity(np.array([0.99, 1.0, 1.01]), np.array([1.01, 1.0, 0.99]))
+    assert found.too_deep.tolist() == [False, False, True]
+    assert found.yields.tolist() == [True, False, False]
+
+
+def test_depth_counts_by_a_tenth_of_the_radius_and_pressure_by_where_yield_begins():
+    contact = SimpleNamespace(yield_stress=None, poisson_ratio=0.3, young_modulus=70e9)
+    design = SimpleNamespace(probe=SimpleNamespace(tip_radius=0.02), contact=contact)
+    found = validity(design, np.array([1e-3, 3e-3]), np.array([100.0, 200.0]))
+    np.testing.assert_allclose(found.depth, [0.5, 1.5], rtol=1e-14)
+    np.testing.assert_array_equal(found.pressure, [0.0, 0.0])
+    contact.yield_stress = 300e6
+    a = (3.0 * 100.0 * 0.02 / (4.0 * 70e9 / (2.0 * (1.0 - 0.3**2)))) ** (1.0 / 3.0)
+    expected = 1.5 * 100.0 / (np.pi * a**2) / (1.295 * np.exp(0.736 * 0.3) * 300e6)
+    np.testing.assert_allclose(validity(design, 1e-3, 100.0).pressure, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("last", "rate", "expected"), [
+    (2.0, 0.3, 0.3), (2.0, -0.3, 0.0), (2.0 - 1e-6, 0.3, 0.3), (2.0 - 4e-6, 0.3, 0.0), (1.0, 0.3, 0.0)
+])  # fmt: skip
+def test_what_is_largest_at_the_end_rises_at_its_rate(last, rate, expected):
+    """Within a millionth of 2."""
+    assert float(_rising(jnp.asarray(last), jnp.asarray(rate), jnp.asarray(2.0))) == expected
+
+
+def log(rows, times, count):
+    rows = jnp.asarray(rows)[:, None, :]
+    return SimpleNamespace(count=jnp.asarray(count), rows=rows, time=jnp.asarray(times))
+
+
+def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
+    """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
+    mechanism = SimpleNamespace(throat_of=lambda state: (state[0], state[1]))
+    ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
+    before, beyond = throat(mechanism, ended, 10.0)
+    assert float(before) == pytest.approx(0.3)
+    assert float(beyond) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_stroke_and_hinge_angle_at_the_end(sign):
+    """The angle between the first two bodies, whose third numbers are angles; its size counts."""
+
+    def posture(state):
+        q, v = jnp.arange(9.0) ** 2, jnp.zeros(9)
+        q = q.at[2].set(0.1).at[5].set(0.1 + sign * 0.05)
+        v = v.at[2].set(0.2).at[5].set(0.2 + sign * 0.7).at[4].set(5.0).at[1].set(3.0)
+        return SimpleNamespace(kin=SimpleNamespace(q=q, v=v), stroke=state[0], stroke_rate=state[1])
+
+    mechanism, ended = SimpleNamespace(posture=posture), log([[9.0, 9.0], [0.01, 0.4], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
+    found = rising(mechanism, ended, jnp.asarray(0.01), jnp.asarray(0.05))
+    np.testing.assert_allclose(found, (0.4, 0.7), rtol=1e-12)
+    np.testing.assert_allclose(rising(mechanism, ended, jnp.asarray(0.02), jnp.asarray(0.06)), (0.0, 0.0))

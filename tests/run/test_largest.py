@@ -1,0 +1,180 @@
+"""Largest values and conservation, read off logs written by hand for a system of a few lines."""
+
+import dataclasses
+from types import SimpleNamespace
+from typing import ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxbuffer.hybrid import Kind, Log
+from jaxbuffer.mechanisms.energy import Energy
+from jaxbuffer.run.conservation import balance
+from jaxbuffer.run.maxima import _peak_time, maxima
+
+SPEED, RATE = 3.0, 2.0  # of the first number of a state; of a guard
+
+
+class Toy(eqx.Module):
+    """The state's first two numbers are the forces of two contacts, the third an observable "height" times the weight
+    ``p``, the fourth a gap. The first number falls at `SPEED`, the second stands, the third rises at 1."""
+
+    p: float | jax.Array = 1.0
+    jumps: bool = eqx.field(default=False, static=True)
+    impact_contacts: int = eqx.field(default=2, static=True)
+    momentum_scale: float | None = 4.0
+    contact_count: ClassVar[int] = 2
+    observed: ClassVar[tuple[str, ...]] = ("force_0", "force_1", "height", "rate")
+    energy_scale: ClassVar[float] = 8.0
+
+    def derivative(self, time, state, active):
+        return jnp.array([-SPEED, 0.0, 1.0, -RATE])
+
+    def posture(self, state):
+        return SimpleNamespace(state=state)
+
+    def normal_force_at(self, at, active):
+        # the slope of a force is its rate times the weight, and an own share of the first contact's
+        return at.state[:2] * jnp.array([self.p, self.p**2])
+
+    def gaps(self, state):
+        return jnp.array([state[3] * self.p, 5.0])
+
+    def time_to_contact(self, state, contact):
+        return jnp.where(contact == 0, 0.25, 0.5) * (self.p - 1.0)
+
+    def observables(self, state, rate, active):
+        return jnp.array([self.p * state[0], self.p**2 * state[1], self.p * state[2], rate[2]])
+
+    def observables_at(self, at, rate, active):
+        return self.observables(at.state, rate, active)
+
+    def energy_at(self, at, active):
+        return Energy({"kinetic": at.state[0], "contact": active[0]}, {"friction": at.state[2]})
+
+    def momentum(self, state):
+        return jnp.array([state[0], 2.0 * state[1]]), state[2]
+
+
+def logged(entries, room=6):
+    """Of entries (kind, which, time, forces and height)."""
+    log = Log.empty(room, jnp.zeros((1, 4)), 2, 4)
+    for kind, which, time, state in entries:
+        row = jnp.array([[*state, 0.0]])
+        values = jnp.array([*state, 1.0])
+        event = (jnp.asarray(x) for x in (True, int(kind), which, time))
+        active, rate = jnp.array([1.0, 0.0]), jnp.ones((1, 4))
+        log = log.append(*event, values, jnp.asarray(RATE), active, row, rate, jnp.asarray(True))
+    return log
+
+
+ENTRIES = [
+    (Kind.TOUCHDOWN, 0, 1.0, (0.0, 0.0, 3.0)),
+    (Kind.PEAK, 0, 2.0, (6.0, 5.0, 2.0)),
+    (Kind.PEAK, 1, 3.0, (4.0, 9.0, 7.0)),
+    (Kind.END, 0, 4.0, (1.0, 2.0, -1.0)),
+]
+
+
+def start(state=(0.0, 0.0, 1.0)):
+    return SimpleNamespace(state=jnp.array([*state, 0.0])), jnp.zeros(2)
+
+
+def test_the_largest_of_all_entries():
+    top = maxima(Toy(), logged(ENTRIES), start())
+    assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (9.0, 3.0, 1)
+    assert {name: float(value) for name, value in top.others.items()} == {"height": 7.0, "rate": 1.0}
+
+
+def test_a_value_at_the_start_counts_and_unused_entries_do_not():
+    """Below zero too: unused entries hold zeros."""
+    entries = [(kind, which, time, (a, b, height - 20.0)) for kind, which, time, (a, b, height) in ENTRIES]
+    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -30.0))).others["height"]) == -13.0
+    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -2.0))).others["height"]) == -2.0
+
+
+@pytest.mark.parametrize(("entries", "force", "contact"), [(ENTRIES[:2], 6.0, 0), (ENTRIES, 9.0, 1)])
+def test_forces_differentiate_at_fixed_time(entries, force, contact):
+    """The envelope theorem: d(p F)/dp = F, d(p² F)/dp = 2 F; the log itself does not move."""
+    top, move = jax.jvp(lambda p: maxima(Toy(p), logged(entries), start())[:3:2], (1.0,), (1.0,))
+    assert (float(top[0]), int(top[1])) == (force, contact)
+    assert float(move[0]) == force * (1 + contact)
+
+
+@pytest.mark.parametrize(("slot", "contact", "expected"), [(1, 0, SPEED / RATE), (2, 1, 0.0), (1, 1, 0.0), (3, 0, 0.0)])
+def test_the_time_of_a_peak_moves_with_its_slope(slot, contact, expected):
+    """-(∂slope/∂p)/ġ: the guard is minus the slope -3 p of the first force, and rises at 2; the slope of the second is
+    zero. At another observable's maximum, or the end, time stands."""
+    log = logged(ENTRIES)
+
+    def at(p):
+        toy = Toy(p)
+        return _peak_time(toy, log, jnp.asarray(slot), jnp.asarray(contact), toy.derivative(0.0, None, None))
+
+    time, move = jax.jvp(at, (1.0,), (1.0,))
+    assert float(time) == ENTRIES[slot][2]
+    np.testing.assert_allclose(move, -expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize(("begins", "expected"), [(1.0, 0.5 * 4.0 / RATE), (0.0, 0.0)])
+def test_where_a_force_jumps_it_may_be_largest_at_the_touchdown_itself(begins, expected):
+    """It moves with the gap 4 p, the guard being minus that; a run that starts in contact does so at t = 0."""
+    log = logged([(Kind.TOUCHDOWN, 0, begins, (6.0, 0.0, 0.0)), *ENTRIES[-1:]])
+    log = dataclasses.replace(log, rows=log.rows.at[0, 0, 3].set(4.0), guard_rate=2.0 * log.guard_rate)
+
+    def at(p):
+        toy = Toy(p, jumps=True)
+        return _peak_time(toy, log, jnp.asarray(0), jnp.asarray(0), toy.derivative(0.0, None, None))
+
+    time, move = jax.jvp(at, (1.0,), (1.0,))
+    assert float(time) == begins
+    np.testing.assert_allclose(move, expected, rtol=1e-15)
+    _, other = jax.jvp(lambda p: _peak_time(Toy(p, jumps=True), log, jnp.asarray(0), jnp.asarray(1), jnp.zeros(4)),
+                       (1.0,), (1.0,))  # fmt: skip
+    assert float(other) == 0.0
+
+
+def test_where_a_force_jumps_its_state_goes_with_the_touchdown():
+    """The state's rate (-3, 0, 1, -2) times dt = dp/4 at the first contact; a maximum's state stands."""
+    jumping = [(Kind.TOUCHDOWN, 0, 1.0, (6.0, 0.0, 0.0)), (Kind.PEAK, 2, 2.0, (1.0, 1.0, 8.0))]
+    top, move = jax.jvp(lambda p: maxima(Toy(p, jumps=True), logged(jumping), start()), (1.0,), (1.0,))
+    assert (float(top.peak_force), float(top.others["height"])) == (6.0, 8.0)
+    np.testing.assert_allclose(move.peak_force, 6.0 - SPEED * 0.25, rtol=1e-15)
+    np.testing.assert_allclose(move.others["height"], 8.0, rtol=1e-15)
+
+
+def test_without_contacts_there_is_no_force():
+    toy = Toy(impact_contacts=0)
+    top = maxima(toy, logged(ENTRIES), start())
+    assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (0.0, 0.0, -1)
+    largest = {"force_0": 6.0, "force_1": 9.0, "height": 7.0, "rate": 1.0}
+    assert {name: float(value) for name, value in top.others.items()} == largest
+
+
+@pytest.mark.parametrize(("first", "scale"), [(1.0, 8.0), (30.0, 32.0), (-30.0, 28.0)])
+def test_what_a_motion_conserves(first, scale):
+    """Energy over the larger of its first value and the system's scale; momentum over the system's; the last entry
+    is the end."""
+    before, log = (first, 0.5, 2.0), logged(ENTRIES)
+    drift = jnp.where(jnp.arange(log.kind.shape[0]) < 4, jnp.array([1e-9, 3e-9, 2e-9, 0.0] + [0.0] * 8), 7.0)
+    end, found = balance(Toy(), start(before), log, drift)
+    total = before[0] + before[2]
+    assert (float(end.kinetic), float(end.contact), float(end.friction)) == (1.0, 1.0, -1.0)
+    np.testing.assert_allclose(found.energy, (1.0 - total) / scale, rtol=1e-14)
+    np.testing.assert_allclose(found.linear_momentum, max(abs(1.0 - before[0]), abs(4.0 - 2.0 * before[1])) / 4.0)
+    np.testing.assert_allclose(found.angular_momentum, abs(-1.0 - before[2]) / 4.0)
+    assert float(found.drift) == 3e-9
+
+
+def test_where_the_ground_takes_part_momentum_says_nothing():
+    _, found = balance(Toy(momentum_scale=None), start(), logged(ENTRIES), jnp.zeros(12))
+    assert np.isnan(found.linear_momentum)
+    assert np.isnan(found.angular_momentum)
+
+
+def test_of_a_run_without_an_event_the_start_is_the_end():
+    _, found = balance(Toy(), start((0.0, 0.0, 0.0)), logged([]), jnp.ones(12))
+    assert float(found.energy) == float(found.linear_momentum) == float(found.drift) == 0.0

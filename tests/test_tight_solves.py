@@ -1,0 +1,157 @@
+"""What a certificate and a horizon make of other solves, which are made up here."""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+import jaxbuffer.sensitivities.horizon as horizons
+from front.made_up import made_up_capture
+from jaxbuffer.mechanisms.run import Impacts
+from jaxbuffer.sensitivities import evidence
+from jaxbuffer.sensitivities.evidence import CHECK_TOLERANCE, FLOOR, NOISE, TightSolves, each, together
+from jaxbuffer.sensitivities.gradients import Gradients
+
+
+def capture(forces, flanks=None, **named):
+    """With an impact for each force, and one more slot that is empty."""
+    count = len(forces)
+    padded = np.append(np.asarray(forces, float), 0.0)
+    contact = np.append(np.zeros(count, int) if flanks is None else flanks, -1)
+    times = np.linspace(0.0, 0.1, count + 1)
+    found = made_up_capture(peak=max(forces), **named)
+    object.__setattr__(found, "impacts", Impacts(times, contact, times, padded, times, np.asarray(count)))
+    return found
+
+
+def horizon_of(monkeypatch, ours, theirs, **options):
+    asked = []
+
+    def simulate(design, scenario, duration, **given):
+        asked.append((duration, given))
+        return theirs
+
+    monkeypatch.setattr(horizons, "simulate", simulate)
+    return horizons.horizon(ours, **options), asked
+
+
+@pytest.mark.parametrize(("theirs", "flanks", "trusted"), [
+    ([200.0, 100.0, 50.0], [0, 1, 0], 3),
+    ([200.1, 100.0, 50.0], [0, 1, 0], 3),
+    ([200.0, 100.2, 50.0], [0, 1, 0], 1),
+    ([200.0, 99.8, 50.0], [0, 1, 0], 1),
+    ([201.0, 100.0, 50.0], [0, 1, 0], 0),
+    ([200.0, 100.0, 50.0], [0, 0, 0], 1),
+    ([200.0, 100.0], [0, 1], 2),
+    ([200.0, 100.0, 50.0, 5.0], [0, 1, 0, 1], 3),
+    ([200.0, 0.0, 50.0], [0, 1, 0], 1),
+])  # fmt: skip
+def test_impacts_are_trusted_up_to_the_first_that_changes(monkeypatch, theirs, flanks, trusted):
+    """By 1e-3, or by touching another contact."""
+    found, asked = horizon_of(monkeypatch, capture([200.0, 100.0, 50.0], [0, 1, 0]), capture(theirs, flanks))
+    assert (found.trusted, found.impacts, found.change, found.rtol) == (trusted, 3, 1e-3, 1e-9)
+    assert len(found.changes) == min(3, len(theirs))
+    if trusted == 3 and theirs[0] == 200.1:
+        np.testing.assert_allclose(found.changes, [1.0 - 200.0 / 200.1, 0.0, 0.0], rtol=1e-9, atol=1e-15)
+    ((duration, given),) = asked
+    assert duration == float(capture([1.0]).end_time)
+    assert given["rtol"] == 1e-9
+    assert given["history"]
+
+
+def test_a_horizon_with_another_tolerance_and_change(monkeypatch):
+    ours, theirs = capture([200.0, 100.0]), capture([204.0, 110.0])
+    found, asked = horizon_of(monkeypatch, ours, theirs, rtol=1e-11, change=0.05)
+    assert (found.trusted, found.impacts) == (1, 2)
+    assert asked[0][1]["rtol"] == 1e-11
+    assert str(found).startswith("the first 1 of 2 impacts can be trusted one by one")
+
+
+def solves(run, names=("stroke", "peak_force"), moves=(10.0, 1.0), values=(100.0, 2.0)):
+    """Tight solves by two parameters."""
+    return TightSolves(
+        lambda at: (jb.table2(), jb.Scenario()), run, np.array(values), np.array(moves), names, 8.0, None
+    )
+
+
+def test_solves_are_made_once_each_and_tightly(monkeypatch):
+    asked = []
+
+    def simulate(design, scenario, duration, rtol, solver):
+        asked.append((duration, rtol))
+        return capture([240.0])
+
+    monkeypatch.setattr(evidence, "simulate", simulate)
+    tight = solves(capture([250.0]))
+    for move in (0.1, 0.1, -0.1):
+        np.testing.assert_allclose(tight.at(np.array([1.0, 0.5]), move), [0.0075, 240.0])
+    assert asked == [(8.0, CHECK_TOLERANCE)] * 2
+    assert {tuple(np.frombuffer(key)) for key in tight.known} == {(101.0, 2.05), (99.0, 1.95)}
+
+
+@pytest.mark.parametrize(("forces", "flanks", "expected"), [
+    ([200.0, 251.0, 10.0], [0, 1, 0], 251.0),  # the same impact
+    ([260.0, 251.0, 10.0], [0, 1, 0], 251.0),  # though another one is the largest by now
+    ([200.0, 251.0], [0, 1], 251.0),  # whatever comes after it
+    ([200.0, 251.0, 10.0, 5.0], [0, 1, 1, 1], 251.0),
+    ([200.0, 251.0, 10.0], [1, 1, 0], np.nan),  # a course of another kind
+    ([200.0], [0], np.nan),
+])  # fmt: skip
+def test_the_peak_is_followed_by_its_impact(forces, flanks, expected):
+    found = solves(capture([200.0, 250.0, 10.0], [0, 1, 0]))._seen(capture(forces, flanks))
+    np.testing.assert_allclose(found, [0.0075, expected])
+
+
+def test_another_outcome_is_not_compared():
+    tight = solves(capture([250.0]))
+    assert np.all(np.isnan(tight._seen(capture([250.0], outcome=jb.Outcome.failed_step_size))))
+    assert tight._seen(capture([250.0])).tolist() == [0.0075, 250.0]
+
+
+def test_without_an_impact_or_the_peak_among_the_quantities_there_is_none_to_follow():
+    assert solves(capture([250.0]), names=("stroke",))._seen(capture([200.0], [1])).tolist() == [0.0075]
+    assert solves(capture([0.0]))._seen(capture([200.0], [1])).tolist() == [0.0075, 200.0]
+
+
+def test_how_a_certificate_weighs():
+    """Solves are good to ten times their tolerance, and an elasticity below a thousandth counts as that."""
+    assert pytest.approx(1e-10) == NOISE
+    assert FLOOR == 1e-3
+
+
+class Powers:
+    """Stands in for solves of quantities that are powers of the parameters."""
+
+    def __init__(self, truth):
+        self.truth, self.known = np.asarray(truth), {}
+
+    def inside(self, direction, move):
+        return True
+
+    def at(self, direction, move):
+        return self.known.setdefault((direction.tobytes(), move), np.exp(self.truth @ np.log1p(move * direction)))
+
+
+@pytest.mark.parametrize(("gather", "thorough"), [(each, True), (together, False)])
+def test_evidence_says_how_it_was_gathered(gather, thorough):
+    truth, claimed = [[0.3, -0.05], [-0.8, 0.1]], np.array([[0.3, -0.05], [-0.8, 0.12]])
+    tight, changes = Powers(truth), np.full((2, 2), 7e-5)
+    found = gather(tight, claimed, np.ones(2), changes)
+    assert found.thorough is thorough
+    assert found.solves == len(tight.known) > 0
+    np.testing.assert_array_equal(found.by_tolerance, changes)
+    assert found.by_differences[1, 1] == pytest.approx(0.02, rel=0.1 if thorough else 1.0)
+    assert np.max(found.by_differences[0]) < 1e-6
+    assert np.max(found.uncertainty) < 1e-5
+
+
+def test_gradients_by_their_names():
+    """Of a quantity by its place in the catalogue, of an impact by its number from 1, if it is there."""
+    run = capture([250.0, 80.0])
+    names = list(run.mechanism.quantities)
+    rows = np.arange(2.0 * len(names)).reshape(-1, 2)
+    by_impact = {"peak_force": np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])}
+    found = Gradients(run, rows[:, 0], rows, by_impact)
+    np.testing.assert_array_equal(found.of(names[3]), [6.0, 7.0])
+    np.testing.assert_array_equal(found.of("impact.1.peak_force"), [1.0, 2.0])
+    np.testing.assert_array_equal(found.of("impact.2.peak_force"), [3.0, 4.0])
+    np.testing.assert_array_equal(found.of("impact.3.peak_force"), [np.nan, np.nan])
