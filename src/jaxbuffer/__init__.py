@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from .sensitivities.sensitivity import sensitivity as sensitivity
     from .study.designs import load_design as load_design
     from .study.designs import save_design as save_design
+    from .sweeps.stored import StoredSweep as StoredSweep
     from .sweeps.sweep import Sweep as Sweep
     from .sweeps.sweep import sweep as sweep
     from .sweeps.swept import Swept as Swept
@@ -109,6 +110,7 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
     "output.folder": ("Results", "load"),
     "study.designs": ("load_design", "save_design"),
+    "sweeps.stored": ("StoredSweep",),
     "sweeps.sweep": ("Sweep", "sweep"),
     "sweeps.swept": ("Swept",),
     "tuning.derived": ("Derived",),

@@ -57,7 +57,6 @@ def strange(monkeypatch, addresses, **what):
         return {**found, **what} if address in addresses else found
 
     monkeypatch.setattr(judging, "prepared", said)
-    monkeypatch.setattr(module, "prepared", said)
 
 
 def test_all_tasks_are_done_once_by_workers_alike(pair):

@@ -1,13 +1,15 @@
 """Tasks handed to a cluster, few at a time, until all are done."""
 
+import json
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import InputError
 from .connect import SchedulerGone
-from .workers import Kind, Workers, differing, prepared
+from .remote import Refused, checked
+from .workers import Workers
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -19,24 +21,8 @@ ENDED = 10  # workers that may end while they are at one task
 PERIOD = 1.0  # s between looks at which workers there are
 
 
-class Refused(NamedTuple):
-    """What a worker answers that must not compute."""
-
-    worker: str
-    differs: list[str]
-
-
 class TaskEndsWorkers(OSError):
     """Worker after worker ended at the same task."""
-
-
-def checked(kind: Kind, cache: str | None, work: Callable[[Any, Any], R], common: Any, own: Any) -> R | Refused:
-    """The work, on a worker, if it is of that kind."""
-    from distributed import get_worker
-
-    address = get_worker().address
-    differs = differing(kind, prepared(address, cache))
-    return Refused(address, differs) if differs else work(common, own)
 
 
 def spread(
@@ -44,8 +30,8 @@ def spread(
 ) -> Iterator[R]:
     """What the work finds for each task, as they are done; nothing of it is kept here.
 
-    **Arguments:** ``work``: a function of ``common`` and a task, which are sent to workers; it may be called again for
-    a task that it has done, if its worker ends before it could tell.
+    **Arguments:** ``work``: a function of ``common`` and a task, all of which are pickled for the workers; it may be
+    called again for a task that it has done, if its worker ends before it could tell.
     **Raises:** what the work does; `SchedulerGone`; `TaskEndsWorkers`; `InputError` where no worker is left that fits.
     """
     under_way = _UnderWay(client, workers, work, common)
@@ -63,8 +49,10 @@ class _UnderWay:
 
     def __init__(self, client: "Client", workers: Workers, work: Callable[[Any, Any], Any], common: Any) -> None:
         from distributed import as_completed
+        from distributed.protocol.pickle import dumps
 
-        self.client, self.workers, self.work, self.common = client, workers, work, common
+        self.client, self.workers, self.packed = client, workers, dumps((work, common))
+        self.expected = json.dumps([workers.kind, workers.cache])
         self.tasks = dict["Future", tuple[Any, int]]()  # and how many workers have ended at each
         self.watch = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self.room, self.due = 0, 0.0
@@ -82,8 +70,11 @@ class _UnderWay:
             self.submit(task, 0)
 
     def submit(self, task: Any, ended: int) -> None:
+        """Hand out a task at which so many workers have ended."""
+        from distributed.protocol.pickle import dumps
+
         confined = self.workers.allowed
-        arguments = (self.workers.kind, self.workers.cache, self.work, self.common, task)
+        arguments = (self.expected, self.packed, dumps(task))
         self.count += 1
         if self.client.status != "running":
             raise SchedulerGone

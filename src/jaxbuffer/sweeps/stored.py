@@ -24,6 +24,15 @@ class StoredSweep:
     - ``store``: the store's folder.
     - ``asked``: what was swept; ``count``: runs of it; ``done``: how many of these are in the store.
     - ``codes``: how many runs ended with each outcome's code.
+
+    **Example:**
+
+    >>> import tempfile
+    >>> over = {"scenario.height": [0.1, 0.194]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.05, over=over, client="local", folder=folder)
+    ...     found.outcomes, found.to_xarray().peak_force.units, found.load().shaped("peak_force").shape
+    ({'finished': 2}, 'N', (2,))
     """
 
     store: Path

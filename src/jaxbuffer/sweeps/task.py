@@ -45,12 +45,13 @@ class Told(NamedTuple):
 
 def solve_block(job: Job, block: Block) -> Told:
     """Solve and store a block, unless the store has it whole already."""
-    store, template, settings = _prepared(_Once(job))
+    store = _store(job.store, job.token, job.columns)
+    settings = _settings(job.rtol, job.stabilisation, job.solver, job.trust)
     store.check()
     found, begin = store.read(block), time.perf_counter()
     computed = found is None
     if found is None:
-        found = solved(template, settings, job.grid, block)
+        found = solved(job.template, settings, job.grid, block)
     between = time.perf_counter()
     if computed:
         store.write(block, found)
@@ -71,23 +72,12 @@ def solved(template: Template, settings: Settings, grid: bool, block: Block) -> 
     return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
-class _Once:
-    """A job as the key of what a process makes of it: of equal ones that come with many tasks, the first stays, so that
-    its classes and values are the same objects, and the program that is made for them is found again."""
-
-    def __init__(self, job: Job) -> None:
-        self.job, self.key = job, (job.store, job.token)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Once) and other.key == self.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
+@functools.lru_cache(maxsize=8)
+def _store(path: str, token: str, columns: tuple[str, ...]) -> Store:
+    return Store(Path(path), token, columns)
 
 
 @functools.lru_cache(maxsize=8)
-def _prepared(once: _Once) -> tuple[Store, Template, Settings]:
-    job = once.job
-    solver = None if job.solver is None else solver_named(job.solver)
-    settings = Settings(np.asarray(job.rtol), np.asarray(job.stabilisation), solver, job.trust)
-    return Store(Path(job.store), job.token, job.columns), job.template, settings
+def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> Settings:
+    named = None if solver is None else solver_named(solver)
+    return Settings(np.asarray(rtol), np.asarray(stabilisation), named, trust)

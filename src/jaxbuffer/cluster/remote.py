@@ -1,0 +1,41 @@
+"""What runs on a worker. A scheduler imports this module as well, and unpickles what names it: so it imports nothing
+heavy, and work and data come as bytes, which only workers open."""
+
+import functools
+import json
+from typing import Any, NamedTuple
+
+
+class Refused(NamedTuple):
+    """What a worker answers that must not compute."""
+
+    worker: str
+    differs: list[str]
+
+
+def checked(expected: str, packed: bytes, task: bytes) -> Any:
+    """The work on a task, if this worker is of the kind expected; else what differs.
+
+    **Arguments:** ``expected``: kind and folder of compiled programs, as JSON; ``packed``: the work, a function, and
+    its first argument; ``task``: its second one.
+    """
+    from distributed import get_worker
+    from distributed.protocol.pickle import loads
+
+    from .workers import differing, prepared
+
+    kind, cache = json.loads(expected)
+    address = get_worker().address
+    differs = differing(kind, prepared(address, cache))
+    if differs:
+        return Refused(address, differs)
+    work, common = _opened(packed)
+    return work(common, loads(task))
+
+
+@functools.lru_cache(maxsize=8)
+def _opened(packed: bytes) -> Any:
+    """The same objects for all tasks that share them: a program that is made for one is found again by the next."""
+    from distributed.protocol.pickle import loads
+
+    return loads(packed)

@@ -1,0 +1,92 @@
+"""`--scheduler` of sweep, sample and tune: what is asked for, and what is refused before anything begins."""
+
+import json
+
+import pytest
+
+from jaxbuffer.cli import sweep as command
+from jaxbuffer.cli.entry import run
+from jaxbuffer.sweeps.cut import GridSweep, Template
+from jaxbuffer.sweeps.grid import grid
+from jaxbuffer.sweeps.stored import StoredInterrupted, StoredSweep
+
+WHERE = ["--scheduler", "tcp://127.0.0.1:8786"]
+SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
+
+
+@pytest.mark.parametrize(
+    "words", [["sweep", *SPEEDS], ["sample", "--over", "buffer.k_A=100:400", "--count", "4"], ["tune"]]
+)
+def test_the_scheduler_is_asked(computed, no_figures, words):
+    assert run([*words, *WHERE, "--output", "out"]) == 0
+    asked = computed.asked("tune" if words[0] == "tune" else "sweep")
+    assert asked["client"] == "tcp://127.0.0.1:8786" and str(asked["folder"]) == "out"
+    assert run([*words, "--output", "again"]) == 0
+    assert computed.asked("tune" if words[0] == "tune" else "sweep").get("client") is None
+
+
+@pytest.mark.parametrize("name", ["sweep", "sample"])
+def test_a_scheduler_needs_a_folder_and_the_extra(computed, capsys, monkeypatch, name):
+    assert run([name, *WHERE]) == 2
+    assert "--scheduler needs --output DIR, where its workers store what they find" in capsys.readouterr().err
+    monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None)
+    assert run([name, *WHERE, "--output", "out"]) == 2
+    shown = capsys.readouterr().err
+    assert "needs distributed and zarr, not installed here: pip install 'jaxbuffer[cluster]'" in shown
+    assert run([name, "--output", "out"]) == 0, "which nothing else needs"
+
+
+def test_a_store_that_is_there_is_resumed_or_overwritten_on_purpose(computed, capsys, tmp_path):
+    (tmp_path / "out" / "sweep.zarr").mkdir(parents=True)
+    assert run(["sweep", *SPEEDS, *WHERE, "--output", "out"]) == 2
+    assert "out/sweep.zarr exists; --resume goes on, --force overwrites" in capsys.readouterr().err
+    assert run(["sweep", *SPEEDS, *WHERE, "--output", "out", "--resume"]) == 0
+    assert computed.asked("sweep")["resume"]
+
+
+@pytest.fixture
+def large(monkeypatch, tmp_path, computed):
+    """A sweep that is too large for tables, stored; what it ends with."""
+    monkeypatch.setattr(command, "LARGEST", 4)
+    ends = []
+
+    def sweep(design, scenario, duration, *, over, client, **options):
+        asked = GridSweep(grid(over, design, scenario, held=False), Template(design, scenario, duration), 16)
+        stored = StoredSweep(tmp_path / "out" / "sweep.zarr", asked, 5, 3 if ends else 5, {0: 3 if ends else 5})
+        if ends:
+            raise StoredInterrupted(stored)
+        return stored
+
+    monkeypatch.setattr("jaxbuffer.sweeps.sweep.sweep", sweep)
+    return ends
+
+
+def test_of_a_large_sweep_only_the_store_is_left(large, capsys, tmp_path):
+    assert run(["sweep", *SPEEDS, *WHERE, "--output", "out"]) == 0
+    assert "Sweep of 5 captures: 5 captured" in capsys.readouterr().out
+    assert run(["sweep", *SPEEDS, *WHERE, "--output", "out", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"captured": 5}
+    assert not (tmp_path / "out").exists(), "the workers write it"
+
+
+def test_interrupted_it_says_how_to_go_on(large, capsys):
+    large.append("interrupted")
+    assert run(["sweep", *SPEEDS, *WHERE, "--output", "out"]) == 130
+    shown = capsys.readouterr()
+    assert "3 of 5 captures are kept; the same command with --resume goes on in out" in shown.err
+    assert "Sweep of 5 captures; 3 of them done" in shown.out
+
+
+def test_the_base_needs_nothing_of_the_extra():
+    """Neither the package nor its sweeps import what may be missing."""
+    import subprocess
+    import sys
+
+    code = (
+        "import sys\n"
+        "for name in ('dask', 'distributed', 'zarr', 'numcodecs'): sys.modules[name] = None\n"
+        "import jaxbuffer as jb\n"
+        "jb.sweep, jb.tune, jb.sample, jb.load\n"
+        "import jaxbuffer.cli.sweep, jaxbuffer.sweeps.distributed, jaxbuffer.tuning.evaluation\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
