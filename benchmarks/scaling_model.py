@@ -141,7 +141,7 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
     columns = column_names(mechanism_of(jb.table2()))
-    job: Any = Job("nowhere", "one", columns, True, sweep.template, TOLERANCE, 20.0, None)
+    job: Any = Job("nowhere", "one", columns, True, sweep.template, TOLERANCE, 20.0, None, trust=False)
     times, memory = [], []
     with connected("processes", 2) as client:
         workers = Workers(client, None)
