@@ -214,5 +214,5 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "bending": 0.0,
     }
     columns = {"code": code, "peak_force": peak, "peak_flank": whole, "impact_count": 3 * whole}
-    columns |= {"attempts": 400 * whole} | {name: value * share for name, value in numbers.items()}
+    columns |= {"attempts": 400 * whole, "trust": 0 * whole} | {name: value * share for name, value in numbers.items()}
     return Sweep(PROBE_CONE, {name: columns[name] for name in column_names(PROBE_CONE)})

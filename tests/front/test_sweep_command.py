@@ -57,6 +57,28 @@ def test_without_a_grid_speeds_and_misalignments_are_swept(computed, capsys, tmp
     assert list(tmp_path.iterdir()) == []
 
 
+def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monkeypatch, tmp_path):
+    assert run(["sweep", *TWO, "--output", "out"]) == 0
+    assert computed.calls[-1][1]["trust"] is True and "ill-conditioned" not in capsys.readouterr().out
+    assert [row["trust"] for row in table((tmp_path / "out/sweep.csv").read_text())] == ["trusted"] * 6
+
+    def doubtful(designs, scenarios, outcomes):
+        found = made_up_sweep(designs, scenarios, outcomes)
+        found.columns["trust"][:4] = [2, 1, 1, -1]
+        return found
+
+    monkeypatch.setattr("computed.made_up_sweep", doubtful)
+    assert run(["sweep", *TWO, "--trust", "off", "--output", "out", "--force"]) == 0
+    assert computed.calls[-1][1]["trust"] is False
+    words = " ".join(capsys.readouterr().out.split())
+    assert "1 of 6 captures are ill-conditioned: a bounce more or less decides" in words
+    assert "2 of 6 captures have numbers that may be off by more than 1e-04 of them (see trust in sweep.csv)" in words
+    marked = [row["trust"] for row in table((tmp_path / "out/sweep.csv").read_text())]
+    assert marked == ["ill-conditioned", "check", "check", "", "trusted", "trusted"]
+    assert run(["sweep", *TWO, "--trust", "maybe"]) == 2
+    assert "trust" in capsys.readouterr().err
+
+
 def test_the_grid_of_the_study_and_the_command_line(computed, tmp_path):
     (tmp_path / "study.toml").write_text(
         "[buffer]\nc_A = 7\n[sweep]\nscenario.approach_speed = [0.1, 0.2]\nbuffer.k_A = [300, 400]"
