@@ -21,7 +21,7 @@ def told(*arguments):
         file.write("compiled\\n")
     return compiled(*arguments)
 programs.stored._compiled = told
-print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01, trust=False).peak_force).hex())
+print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01).peak_force).hex())
 """
 
 
