@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify docs clean
+.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify faults docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -36,7 +36,10 @@ bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, 
 bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %
 	$(BIN)/python -m benchmarks --quick --check-baseline
 
-bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
+bench-faults: $(READY)  ## kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
+	$(BIN)/python -m verify.faults
+
+docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
 	$(BIN)/python -m benchmarks.docs
 
 verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md

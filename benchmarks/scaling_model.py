@@ -39,6 +39,7 @@ CORES = (1, 2, 10, 100, 300, 1000, 3000, 10_000)
 TOLERANCE = 1e-3
 REPEATS = 20  # of which the quickest counts: others compute here, too
 LOOKS = 5  # at the memory
+LARGE = 10**8  # captures of a large sweep
 WORTH = 0.9  # efficiency that a task size is chosen for, with 1000 cores
 
 
@@ -166,11 +167,13 @@ def predicted(costs: Costs) -> list[str]:
         lines.append(f"{size:8}  " + "".join(f"{text:>9}" for text in shown) + f"   {costs.most(size):.0f}")
     enough = [size for size in (2**k for k in range(4, 15)) if costs.efficiency(size, 1000) >= WORTH]
     least = f"{enough[0]} captures" if enough else "none of up to 16384 captures"
-    lines.append(f"least task with an efficiency of {WORTH} on 1000 cores: {least}; a sweep's are {distributed.TASK}")
-    ends = costs.task(distributed.TASK)
-    lines.append(
-        f"files a second on 1000 cores: {1000 / ends * costs.files:.0f}; the last task ends up to {ends:.2f} s late"
-    )
+    lines.append(f"least task with an efficiency of {WORTH} on 1000 cores: {least}")
+    for cores in CORES[2:]:
+        size = distributed.task_size(LARGE, cores)
+        shown = f"tasks of {size}, efficiency {costs.efficiency(size, cores):.2f}, {costs.task(size):.2f} s each"
+        lines.append(
+            f"{LARGE} captures on {cores} cores: {shown}, {cores / costs.task(size) * costs.files:.0f} files/s"
+        )
     return lines
 
 

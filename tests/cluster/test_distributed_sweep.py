@@ -341,6 +341,22 @@ def test_blocks_are_even_and_cover_all_once(sizes, most, found):
     assert np.all(seen == 1)
 
 
+@pytest.mark.parametrize(
+    ("runs", "threads", "size"),
+    [
+        (86, 1, 16),
+        (4096, 2, 256),
+        (50_000, 2, 512),
+        (10**6, 32, 512),
+        (10**8, 1000, 2000),
+        (10**6, 1000, 1000),
+        (50, 64, 16),
+    ],
+)
+def test_tasks_are_larger_where_many_wait_for_one_scheduler(runs, threads, size):
+    assert distributed.task_size(runs, threads) == size
+
+
 def test_the_missing_extra_is_named(monkeypatch, tmp_path):
     monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None if name == "zarr" else True)
     with pytest.raises(

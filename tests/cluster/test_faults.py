@@ -1,4 +1,4 @@
-"""Kills, full disks, damage and strangers, a few hundred captures each: short runs of `python -m verify.faults`."""
+"""Whole processes: a short run of `python -m verify.faults`, one compilation for many, a tuning over a scheduler."""
 
 import subprocess
 import sys
@@ -21,7 +21,7 @@ def told(*arguments):
         file.write("compiled\\n")
     return compiled(*arguments)
 programs.stored._compiled = told
-print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01, trust=False).peak_force).hex())
+print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01).peak_force).hex())
 """
 
 
@@ -32,11 +32,9 @@ def setup(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["kills", "version"])
-def test_a_fault_costs_no_bit_or_is_refused(setup, name):
-    """Of a worker, the scheduler and the driver; a worker of another source, which is left out or refused."""
-    said = faults.CHECKS[name](setup)
-    assert {"kills": "3 kills", "version": "alone refused"}[name] in said
+def test_kills_cost_no_bit(setup):
+    """Of a worker, the scheduler or the driver, at random."""
+    assert faults.kills(setup).startswith("3 kills")
 
 
 @pytest.mark.slow

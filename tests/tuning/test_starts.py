@@ -149,10 +149,10 @@ def test_a_design_that_does_not_fit_is_a_lost_case():
         assert evaluate.captures == 2
 
 
-def hertz(problem, design, scenario, duration, rtol):
+def hertz(wanted, design, scenario, duration, rtol):
     """Stands in for `measure`: a first impact of 100 N at an angle of 1, falling with it by 50 N/rad."""
     angle = float(design.cone.half_angle)
-    found = Measured.lost(problem)
+    found = Measured.lost(askew())
     peaks, slope = np.zeros(24), np.zeros((24, 1))
     peaks[0], slope[0] = 100.0 + 50.0 * (1.0 - angle), -50.0
     return found._replace(code=int(Outcome.timeout), peaks=peaks, first=peaks[0], peaks_slope=slope)
@@ -172,8 +172,8 @@ def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
 def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
     from front.made_up import made_up_tuning
 
-    monkeypatch.setattr(floors, "measure", lambda problem, *_: Measured.lost(problem))
     stated_ = askew()
+    monkeypatch.setattr(floors, "measure", lambda *_: Measured.lost(stated_))
     found = floor(stated_, stated_.start())
     assert found.unknown == 1 and np.isnan(found.lowest)
     tuned = made_up_tuning(stated_)

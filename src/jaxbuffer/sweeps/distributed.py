@@ -29,8 +29,9 @@ from .zarr_store import BLOCK, IDENTITY, KIND, TOKEN, create, known, remove_draf
 if TYPE_CHECKING:
     from distributed import Client
 
-TASK = 512  # runs of a task: about a second, so that a scheduler has little to do
-PER_THREAD = 8  # tasks a thread at least, so that none waits long for the last
+TASK = 512  # runs of a task at most on few threads: about a second
+PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the last
+BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
 class Asked(NamedTuple):
@@ -72,10 +73,14 @@ def run(asked: Asked) -> StoredSweep:
         lock.release()
 
 
+def task_size(runs: int, threads: int) -> int:
+    """How many runs a task has at most."""
+    return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))
+
+
 def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
     workers = Workers(client, _cache())
-    size = max(CHUNK, min(TASK, asked.runs // (PER_THREAD * max(1, workers.threads))))
-    sweep = asked.sweep(size)
+    sweep = asked.sweep(task_size(asked.runs, max(1, workers.threads)))
     mechanism = mechanism_of(sweep.template.design)
     own = _identity(asked, sweep)
     about = {
