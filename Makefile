@@ -36,10 +36,10 @@ bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, 
 bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %
 	$(BIN)/python -m benchmarks --quick --check-baseline
 
-bench-faults: $(READY)  ## kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
+faults: $(READY)  ## kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
 	$(BIN)/python -m verify.faults
 
-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
+bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
 	$(BIN)/python -m benchmarks.docs
 
 verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md

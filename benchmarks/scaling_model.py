@@ -134,7 +134,7 @@ def _stored(store: Store, block: Block) -> float:
 
 def nothing(job: Job, block: Block) -> Told:
     """A task of the sweep's size that takes no time."""
-    return Told(block.number, 1, False, {0: 1}, 0.0, 0.0)
+    return Told(block.number, 1, False, {0: 1}, {-1: 1}, 0.0, 0.0)
 
 
 def scheduling(tasks: int) -> tuple[float, list[float]]:

@@ -45,8 +45,8 @@ def solved(monkeypatch):
         columns = (np.sin(found * (1 + k) + hertz) ** 2 for k in range(len(COLUMNS)))
         return [(3 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
-    monkeypatch.setattr(task, "solve_chunk", chunk)
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.solve_chunk", chunk)
+    monkeypatch.setattr(task, "columns_of_chunk", chunk)
+    monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)
     return heights
 
 
@@ -70,6 +70,17 @@ def test_the_same_bits_as_without_a_scheduler(client, tmp_path):
     assert "Sweep of 86 drops: 86 finished" in repr(stored) and str(tmp_path / ZARR) in repr(stored)
 
 
+def test_runs_that_are_not_trusted_are_marked_and_counted(client, tmp_path, solved):
+    stored = swept(tmp_path, client, trust=True)
+    words = stored.to_xarray().trust
+    meanings = dict(zip(words.flag_values, words.flag_meanings.split(), strict=True))
+    assert list(meanings.values()) == ["trusted", "check", "ill-conditioned"]
+    found = whole()
+    for index, verdict in meanings.items():
+        assert stored.verdicts.get(int(index), 0) == found.verdicts.count(verdict) > 0
+    assert f"{stored.verdicts[2]} of 86 drops are ill-conditioned" in repr(stored)
+
+
 def test_runs_one_by_one_and_durations(client, tmp_path, solved):
     heights, durations = np.linspace(0.1, 0.2, 37), np.linspace(0.01, 0.02, 37)
     asked = BAR, jb.BarDropScenario(height=heights), durations
@@ -91,7 +102,7 @@ def test_the_store_is_labelled_and_says_what_it_is(client, tmp_path, solved):
     assert json.loads(data.design)["impact.exponent [-]"] == 1.5 and data.jaxbuffer
     assert json.loads(data.settings) == {
         **{"duration [s]": 0.01, "rtol [-]": 1e-06},
-        **{"solver": "automatic", "stabilisation [1/s]": 20.0},
+        **{"solver": "automatic", "stabilisation [1/s]": 20.0, "trust": False},
     }
     assert set(json.loads(data.made_on)) >= {"jaxbuffer", "Python", "jaxlib", "processor", "XLA"}
 
@@ -269,15 +280,15 @@ def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solve
             resource_limit.__enter__()
         return one(*arguments)
 
-    one, resource_limit = task.solve_chunk, room_for(100)
-    monkeypatch.setattr(task, "solve_chunk", chunk)
+    one, resource_limit = task.columns_of_chunk, room_for(100)
+    monkeypatch.setattr(task, "columns_of_chunk", chunk)
     try:
         with pytest.raises(OSError, match=r"File too large; \d+ of 86 drops are known to be in .*sweep\.zarr") as full:
             swept(tmp_path, client)
     finally:
         resource_limit.__exit__(None, None, None)
     assert str(full.value.filename).endswith(ZARR)
-    monkeypatch.setattr(task, "solve_chunk", one)
+    monkeypatch.setattr(task, "columns_of_chunk", one)
     solved.clear()
     assert same(swept(tmp_path, client, resume=True).load().found, whole())
     assert len(solved) - COUNT < COUNT, "some were there"

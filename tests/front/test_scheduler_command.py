@@ -52,7 +52,9 @@ def large(monkeypatch, tmp_path, computed):
 
     def sweep(design, scenario, duration, *, over, client, **options):
         asked = GridSweep(grid(over, design, scenario, held=False), Template(design, scenario, duration), 16)
-        stored = StoredSweep(tmp_path / "out" / "sweep.zarr", asked, 5, 3 if ends else 5, {0: 3 if ends else 5})
+        stored = StoredSweep(
+            tmp_path / "out" / "sweep.zarr", asked, 5, 3 if ends else 5, {0: 3 if ends else 5}, {0: 2, 2: 1}
+        )
         if ends:
             raise StoredInterrupted(stored)
         return stored
@@ -63,7 +65,8 @@ def large(monkeypatch, tmp_path, computed):
 
 def test_of_a_large_sweep_only_the_store_is_left(large, capsys, tmp_path):
     assert run(["sweep", *SPEEDS, *WHERE, "--output", "out"]) == 0
-    assert "Sweep of 5 captures: 5 captured" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "Sweep of 5 captures: 5 captured" in shown and "1 of 5 captures are ill-conditioned" in shown
     assert run(["sweep", *SPEEDS, *WHERE, "--output", "out", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {"captured": 5}
     assert not (tmp_path / "out").exists(), "the workers write it"

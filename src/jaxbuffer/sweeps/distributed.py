@@ -113,15 +113,16 @@ def _solved(
     rtol, stabilisation = float(asked.settings.rtol), float(asked.settings.stabilisation)
     solver = name_of(asked.settings.solver)
     job = Job(str(store), token, columns, grid, sweep.template, rtol, stabilisation, solver, asked.settings.trust)
-    outcomes, done = Counter[int](), 0
+    outcomes, verdicts, done = Counter[int](), Counter[int](), 0
 
     def so_far() -> StoredSweep:
-        return StoredSweep(store, sweep, asked.runs, done, dict(outcomes))
+        return StoredSweep(store, sweep, asked.runs, done, dict(outcomes), dict(verdicts))
 
     try:
         for told in _spread(client, workers, job, sweep):
             done += told.runs
             outcomes.update(told.outcomes)
+            verdicts.update(told.verdicts)
             if asked.progress is not None:
                 asked.progress(done, asked.runs)
     except KeyboardInterrupt:

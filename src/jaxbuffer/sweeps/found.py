@@ -1,6 +1,7 @@
 """What a sweep found: arrays with an entry a run."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -68,14 +69,7 @@ class Sweep:
 
     def doubts(self, where: str) -> list[str]:
         """How many runs are not trusted, in words; ``where`` they are marked."""
-        counts = [int(np.sum(self.columns["trust"] == k)) for k in range(len(VERDICTS))]
-        of_all = f"of {len(self)} {self.mechanism.run_name}s"
-        told = []
-        if counts[2]:
-            told.append(f"{counts[2]} {of_all} are ill-conditioned: a bounce more or less decides, no number is sure")
-        if counts[1]:
-            told.append(f"{counts[1]} {of_all} have numbers that may be off by more than {DOUBTFUL:.0e} of them")
-        return [f"{line} ({where})" for line in told]
+        return doubts(self.mechanism, len(self), counted(self.columns["trust"]), where)
 
     @staticmethod
     def empty(mechanism: Mechanism, count: int, design: Part | None = None, scenarios: Part | None = None) -> "Sweep":
@@ -120,6 +114,23 @@ class Sweep:
         from .summary import sweep_table
 
         return html(sweep_table(self))
+
+
+def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:
+    """How many of so many ``runs`` are not trusted, in words; ``verdicts``: how often each was given, by its index;
+    ``where`` they are marked."""
+    of_all, told = f"of {runs} {mechanism.run_name}s", []
+    if count := verdicts.get(VERDICTS.index("ill-conditioned")):
+        told.append(f"{count} {of_all} are ill-conditioned: a bounce more or less decides, no number is sure")
+    if count := verdicts.get(VERDICTS.index("check")):
+        told.append(f"{count} {of_all} have numbers that may be off by more than {DOUBTFUL:.0e} of them")
+    return [f"{line} ({where})" for line in told]
+
+
+def counted(values: np.ndarray) -> dict[int, int]:
+    """How often each whole number is among them."""
+    numbers, counts = np.unique(values, return_counts=True)
+    return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
 
 
 def column_names(mechanism: Mechanism) -> tuple[str, ...]:

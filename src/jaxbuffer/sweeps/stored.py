@@ -9,7 +9,7 @@ import numpy as np
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from .cut import GridSweep, RunsSweep
-from .found import Sweep, column_names
+from .found import Sweep, column_names, doubts
 from .swept import Swept
 from .zarr_store import group_of, opened
 
@@ -24,6 +24,7 @@ class StoredSweep:
     - ``store``: the store's folder.
     - ``asked``: what was swept; ``count``: runs of it; ``done``: how many of these are in the store.
     - ``codes``: how many runs ended with each outcome's code.
+    - ``verdicts``: how many have each verdict of `jb.trust`, by its index; -1 where it is not known.
 
     **Example:**
 
@@ -40,6 +41,7 @@ class StoredSweep:
     count: int
     done: int
     codes: dict[int, int]
+    verdicts: dict[int, int]
 
     @property
     def mechanism(self) -> Mechanism:
@@ -72,7 +74,9 @@ class StoredSweep:
         name = self.mechanism.run_name
         ended = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes.items())
         head = f"Sweep of {self.count} {name}s" + ("" if self.done == self.count else f"; {self.done} of them done")
-        return f"{head}: {ended}\n  in {self.store}: to_xarray() reads what is asked for, load() all"
+        doubtful = doubts(self.mechanism, self.done, self.verdicts, "see trust in the store")
+        where = f"  in {self.store}: to_xarray() reads what is asked for, load() all"
+        return "\n".join([f"{head}: {ended}", *doubtful, where])
 
 
 class StoredInterrupted(KeyboardInterrupt):

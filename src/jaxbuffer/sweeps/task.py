@@ -10,6 +10,7 @@ import numpy as np
 from ..hybrid import solver_named
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .cut import Block, GridSweep, RunsSweep, Template
+from .found import counted
 from .zarr_store import Store
 
 
@@ -33,12 +34,14 @@ class Job(NamedTuple):
 
 class Told(NamedTuple):
     """What a worker says of a block. ``computed``: False if it was there already; ``outcomes``: how many runs ended
-    with each code; ``solving``, ``storing``: how long that took [s]."""
+    with each code; ``verdicts``: how many have each verdict of `jb.trust`; ``solving``, ``storing``: how long that took
+    [s]."""
 
     number: int
     runs: int
     computed: bool
     outcomes: dict[int, int]
+    verdicts: dict[int, int]
     solving: float
     storing: float
 
@@ -55,10 +58,9 @@ def solve_block(job: Job, block: Block) -> Told:
     between = time.perf_counter()
     if computed:
         store.write(block, found)
-    codes, counts = np.unique(found[0], return_counts=True)
-    outcomes = dict(zip(codes.tolist(), counts.tolist(), strict=True))
-    ended = time.perf_counter()
-    return Told(block.number, found[0].size, computed, outcomes, between - begin, ended - between)
+    columns, ended = dict(zip(job.columns, found, strict=True)), time.perf_counter()
+    outcomes, verdicts = (counted(columns[name]) for name in ("code", "trust"))
+    return Told(block.number, found[0].size, computed, outcomes, verdicts, between - begin, ended - between)
 
 
 def solved(template: Template, settings: Settings, grid: bool, block: Block) -> list[np.ndarray]:
