@@ -6,7 +6,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
+from jaxbuffer import replace, table2
+from jaxbuffer.mechanisms.probe_cone.hinge_play import pin_law
+from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, _of_play, validity
 from jaxbuffer.mechanisms.probe_cone.margins import _rising, rising, throat
 
 
@@ -26,6 +28,17 @@ def test_depth_counts_by_a_tenth_of_the_radius_and_pressure_by_where_yield_begin
     a = (3.0 * 100.0 * 0.02 / (4.0 * 70e9 / (2.0 * (1.0 - 0.3**2)))) ** (1.0 / 3.0)
     expected = 1.5 * 100.0 / (np.pi * a**2) / (1.295 * np.exp(0.736 * 0.3) * 300e6)
     np.testing.assert_allclose(validity(design, 1e-3, 100.0).pressure, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.99, 0), (1.01, 1)])
+def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
+    """√(R δ) up to √0.1 of the pin's radius, with R = R_pin R_bush/play."""
+    design = replace(table2(), {"hinge.play": 2e-4})
+    pin, bush = float(design.hinge.pin_radius), float(design.hinge.bush_radius)
+    limit = float(pin_law(design).elastic(0.1 * pin * 2e-4 / bush))
+    lines = _of_play(SimpleNamespace(design=design, peak_hinge_force=jnp.asarray(share * limit)))
+    assert len(lines) == told
+    assert _of_play(SimpleNamespace(design=table2(), peak_hinge_force=jnp.asarray(limit))) == []
 
 
 @pytest.mark.parametrize(("last", "rate", "expected"), [
