@@ -50,3 +50,16 @@ def test_starts_and_ends_by_time_stay_and_a_release_moves():
     np.testing.assert_array_equal(move.time[3:], 0.0)
     assert np.all(np.isnan(move.guard_rate[:3]))
     assert float(move.latest) == float(move.missed_time) == 0.0
+
+
+def test_where_forces_jump_the_rate_is_that_before_the_event():
+    """Of a release: with the contact still closed."""
+    log = logged()
+    rises = jnp.zeros_like(log.rows).at[..., 0].set(1.0)
+
+    def moved(stiffness):
+        rows = log.rows + (stiffness - STIFFNESS) * rises
+        return moving(dataclasses.replace(log, rows=rows), (stiffness,), lambda k: Ball(k, True)).rates
+
+    move = jax.jvp(moved, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))[1]
+    np.testing.assert_allclose(move[1, 0], [10.0 / SPEED, DEPTH, 0.0], rtol=1e-9)
