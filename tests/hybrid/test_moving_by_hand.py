@@ -63,3 +63,11 @@ def test_where_forces_jump_the_rate_is_that_before_the_event():
 
     move = jax.jvp(moved, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))[1]
     np.testing.assert_allclose(move[1, 0], [10.0 / SPEED, DEPTH, 0.0], rtol=1e-9)
+
+
+def test_a_maximum_moves_by_its_slope_over_the_guards_rate():
+    """The force's slope is -k v: minus that rises by v a unit of stiffness, so that the maximum comes v/v earlier."""
+    log = logged()
+    log = dataclasses.replace(log, kind=log.kind.at[0].set(int(Kind.PEAK)), time=log.time.at[0].set(0.1))
+    move = jax.jvp(lambda k: moving(log, (k,), Ball).time, (jnp.asarray(STIFFNESS),), (jnp.ones(()),))[1]
+    np.testing.assert_allclose(move[0], -1.0, rtol=1e-12)
