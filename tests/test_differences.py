@@ -68,3 +68,9 @@ def test_a_balanced_direction_weighs_every_parameter_the_same():
     share = direction * elasticities
     np.testing.assert_allclose(share[:3], share[0])
     assert 0.0 <= share[4] <= share[3] < share[0]
+
+
+def test_bounds_are_asked_for_as_far_as_one_sided_steps_reach():
+    asked = []
+    difference(np.exp, lambda move: asked.append(move) is None, np.zeros(()), 0.0)
+    assert sorted(asked) == [-2.0 * COARSEST, 2.0 * COARSEST]

@@ -98,3 +98,11 @@ def test_no_quantity_no_parameter_and_one_named_twice():
 
 def test_units():
     assert [unit_of(QUANTITIES, name) for name in ("stroke", "impact.3.release_time", "dissipated")] == ["m", "s", "J"]
+
+
+def test_angles_are_shown_in_degrees():
+    shown = [quantity.shown for quantity in QUANTITIES.values() if quantity.unit == "rad"]
+    assert shown
+    for unit, factor in shown:
+        assert unit == "deg"
+        assert factor == pytest.approx(np.degrees(1.0), rel=1e-14)

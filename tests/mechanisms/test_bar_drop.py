@@ -41,6 +41,7 @@ def test_an_independent_programs_numbers(damping, peak, peak_time, duration):
     assert np.isnan(first.release_time) == stays
     assert abs(float(found.balance.energy)) < 1e-6
     assert float(found.balance.drift) < 1e-8
+    assert float(found.stabilisation) == 20.0
 
 
 def test_closed_forms_without_a_damper():

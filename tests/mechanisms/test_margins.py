@@ -6,7 +6,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, validity
+from jaxbuffer import replace, table2
+from jaxbuffer.mechanisms.probe_cone.hinge_play import pin_law
+from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, _of_play, validity
 from jaxbuffer.mechanisms.probe_cone.margins import _rising, rising, throat
 
 
@@ -28,6 +30,17 @@ def test_depth_counts_by_a_tenth_of_the_radius_and_pressure_by_where_yield_begin
     np.testing.assert_allclose(validity(design, 1e-3, 100.0).pressure, expected, rtol=1e-12)
 
 
+@pytest.mark.parametrize(("share", "told"), [(0.99, 0), (1.01, 1)])
+def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
+    """√(R δ) up to √0.1 of the pin's radius, with R = R_pin R_bush/play."""
+    design = replace(table2(), {"hinge.play": 2e-4})
+    pin, bush = float(design.hinge.pin_radius), float(design.hinge.bush_radius)
+    limit = float(pin_law(design).elastic(0.1 * pin * 2e-4 / bush))
+    lines = _of_play(SimpleNamespace(design=design, peak_hinge_force=jnp.asarray(share * limit)))
+    assert len(lines) == told
+    assert _of_play(SimpleNamespace(design=table2(), peak_hinge_force=jnp.asarray(limit))) == []
+
+
 @pytest.mark.parametrize(("last", "rate", "expected"), [
     (2.0, 0.3, 0.3), (2.0, -0.3, 0.0), (2.0 - 1e-6, 0.3, 0.3), (2.0 - 4e-6, 0.3, 0.0), (1.0, 0.3, 0.0)
 ])  # fmt: skip
@@ -37,7 +50,7 @@ def test_what_is_largest_at_the_end_rises_at_its_rate(last, rate, expected):
 
 
 def log(rows, times, count):
-    rows = jnp.asarray(rows)[:, None, :]
+    rows = jnp.stack([jnp.asarray(rows), jnp.full_like(jnp.asarray(rows), 99.0)], axis=1)  # a tangent beside each
     return SimpleNamespace(count=jnp.asarray(count), rows=rows, time=jnp.asarray(times))
 
 

@@ -124,3 +124,12 @@ def test_probe_is_the_composite_of_rod_and_ball(free):
     assert_allclose(probe[:5], expected, rtol=1e-14)
     assert_allclose(rod, 0.139449, rtol=4e-6)  # six digits are given
     assert_allclose(table2().probe.tip_mass, 0.038736, rtol=1.3e-5)  # five digits are given
+
+
+def test_a_free_tips_spin_adds_its_own_angular_momentum():
+    """2/5 m R² ω of a ball."""
+    mechanism, state, _, _ = start("table 2", True)
+    tip, spin = mechanism.design.probe, 3.0
+    turned = state.at[2 * mechanism.coordinates].add(spin)
+    more = mechanism.momentum(turned)[1] - mechanism.momentum(state)[1]
+    assert_allclose(more, 0.4 * tip.tip_mass * tip.tip_radius**2 * spin, rtol=1e-9)

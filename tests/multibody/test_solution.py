@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 
 from helpers import four_bar, pendulum, phi, slider_crank
-from jaxbuffer.multibody import Body, Kinematics, Prismatic, Revolute, System, assemble
+from jaxbuffer.multibody import (
+    AppliedForce,
+    AppliedTorque,
+    Body,
+    Kinematics,
+    Prismatic,
+    Revolute,
+    System,
+    assemble,
+)
 from jaxbuffer.plane import ldl_solve
 
 BUILDERS = {"pendulum": lambda: pendulum(1.1, 2.0), "four-bar": four_bar, "slider-crank": slider_crank}
@@ -133,3 +142,25 @@ def test_assembly_leaves_a_consistent_state_alone():
 def test_assembly_without_joints_changes_nothing():
     system, q = System((Body(1.0, 1.0),)), jnp.array([1.0, 2.0, 3.0])
     np.testing.assert_array_equal(assemble(system, q, q)[0], q)
+
+
+@pytest.mark.parametrize("which", [0, 1], ids=["mass", "inertia"])
+def test_accelerations_move_with_masses(which):
+    """Against central differences of the dense solution."""
+    rng = np.random.default_rng(3)
+    q, v = jnp.asarray(rng.normal(size=6)), jnp.asarray(rng.normal(size=6))
+
+    def made(numbers):
+        joint = Revolute(0, 1, (0.3, 0.1), (-0.2, 0.4))
+        forces = AppliedForce(0, (3.0, -5.0), (0.2, 0.1)), AppliedTorque(1, 2.0)
+        return System((Body(*numbers), Body(0.7, 0.2)), (joint,), forces)
+
+    def found(numbers):
+        motion = made(numbers).motion(Kinematics(q, v))
+        return jnp.concatenate([motion.acceleration, motion.multipliers])
+
+    at, step = np.array([1.3, 0.4]), 1e-5 * np.eye(2)[which]
+    moves = jax.jvp(found, (tuple(jnp.asarray(at)),), (tuple(jnp.asarray(step / 1e-5)),))[1]
+    there, back = (np.concatenate(dense(made(at + sign * step), q, v)) for sign in (1.0, -1.0))
+    expected = (there - back) / 2e-5
+    np.testing.assert_allclose(moves, expected, atol=1e-7 * np.max(np.abs(expected)))
