@@ -42,7 +42,7 @@ def tune(monkeypatch, tmp_path):
     monkeypatch.setattr(judged, "floor", lambda *_: None)
 
     def call(*words, dies_after=None):
-        def evaluator(problem, workers):
+        def evaluator(problem, workers, *_):
             functions = Functions(problem, [shifted(CB2, SHIFT)])
             functions.dies_after = dies_after
             return functions
