@@ -69,7 +69,7 @@ class Sweep:
 
     def doubts(self, where: str) -> list[str]:
         """How many runs are not trusted, in words; ``where`` they are marked."""
-        return doubts(self.mechanism, len(self), counted(self.columns["trust"]), where)
+        return doubts(self.mechanism, len(self), tally(self.columns["trust"]), where)
 
     @staticmethod
     def empty(mechanism: Mechanism, count: int, design: Part | None = None, scenarios: Part | None = None) -> "Sweep":
@@ -127,7 +127,7 @@ def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: 
     return [f"{line} ({where})" for line in told]
 
 
-def counted(values: np.ndarray) -> dict[int, int]:
+def tally(values: np.ndarray) -> dict[int, int]:
     """How often each whole number is among them."""
     numbers, counts = np.unique(values, return_counts=True)
     return dict(zip(numbers.tolist(), counts.tolist(), strict=True))

@@ -10,7 +10,7 @@ import numpy as np
 from ..hybrid import solver_named
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .cut import Block, GridSweep, RunsSweep, Template
-from .found import counted
+from .found import tally
 from .zarr_store import Store
 
 
@@ -59,7 +59,7 @@ def solve_block(job: Job, block: Block) -> Told:
     if computed:
         store.write(block, found)
     columns, ended = dict(zip(job.columns, found, strict=True)), time.perf_counter()
-    outcomes, verdicts = (counted(columns[name]) for name in ("code", "trust"))
+    outcomes, verdicts = (tally(columns[name]) for name in ("code", "trust"))
     return Told(block.number, found[0].size, computed, outcomes, verdicts, between - begin, ended - between)
 
 
