@@ -61,3 +61,10 @@ def test_the_version_is_that_of_pyproject_and_said_without_jax():
 
 def test_type_checkers_are_told_that_there_are_annotations():
     assert (Path(jaxbuffer.__file__).parent / "py.typed").is_file()
+
+
+def test_the_order_of_the_mechanisms_does_not_depend_on_which_was_imported_first():
+    code = "import {}; from jaxbuffer.mechanisms import all_mechanisms; print(*[it.name for it in all_mechanisms()])"
+    program = f"import sys; sys.path.insert(0, {str(SOURCE)!r}); {code.format('jaxbuffer.mechanisms.slider_crank')}"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["probe_cone", "bar_drop", "slider_crank"]

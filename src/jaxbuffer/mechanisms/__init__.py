@@ -24,12 +24,13 @@ FOLDERS: dict[str, tuple[str, ...]] = {
 
 
 def all_mechanisms() -> "tuple[Mechanism, ...]":
-    """All that come with the package, and those that were registered besides."""
+    """All that come with the package, in the order above, and then those that were registered besides."""
     for folder in FOLDERS:
         importlib.import_module(f".{folder}", __name__)
     from .registry import all_registered
 
-    return all_registered()
+    names = list(FOLDERS)
+    return tuple(sorted(all_registered(), key=lambda it: names.index(it.name) if it.name in names else len(names)))
 
 
 def mechanism_named(name: Any) -> "Mechanism":
