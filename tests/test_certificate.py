@@ -71,6 +71,11 @@ def test_gradients_that_change_with_the_tolerance_must_be_checked():
     assert found.reason == "peak_force by probe.tip_mass may be off by 5 %, by its change with the tolerance"
 
 
+@pytest.mark.parametrize(("share", "verdict"), [(0.48, Verdict.check), (0.52, Verdict.refused)])
+def test_from_half_of_an_elasticity_on_it_is_refused(share, verdict):
+    assert certified(ELASTICITIES, changes=share * 0.002).verdicts[0] == verdict
+
+
 def test_a_kink_nearby_must_be_checked_and_says_which_impact():
     found = certified(ELASTICITIES, peaks=NEAR)
     assert found.verdicts == (Verdict.check, Verdict.trusted) and abs(NEAR.swap_change) < KINK

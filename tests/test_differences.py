@@ -38,6 +38,13 @@ def test_smooth_functions(inside, sided):
     assert np.all(found.uncertainty < (1e-7 if sided else 1e-9))
 
 
+def test_two_extrapolations_are_compared_at_least():
+    """Of a straight line, whose differences are all the same; an extrapolation takes two steps, the next one more."""
+    found = difference(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
+    np.testing.assert_allclose(found.value, 2.0, rtol=1e-12)
+    assert found.steps == 3
+
+
 def test_noise_stops_the_halving_where_it_takes_over():
     """Values good to 1e-8 give differences good to 1e-8 over the step; the uncertainty says so, and no luck helps."""
     draw = np.random.default_rng(1)

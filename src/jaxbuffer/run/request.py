@@ -19,6 +19,7 @@ from ..mechanisms.system import ContactSystem
 DEFAULT_TOLERANCE = 1e-6
 CHECKED, UNCHECKED = Static(False), Static(True)
 TOLERANCES = {"low": 1e-13, "high": 1e-2}
+NO_TENTH = "a tenth of rtol is below 1e-13, the least allowed"
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
     "rtol": TOLERANCES,
@@ -69,6 +70,11 @@ def allowed_of(
     design, scenario, stabilisation = parameters
     options = {"duration": duration, "rtol": tolerances[0], "atol": tolerances[1], "stabilisation": stabilisation}
     return mechanism.valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
+
+
+def tenth(rtol: float) -> float | None:
+    """A tenth of a tolerance [-]; None where that is below the least allowed."""
+    return None if rtol < 10.0 * TOLERANCES["low"] else 0.1 * rtol
 
 
 def with_tolerances(options: Options, parameters: Parameters, tolerances: Tolerances) -> Options:
