@@ -40,7 +40,7 @@ def test_smooth_functions(inside, sided):
 
 def test_two_extrapolations_are_compared_at_least():
     """Of a straight line, whose differences are all the same; an extrapolation takes two steps, the next one more."""
-    found = difference(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
+    found = differentiated(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
     np.testing.assert_allclose(found.value, 2.0, rtol=1e-12)
     assert found.steps == 3
 
