@@ -27,6 +27,8 @@ FILES = (
     "tests/hybrid/test_fastest.py", "tests/hybrid/test_tableaus.py", "tests/hybrid/test_moving_by_hand.py",
     "tests/mechanisms/test_slider_crank_parts.py", "tests/mechanisms/test_loss_factor.py",
     "tests/mechanisms/test_margins.py", "tests/mechanisms/test_ball_contact.py", "tests/mechanisms/test_bent_bars.py",
+    "tests/hybrid/test_newton.py", "tests/hybrid/test_path_by_hand.py", "tests/mechanisms/test_answers_of_forces.py",
+    "tests/mechanisms/test_flank_directions.py",
     "tests/test_trust.py", "tests/test_differences.py", "tests/test_evidence.py", "tests/test_quantities.py",
     "tests/mechanisms/test_start.py", "tests/mechanisms/test_augmented.py", "tests/mechanisms/test_inputs.py",
     "tests/mechanisms/test_rod_modes.py", "tests/mechanisms/test_diagnosis.py", "tests/mechanisms/test_watched.py",
