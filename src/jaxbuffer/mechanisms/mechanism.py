@@ -62,6 +62,20 @@ class Floor:
     softeners: tuple[str, ...]
 
 
+@dataclasses.dataclass(frozen=True)
+class Stepping:
+    """How a mechanism is stepped through time that is no hybrid system.
+
+    ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
+    ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
+    ``difference_tolerance``: rtol of the runs that differences are taken of.
+    """
+
+    step: Callable[..., Any]
+    read: Callable[[Any, Any, Any], Run]
+    difference_tolerance: float
+
+
 def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
     """Whether every number is in its declared range, for numbers known only inside compiled code."""
     return all_of([*design.in_range(), *scenario.in_range()])
@@ -90,7 +104,8 @@ class Mechanism:
 
     - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
     - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
-    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system;
+    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system, or how it is stepped
+      otherwise;
     - ``quantities``: its one catalogue.
 
     What has a plain default:
@@ -119,7 +134,7 @@ class Mechanism:
     title: str
     design: type[Part]
     scenario: type[Part]
-    system: Callable[..., ContactSystem]
+    system: Callable[..., ContactSystem] | Stepping
     quantities: Catalogue
     outcomes: type[RunOutcome] = Simulated
     ends: tuple[str, ...] = ("failed_penetration",)

@@ -9,6 +9,7 @@ from .._types import Scalar
 from ..errors import InputError
 from ..fields import Part
 from ..hybrid import Solver
+from ..mechanisms.mechanism import Stepping
 from ..mechanisms.quantity import value_of
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
@@ -57,6 +58,8 @@ class TightSolves:
     ) -> None:
         self.inputs, self.values, self.moves, self.names = inputs, values, moves, names
         self.duration, self.solver = duration, solver
+        system = run.mechanism.system
+        self.rtol = system.difference_tolerance if isinstance(system, Stepping) else CHECK_TOLERANCE
         self.code = int(run.code)
         contacts, forces = _impacts(run)
         self.active = int(np.argmax(forces)) if forces.size else -1
@@ -78,7 +81,7 @@ class TightSolves:
         key = values.tobytes()
         if key not in self.known:
             inputs = self.inputs(values)
-            self.known[key] = self._seen(simulate(*inputs, self.duration, rtol=CHECK_TOLERANCE, solver=self.solver))
+            self.known[key] = self._seen(simulate(*inputs, self.duration, rtol=self.rtol, solver=self.solver))
         return self.known[key]
 
     def _seen(self, run: Run) -> np.ndarray:
