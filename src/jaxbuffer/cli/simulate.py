@@ -49,8 +49,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
-    if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
-        note(f"the history holds the first {kept} steps only")
+    if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
+        note(f"the history holds the first {HISTORY_STEPS} steps only")
     told = None if closer is None else trusted(run, closer)
     from ..output.results import run_files
 

@@ -68,11 +68,13 @@ class Stepping:
 
     ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
     ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
-    ``difference_tolerance``: rtol of the runs that differences are taken of.
+    ``rows``: how many rows of its history a run has filled; ``difference_tolerance``: rtol of the runs that differences
+    are taken of.
     """
 
     step: Callable[..., Any]
     read: Callable[[Any, Any, Any], Run]
+    rows: Callable[[Any], int]
     difference_tolerance: float
 
 

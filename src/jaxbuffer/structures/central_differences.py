@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import equinox.internal as eqxi
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 from .contact.forces import contact_forces
@@ -106,6 +106,7 @@ def march(
     see: Callable[[T, Instant, State], T],
     seen: T,
     *,
+    until: Callable[[T], Bool[Array, ""]] = lambda seen: jnp.asarray(False),
     block: int = BLOCK,
     backwards: bool = False,
 ) -> tuple[State, T]:
@@ -117,6 +118,7 @@ def march(
     - ``step``: [s], below `System.stable_step`.
     - ``blocks``: how many blocks of steps.
     - ``see``: (what is seen so far, an instant, the state after it) → what is seen from now on; ``seen``: at first.
+    - ``until``: (what is seen) → whether that is enough; asked after each block.
     - ``block``: steps in a block.
     - ``backwards``: whether reverse derivatives will be asked for, and no forward ones. States are then kept between
       blocks, all of them up to `KEPT` blocks, and steps within a block are taken again.
@@ -136,8 +138,8 @@ def march(
         return done + 1, state, seen
 
     def going(carry: tuple[Array, State, T]) -> Array:
-        done, state, _ = carry
-        return (done < blocks) & jnp.all(jnp.isfinite(state.displacement))
+        done, state, seen = carry
+        return (done < blocks) & jnp.all(jnp.isfinite(state.displacement)) & ~until(seen)
 
     first: Any = (jnp.asarray(0), start, seen)
     if backwards:

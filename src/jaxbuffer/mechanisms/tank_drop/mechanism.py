@@ -7,10 +7,12 @@ import numpy as np
 from ..mechanism import Defaults, Mechanism, Names, Stepping
 from ..registry import register
 from ..validity import Limit
+from .drawing import drawing
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
+from .panels import panels
 from .outcome import TankOutcome
 from .quantities import QUANTITIES
-from .run import TankRun, run_of
+from .run import TankRun, rows_of, run_of
 from .stepping import TOLERANCE, dropped
 
 ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
@@ -47,7 +49,10 @@ def warnings(run: TankRun) -> list[str]:
 
 def names(design: TankDrop) -> Names:
     """What the parts of a design are called."""
-    return Names(bodies=("slider",), contacts=("cushion",))
+    others = {"deflection": "m", "support_force": "N", "peak_stress": "Pa", "peak_plastic_strain": "-"}
+    if design.contents.kind == "liquid":
+        others |= {"highest_pressure": "Pa", "lowest_pressure": "Pa"}
+    return Names(bodies=("slider",), contacts=("cushion",), others=others)
 
 
 def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
@@ -64,7 +69,7 @@ TANK_DROP = register(
         title="Drop onto a tank",
         design=TankDrop,
         scenario=TankDropScenario,
-        system=Stepping(dropped, run_of, TOLERANCE),
+        system=Stepping(dropped, run_of, rows_of, TOLERANCE),
         quantities=QUANTITIES,
         outcomes=TankOutcome,
         time_is_up="whole",
@@ -82,6 +87,8 @@ TANK_DROP = register(
         ),
         warnings=warnings,
         validity=validity,
+        panels=panels,
+        drawing=drawing,
         names=names,
         contact="cushion",
         defaults=Defaults(

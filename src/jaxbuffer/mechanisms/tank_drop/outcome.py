@@ -10,8 +10,9 @@ class TankOutcome(RunOutcome):
 
     whole = 0, "whole: no element of the wall was deleted until the duration was over"
     holed = 1, "holed: the wall strained beyond its failure strain, and elements were deleted"
-    failed_steps = 2, STEPS
-    failed_step_size = 3, STEP_SIZE
-    failed_not_finite = 4, NOT_FINITE
-    failed_penetration = 5, PENETRATION
-    failed_input = 6, INPUT
+    crushed = 2, "crushed: the top came down onto the bottom, where the computation ends"
+    failed_steps = 3, STEPS
+    failed_step_size = 4, STEP_SIZE
+    failed_not_finite = 5, NOT_FINITE
+    failed_penetration = 6, PENETRATION
+    failed_input = 7, INPUT

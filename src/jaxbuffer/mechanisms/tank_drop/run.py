@@ -2,14 +2,16 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..._types import Scalar
 from ..energy import Balance, Energy
+from ..history import History
 from ..run import Impacts, Run
-from .assembly import assembled
+from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome
 from .stepping import SMOOTH, Dropped, Row
@@ -31,8 +33,7 @@ class TankRun(Run):
     - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
     - ``reserve``: the yield stress over the largest stress [-].
-    - ``step``: of the time stepping [s].
-    - ``positions``, ``corners``: the wall's mesh [m]; ``frames``: a history of it, or None.
+    - ``wall_mass``: [kg]; ``step``: of the time stepping [s].
     """
 
     impulse: Float[Array, ""]
@@ -53,8 +54,6 @@ class TankRun(Run):
     reserve: Float[Array, ""]
     wall_mass: Float[Array, ""]
     step: Float[Array, ""]
-    positions: Float[Array, "nodes 2"]
-    frames: Row | None
 
 
 def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, found: Dropped) -> TankRun:
@@ -70,7 +69,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     energy = _energy(factor, seen.energies)
     before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     after = state.velocity[parts.slider, 1]
-    end = jnp.asarray(duration, float)
+    end = jnp.where(found.crushed, state.time, duration)
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     impulse = factor * seen.impulse
     area = jnp.sum(wall.quads.area)
@@ -106,7 +105,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
             jnp.asarray(jnp.nan),
             jnp.zeros(()),
         ),
-        history=None,
+        history=None if seen.rows is None else history_of(parts, seen.rows),
         attempts=found.steps,
         accepted=found.steps,
         stabilisation=jnp.asarray(stabilisation, float),
@@ -129,8 +128,6 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         reserve=wall.material.yield_stress / seen.stress * known,
         wall_mass=jnp.asarray(design.wall_mass, float),
         step=found.step,
-        positions=parts.section.positions,
-        frames=seen.rows,
     )
 
 
@@ -138,6 +135,7 @@ def _code(found: Dropped) -> Int[Array, ""]:
     finite = jnp.all(jnp.isfinite(found.state.displacement)) & jnp.isfinite(found.seen.stress)
     gone = jnp.any(jnp.isfinite(found.state.released) & (found.state.released > 0.0))
     code = jnp.where(gone, int(TankOutcome.holed), int(TankOutcome.whole))
+    code = jnp.where(found.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
     code = jnp.where(found.too_many, int(TankOutcome.failed_steps), code)
     return jnp.where(found.allowed, code, int(TankOutcome.failed_input))
@@ -147,13 +145,50 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
     """Of the whole tank and the slider [J]."""
     whole = {name: factor * value for name, value in energies._asdict().items()}
     lost = {"plastic": whole.pop("plastic"), "deleted": whole.pop("released"), "contact": whole.pop("contact")}
-    return Energy(stored={**whole}, lost=lost)
+    return Energy(stored={"elastic": whole.pop("stored"), **whole}, lost=lost)
 
 
-def frames_of(run: TankRun) -> Row:
-    """The history's rows that were filled."""
-    assert run.frames is not None
-    rows = np.count_nonzero(np.asarray(run.frames.time) > 0.0) + 1
-    import jax
+def history_of(parts: Assembled, rows: Row) -> History:
+    """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
+    "wall_y" [m]), and the stress and plastic strain of its elements."""
+    system, section, factor = parts.system, parts.section, parts.factor
+    count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
+    at = system.positions[None] + rows.displacement
+    slider = at[:, parts.slider, 1]
+    middle = 0.5 * (at[:, section.inner] + at[:, section.outer])
+    (cushion,) = system.layers
+    compression = jax.vmap(lambda x: jnp.max(cushion.compression(x)))(at)
+    others = {
+        "deflection": -rows.displacement[:, section.outer[-1], 1],
+        "support_force": factor * rows.support,
+        "peak_stress": jnp.max(rows.stress, axis=1),
+        "peak_plastic_strain": jnp.max(rows.plastic_strain, axis=1),
+        "wall_x": middle[..., 0],
+        "wall_y": middle[..., 1],
+        "stress": rows.stress,
+        "plastic_strain": rows.plastic_strain,
+    }
+    if system.liquid is not None:
+        assert system.static_pressure is not None
+        wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
+        others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
+    whole = jax.tree.map(lambda x: factor * x, rows.energies)
+    return History(
+        time=rows.time,
+        position=jnp.stack([zero, slider, zero], axis=1)[:, None],
+        velocity=jnp.stack([zero, rows.speed, zero], axis=1)[:, None],
+        multipliers=jnp.zeros((count, 0)),
+        gap=-compression[:, None],
+        approach_speed=-rows.speed[:, None],
+        slip=zero[:, None],
+        contact_force=factor * rows.force[:, None],
+        friction_force=zero[:, None],
+        others=others,
+        energy=_energy(1.0, whole),
+    )
 
-    return jax.tree.map(lambda x: np.asarray(x)[:rows], run.frames)
+
+def rows_of(run: TankRun) -> int:
+    """How many rows of its history a run has filled."""
+    assert run.history is not None
+    return 1 + int(np.count_nonzero(np.asarray(run.history.time) > 0.0))

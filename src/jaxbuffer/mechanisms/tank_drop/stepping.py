@@ -16,21 +16,25 @@ from .design import TankDrop, TankDropScenario
 
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
+CRUSHED = 0.95  # of the inner height: how far the top may come down
 SMOOTH = 20.0  # sharpness of the smooth maximum of the stress, over the largest stress at rest or at yield
-FRAMES = 1024  # room for a history
+ROWS = 800  # of a history, evenly spread over the duration
 
 
 class Row(NamedTuple):
     """What a history keeps of an instant.
 
-    - ``time`` [s]; ``displacement`` (nodes, 2) [m]; ``slider``: its height above the tank's bottom, without its
-      cushion [m], its speed [m/s]; ``force`` on the slider and on the baffle, ``pressure`` (liquid,) [Pa];
-      ``stress`` (elements,) after von Mises and ``plastic_strain`` (elements,); ``energies``.
+    - ``time``: [s].
+    - ``displacement``: (nodes, 2) [m]; ``speed``: of the slider, upwards [m/s].
+    - ``force``: on the slider, ``support``: on the baffle, of half a section and a metre of length [N].
+    - ``pressure``: (liquid,) beyond the static one [Pa].
+    - ``stress``: (elements,) after von Mises [Pa]; ``plastic_strain``: (elements,) [-].
+    - ``energies``: as `Energies`.
     """
 
     time: Float[Array, ""]
     displacement: Float[Array, "nodes 2"]
-    velocity: Float[Array, ""]
+    speed: Float[Array, ""]
     force: Float[Array, ""]
     support: Float[Array, ""]
     pressure: Float[Array, " liquid"]
@@ -73,13 +77,19 @@ class Seen(NamedTuple):
 
 
 class Dropped(NamedTuple):
-    """A run as it was stepped: the ``state`` at its end, what was ``seen``, its ``steps`` and whether they were too
-    many, or not ``allowed``."""
+    """A run as it was stepped.
+
+    - ``state``: at its end; ``seen``: until then.
+    - ``steps``: asked for; ``step``: their length [s].
+    - ``crushed``: whether it ended because the top came down onto the bottom.
+    - ``too_many``: whether there were too many steps; ``allowed``: whether it was to be stepped at all.
+    """
 
     state: State
     seen: Seen
     steps: Int[Array, ""]
     step: Float[Array, ""]
+    crushed: Bool[Array, ""]
     too_many: Bool[Array, ""]
     allowed: Bool[Array, ""]
 
@@ -110,11 +120,16 @@ def dropped(
     wanted = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
     first = _nothing_seen(parts, start, options.keep > 0)
 
-    def see(seen: Seen, instant: Instant, after: State) -> Seen:
-        return _seen(parts, step, seen, instant)
+    crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
-    state, seen = march(parts.system, start, step, wanted, see, first, backwards=backwards)
-    return Dropped(state, seen, wanted * BLOCK, step, too_many, jnp.asarray(allowed))
+    def see(seen: Seen, instant: Instant, after: State) -> Seen:
+        return _seen(parts, step, duration, seen, instant)
+
+    def until(seen: Seen) -> Array:
+        return seen.deflection >= crushed
+
+    state, seen = march(parts.system, start, step, wanted, see, first, until=until, backwards=backwards)
+    return Dropped(state, seen, wanted * BLOCK, step, until(seen), too_many, jnp.asarray(allowed))
 
 
 def smooth_scale(design: TankDrop) -> Float[Array, ""]:
@@ -128,7 +143,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     rows = None
     if history:
         elements = len(parts.section.corners)
-        room = lambda *shape: jnp.zeros((FRAMES, *shape))  # noqa: E731
+        room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
         rows = Row(
             *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
             *(room(elements), room(elements), Energies(*(room() for _ in energies))),
@@ -137,7 +152,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     return Seen(*(zero,) * 6, jnp.asarray(0), *(zero,) * 4, -most, most, zero, zero, energies, rows)
 
 
-def _seen(parts: Assembled, step: Scalar, seen: Seen, instant: Instant) -> Seen:
+def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
     system, section = parts.system, parts.section
     (cushion,), (found,) = instant.layers, instant.resistances
     force = jnp.sum(cushion.normal)
@@ -173,14 +188,14 @@ def _seen(parts: Assembled, step: Scalar, seen: Seen, instant: Instant) -> Seen:
         first,
         jnp.maximum(seen.off, jnp.abs(total - first)),
         instant.energies,
-        None if seen.rows is None else _kept(parts, step, seen.rows, instant, force, stress),
+        None if seen.rows is None else _kept(parts, duration, seen.rows, instant, force, stress),
     )
 
 
-def _kept(parts: Assembled, step: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
-    """The history with this instant in the row of its block."""
+def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
+    """The history with this instant in the row of its share of the duration: the last one there stays."""
     (found,) = instant.resistances
-    place = jnp.minimum(jnp.round(instant.time / step).astype(int) // BLOCK, FRAMES - 1)
+    place = jnp.clip((instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = Row(
         instant.time,
         instant.displacement,
