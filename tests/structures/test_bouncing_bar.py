@@ -103,10 +103,13 @@ def test_energy_comes_back_after_a_period():
     assert abs(total[-1] - total[0]) < 1e-9 * work
 
 
-def test_below_one_the_force_overshoots():
-    """Expected of every discretisation: 610 to 650 N at half the critical step."""
-    _, _, seen = bounced(60, "multiplier", periods=0.4, courant=0.5, averaged=False)
-    assert 600.0 < seen.force.max() < 660.0
+def test_below_one_the_force_rings_about_the_exact_one():
+    _, step, seen = bounced(60, "multiplier", periods=0.4, courant=0.5, averaged=False)
+    time, force = step * np.arange(len(seen.force)), seen.force[:, 0]
+    inside = (time > 1.02) & (time < 1.64)
+    off = force[inside] - 300.0 - 300.0 * (time[inside] - 1.0)
+    assert 5.0 < np.abs(off).max() < 15.0 and abs(off.mean()) < 2.0
+    assert step * force.sum() == pytest.approx(800.0 / 3.0, rel=0.01)
 
 
 def test_all_methods_are_offered():
