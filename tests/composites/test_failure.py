@@ -4,7 +4,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jaxbuffer.composites import CRITERIA, Strength, hoffman, in_ply_axes, is_bounded, maximum_stress, tsai_hill, tsai_wu
+
+from jaxbuffer.composites import (
+    CRITERIA,
+    Strength,
+    hoffman,
+    in_ply_axes,
+    is_bounded,
+    maximum_stress,
+    tsai_hill,
+    tsai_wu,
+)
 
 KAW = Strength(1500e6, 1500e6, 40e6, 246e6, 68e6)
 GLASS = Strength(1080e6, 620e6, 39e6, 128e6, 89e6)
@@ -13,7 +23,8 @@ SIXTY = 1e6 * jnp.array([1.714102, -2.714102, -4.165064])
 
 @pytest.mark.parametrize("name", CRITERIA)
 @pytest.mark.parametrize(
-    ("part", "strength"), [(0, "along_tension"), (0, "along_compression"), (1, "across_tension"), (1, "across_compression")]
+    ("part", "strength"),
+    [(0, "along_tension"), (0, "along_compression"), (1, "across_tension"), (1, "across_compression")],
 )
 def test_each_uniaxial_strength_has_a_reserve_factor_of_one(name, part, strength):
     sign = -1.0 if strength.endswith("compression") else 1.0

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+
 from jaxbuffer.composites import Laminate, Ply, Strength, hoffman, tsai_hill, tsai_wu
 
 HALF = (45.0, -45.0, 0.0, 90.0, 0.0, 90.0, 45.0, -45.0, 0.0, 90.0)

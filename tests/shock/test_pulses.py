@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+
 from jaxbuffer import InputError
 from jaxbuffer.shock import PULSES, largest_response, response
 
@@ -89,5 +90,5 @@ def test_a_derivative_by_the_ratio_is_that_of_the_closed_form():
 
 
 def test_an_unknown_pulse_is_refused():
-    with pytest.raises(InputError, match="pulse = 'half-sin' is unknown.*did you mean half-sine"):
+    with pytest.raises(InputError, match=r"pulse = 'half-sin' is unknown.*did you mean half-sine"):
         response("half-sin", 1.0, 0.5)

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+
 from jaxbuffer import InputError
 from jaxbuffer.shock import hertz_shear, largest_response, shock_spectrum
 

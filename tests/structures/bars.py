@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+
 from jaxbuffer.structures import Bars, Rods, System
 from jaxbuffer.structures.central_differences import advance
 

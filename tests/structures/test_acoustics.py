@@ -4,13 +4,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.linalg import eig, eigh
+from test_quads import grid
+
 from jaxbuffer.structures import Liquid, System
 from jaxbuffer.structures.acoustics import boundary_areas, element_matrices
 from jaxbuffer.structures.central_differences import advance
 from jaxbuffer.structures.incidence import Incidence
 from jaxbuffer.structures.sloshing import in_cylinder, in_rectangle
-from scipy.linalg import eig, eigh
-from test_quads import grid
 
 MASS, SPRING, LENGTH, DENSITY, SOUND = 50.0, 1e8, 1.0, 1000.0, 1500.0
 RIGID = (363.782193, 1074.408383, 1790.588262, 2510.238439)  # Hz, roots of k - mω² + ρcω cot(ωL/c) = 0
@@ -92,7 +93,13 @@ def followed(system, spring, speed, step, steps):
         with_spring = System(system.positions, system.inverse_mass, load=pulled, liquid=system.liquid)
         after, seen = advance(with_spring, state, step, ())
         spent = 0.5 * spring * state.displacement[0, 1] ** 2
-        return after, (seen.displacement[0, 1], seen.pressure[system.liquid.wet[0]], seen.energies.kinetic, seen.energies.liquid, spent)
+        return after, (
+            seen.displacement[0, 1],
+            seen.pressure[system.liquid.wet[0]],
+            seen.energies.kinetic,
+            seen.energies.liquid,
+            spent,
+        )
 
     return map(np.asarray, jax.jit(lambda s: jax.lax.scan(one, s, length=steps)[1])(state))
 
@@ -118,13 +125,16 @@ def test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column():
 
 @pytest.mark.parametrize(
     ("depth", "frequency", "mass", "length"),
-    [(0.125, 1.083497, 0.771322, 0.851814), (0.25, 1.435353, 0.676812, 0.485381), (0.5, 1.697445, 0.473273, 0.347063), (1.0, 1.769147, 0.257050, 0.319501)],
+    [
+        (0.125, 1.083497, 0.771322, 0.851814),
+        (0.25, 1.435353, 0.676812, 0.485381),
+        (0.5, 1.697445, 0.473273, 0.347063),
+        (1.0, 1.769147, 0.257050, 0.319501),
+    ],
 )
 def test_sloshing_in_a_rectangle(depth, frequency, mass, length):
     found = in_rectangle(1.0, depth, gravity=1.0)
-    np.testing.assert_allclose(
-        [found.frequency, found.mass, found.length], [frequency, mass, length], atol=6e-7
-    )
+    np.testing.assert_allclose([found.frequency, found.mass, found.length], [frequency, mass, length], atol=6e-7)
     masses = sum(float(in_rectangle(1.0, depth, mode, 1.0).mass) for mode in range(1, 4001))
     assert masses < 1.0, "what is left moves with the tank"
     assert float(found.length) * float(found.frequency) ** 2 == pytest.approx(1.0, rel=1e-12)
@@ -132,9 +142,7 @@ def test_sloshing_in_a_rectangle(depth, frequency, mass, length):
 
 def test_sloshing_in_a_cylinder():
     found = in_cylinder(0.5, 0.5, gravity=1.0)
-    np.testing.assert_allclose(
-        [found.frequency, found.mass, found.length], [1.871255, 0.432197, 0.285584], atol=6e-7
-    )
+    np.testing.assert_allclose([found.frequency, found.mass, found.length], [1.871255, 0.432197, 0.285584], atol=6e-7)
     half_depth = 0.25 * (1.0 - 4.0 / 1.8411838 * np.tanh(1.8411838 / 2.0))
     assert float(found.depth) == pytest.approx(0.25 - half_depth, rel=1e-6)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bars import Bar, follow, system
+
 from jaxbuffer.structures.contact import METHODS, Contact, RigidPlane
 
 LENGTH, YOUNG, DENSITY, GRAVITY, HEIGHT = 10.0, 900.0, 1.0, 10.0, 5.0
@@ -47,7 +48,9 @@ def exact(x, time):
 
     swing = 0.5 * (cosines(x + WAVE * since) + cosines(x - WAVE * since))
     flight = HEIGHT - 0.5 * GRAVITY * (time - 8.0 / 3.0) ** 2
-    return flight - 2.0 * GRAVITY * LENGTH**2 / (3.0 * WAVE**2) + 4.0 * GRAVITY * LENGTH**2 / (WAVE * np.pi) ** 2 * swing
+    return (
+        flight - 2.0 * GRAVITY * LENGTH**2 / (3.0 * WAVE**2) + 4.0 * GRAVITY * LENGTH**2 / (WAVE * np.pi) ** 2 * swing
+    )
 
 
 def bounced(elements, method, periods=2.0, courant=1.0, stiffness=0.0, averaged=True):
@@ -88,7 +91,10 @@ def test_the_contact_force_rises_in_the_first_contact_and_falls_in_the_second():
     """ρ c v + ρ g c (t - t1), from 300 to 500 N, and its mirror image; impulse 800/3 N s each."""
     _, step, seen = bounced(60, "multiplier", periods=1.0)
     time, force = step * np.arange(len(seen.force)), seen.force[:, 0]
-    first, second = (time > 1.0 + step) & (time < 5.0 / 3.0 - step), (time > 11.0 / 3.0 + step) & (time < 13.0 / 3.0 - step)
+    first, second = (
+        (time > 1.0 + step) & (time < 5.0 / 3.0 - step),
+        (time > 11.0 / 3.0 + step) & (time < 13.0 / 3.0 - step),
+    )
     np.testing.assert_allclose(force[first], 300.0 + 300.0 * (time[first] - 1.0), atol=1e-6)
     np.testing.assert_allclose(force[second], 500.0 - 300.0 * (time[second] - 11.0 / 3.0), atol=1e-6)
     for part in (time < 2.5, time > 2.5):

@@ -4,10 +4,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jaxbuffer.structures import Elastic, Plane, Quads, System, march
+from test_quads import grid
+
+from jaxbuffer.structures import Elastic, Plane, Quads, System
 from jaxbuffer.structures.central_differences import advance
 from jaxbuffer.structures.contact import Contact, RigidPlane, Segments, candidates, contact_forces
-from test_quads import grid
 
 SOFT = Elastic(1000.0, 1e7, 0.3)
 
@@ -16,7 +17,7 @@ def two_blocks(method, slaves=None, published=False, friction=0.0, speed=(0.4, -
     """A small block falls, slanting, on a larger one of other elements."""
     low, low_corners = grid(7, 3, 0.7, 0.3)
     high, high_corners = grid(3, 2, 0.23, 0.2)
-    high = high + [0.21, 0.3005]
+    high = high + np.array([0.21, 0.3005])
     positions = jnp.asarray(np.concatenate([low, high]))
     corners = np.concatenate([low_corners, high_corners + len(low)])
     group = Plane(Quads.of(positions, corners), SOFT)
@@ -72,11 +73,15 @@ def test_the_published_distribution_turns_bodies_of_unequal_masses():
     """The moment about any point, of the forces of one step: none by the shape functions."""
     for published, lost in ((False, 0.0), (True, 1e-3)):
         system, start, _ = two_blocks("defence node", published=published)
-        state = start._replace(displacement=start.displacement.at[:, 1].add(jnp.where(start.velocity[:, 1] < 0.0, -1e-3, 0.0)))
+        state = start._replace(
+            displacement=start.displacement.at[:, 1].add(jnp.where(start.velocity[:, 1] < 0.0, -1e-3, 0.0))
+        )
         positions = system.positions + state.displacement
         near = system.search(state.displacement)[0]
         uneven = jnp.asarray(np.linspace(1.0, 3.0, len(positions)))[:, None] * system.inverse_mass
-        found = contact_forces(system.contacts[0], positions, state.velocity, jnp.zeros_like(positions), uneven, 1e-4, near)
+        found = contact_forces(
+            system.contacts[0], positions, state.velocity, jnp.zeros_like(positions), uneven, 1e-4, near
+        )
         turning = positions[:, 0] * found.nodes[:, 1] - positions[:, 1] * found.nodes[:, 0]
         total = float(jnp.abs(jnp.sum(turning))) / float(jnp.sum(jnp.abs(turning)))
         assert float(jnp.abs(jnp.sum(found.nodes, axis=0)).max()) < 1e-9 * float(jnp.sum(found.normal))
@@ -120,7 +125,9 @@ def test_coulombs_friction_slides_and_sticks():
     positions = jnp.asarray(np.concatenate([positions, [[0.0, 0.0]]]))
     group = Plane(Quads.of(positions, corners), Elastic(1000.0, 1e8, 0.3))
     inverse = jnp.repeat(jnp.where(group.mass() > 0.0, 1.0 / jnp.maximum(group.mass(), 1e-9), 0.0)[:, None], 2, axis=1)
-    floor = Contact(np.flatnonzero(np.asarray(positions[:-1, 1]) == 0.0), RigidPlane(6, (0.0, 1.0)), "multiplier", friction=0.4)
+    floor = Contact(
+        np.flatnonzero(np.asarray(positions[:-1, 1]) == 0.0), RigidPlane(6, (0.0, 1.0)), "multiplier", friction=0.4
+    )
     system = System(positions, inverse, (group,), (floor,), gravity=jnp.array([0.0, -10.0]))
     start = system.start(jnp.zeros_like(positions).at[:-1, 0].set(0.2))
     step = 0.5 * float(system.stable_step())
@@ -142,7 +149,9 @@ def test_coulombs_friction_slides_and_sticks():
 def test_the_search_finds_the_segments_that_are_near():
     rng = np.random.default_rng(3)
     x = np.sort(rng.uniform(0.0, 1.0, 41))
-    positions = jnp.asarray(np.concatenate([np.stack([x, 0.05 * np.sin(9.0 * x)], axis=1), rng.uniform(0.1, 0.9, (30, 2)) * [1.0, 0.1]]))
+    positions = jnp.asarray(
+        np.concatenate([np.stack([x, 0.05 * np.sin(9.0 * x)], axis=1), rng.uniform(0.1, 0.9, (30, 2)) * [1.0, 0.1]])
+    )
     ends = np.stack([np.arange(1, 41), np.arange(40)], axis=1)
     slaves = np.arange(41, 71)
     near = np.asarray(candidates(slaves, ends, positions, 6))
@@ -156,8 +165,8 @@ def test_the_search_finds_the_segments_that_are_near():
 
 @pytest.mark.slow
 def test_hertz_under_refinement():
-    """A cylinder pressed on a rigid plane: the largest pressure √(F E*/(π R)) and the half width √(4 F R/(π E*)), met the
-    closer the finer the mesh; at rest after damped steps."""
+    """A cylinder pressed on a rigid plane: the largest pressure √(F E*/(π R)), met the closer the finer the mesh; at
+    rest after damped steps."""
     radius, young, poisson = 0.1, 1e7, 0.3
     modulus = young / (1.0 - poisson**2)
     errors = []
@@ -184,7 +193,11 @@ def pressed_cylinder(radius, young, poisson, force, across):
     mass = group.mass()
     inverse = jnp.repeat(jnp.where(mass > 0.0, 1.0 / jnp.maximum(mass, 1e-12), 0.0)[:, None], 2, axis=1)
     inverse = inverse.at[node[0], 0].set(0.0)
-    load = jnp.zeros_like(positions).at[node[:, -1], 1].set(-force / 0.6 / radius * jnp.asarray(np.gradient(x) * [0.5] + 0.0) * 1.0)
+    load = (
+        jnp.zeros_like(positions)
+        .at[node[:, -1], 1]
+        .set(-force / 0.6 / radius * jnp.asarray(np.gradient(x) * [0.5] + 0.0) * 1.0)
+    )
     load = load * (force / -jnp.sum(load[:, 1]))
     contact = Contact(node[: across + across // 2, 0], RigidPlane(len(positions) - 1, (0.0, 1.0)), "multiplier")
     system = System(positions, inverse, (group,), (contact,), load=load)

@@ -4,9 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+
 from jaxbuffer.structures import Plane, Plastic, Quads, mises
 from jaxbuffer.structures.materials import History
-from scipy.optimize import brentq
 
 SOFT = Plastic(950.0, 1e9, 0.4, 25e6, 40e6, 0.6)
 
@@ -16,7 +17,12 @@ def driven(material, strains):
 
     def one(history, strain):
         found = material.answer(strain, history)
-        return found.history, (found.stress, found.history.equivalent, found.stored, material.plastic_work(found.history))
+        return found.history, (
+            found.stress,
+            found.history.equivalent,
+            found.stored,
+            material.plastic_work(found.history),
+        )
 
     return jax.lax.scan(one, History.none(), jnp.asarray(strains))[1]
 

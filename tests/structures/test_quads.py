@@ -4,8 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jaxbuffer.structures import Elastic, Orthotropic, Plane, Quads
 from scipy.linalg import eigh
+
+from jaxbuffer.structures import Elastic, Orthotropic, Plane, Quads
 
 SQUARE = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
 

@@ -4,8 +4,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from bars import Bar, follow, system
-from jaxbuffer.structures.contact import Contact, RigidPlane
 from scipy.integrate import solve_ivp
+
+from jaxbuffer.structures.contact import Contact, RigidPlane
 
 STEEL = {"young": 2e11, "density": 7800.0, "section": 4e-4}
 WAVE = np.sqrt(2e11 / 7800.0)
@@ -22,16 +23,14 @@ def node_on_node(slave, master, method):
 def test_a_free_bar_on_a_clamped_one(elements, method):
     """SDNL111: 7899.367 N from the second step on, 4 L/c long, then away with 1/(4 ne) less speed."""
     n = elements
-    bars = system(
-        [Bar(0.0, 1.0), Bar(1.0, 2.0)], n, **STEEL, contacts=[node_on_node(n + 1, n, method)], held=[0]
-    )
+    bars = system([Bar(0.0, 1.0), Bar(1.0, 2.0)], n, **STEEL, contacts=[node_on_node(n + 1, n, method)], held=[0])
     step = 1.0 / n / WAVE
     speeds = np.where(np.arange(2 * n + 2) > n, -1.0, 0.0)
     seen = follow(bars, speeds, step, 6 * n)
     force = seen.force[:, 0]
     pressed = np.flatnonzero(force > 1.0)
     np.testing.assert_allclose(force[pressed[1:-1]], PLATEAU, rtol=1e-10)
-    assert PLATEAU == pytest.approx(7899.367, abs=6e-4)
+    assert pytest.approx(7899.367, abs=6e-4) == PLATEAU
     assert force[pressed[0]] == pytest.approx(PLATEAU / 2.0, rel=1e-10)
     assert len(pressed) * step == pytest.approx(4.0 / WAVE, abs=1.01 * step)
     upper = np.average(seen.velocity[-1, n + 1 :], weights=np.asarray(bars.mass)[n + 1 :, 1])
@@ -47,7 +46,9 @@ def test_two_free_bars_exchange_their_speeds():
     np.testing.assert_allclose(seen.force[pressed[1:-1], 0], PLATEAU, rtol=1e-10)
     assert len(pressed) * step == pytest.approx(2.0 / WAVE, abs=1.01 * step)
     mass = np.asarray(bars.mass[:, 1])
-    lower, upper = (np.average(seen.velocity[-1][part], weights=mass[part]) for part in (slice(0, n + 1), slice(n + 1, None)))
+    lower, upper = (
+        np.average(seen.velocity[-1][part], weights=mass[part]) for part in (slice(0, n + 1), slice(n + 1, None))
+    )
     assert lower == pytest.approx(-1.0, abs=2.0 / n) and upper == pytest.approx(0.0, abs=2.0 / n)
     np.testing.assert_allclose(seen.velocity @ mass, -7800.0 * 4e-4, rtol=1e-12)
 
@@ -74,10 +75,10 @@ def test_the_impacting_bar():
 
 def test_a_laterally_held_bar_of_plane_elements_on_a_wall():
     """SDNV100: 1.85638e6 N for 68.95 µs, by penalty; the plateau between the overshoots of its first half."""
+    import jax
+
     from jaxbuffer.structures import Elastic, Plane, Quads, System
     from jaxbuffer.structures.central_differences import advance
-
-    import jax
 
     n, side, length, speed, gap = 80, 0.02, 0.2, 100.0, 2e-3
     material = Elastic(8000.0, 2e11, 0.3)

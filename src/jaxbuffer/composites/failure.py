@@ -1,4 +1,4 @@
-"""Failure criteria of a ply in plane stress, each as a reserve factor: by how much the stress may grow (M150 to M153)."""
+"""Failure criteria of a ply in plane stress, each as a reserve factor: by how much the stress may grow (M150)."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -105,7 +105,9 @@ def _quadratic(stress: PlyStress, strength: Strength, twice_f12: Scalar) -> Floa
     x_t, x_c, y_t, y_c, s = strength
     linear = (1.0 / x_t - 1.0 / x_c) * along + (1.0 / y_t - 1.0 / y_c) * across
     quadratic = _f11(strength) * along**2 + _f22(strength) * across**2 + twice_f12 * along * across + (shear / s) ** 2
-    return 2.0 / (linear + jnp.sqrt(linear**2 + 4.0 * quadratic))  # without a difference of equal numbers where A is small
+    return 2.0 / (
+        linear + jnp.sqrt(linear**2 + 4.0 * quadratic)
+    )  # without a difference of equal numbers where A is small
 
 
 def _f11(strength: Strength) -> Scalar:

@@ -34,8 +34,8 @@ class Ply(NamedTuple):
 
 
 def in_ply_axes(angle: Scalar) -> Float[Array, "3 3"]:
-    """What turns strains (εx, εy, γxy) into the axes of a ply whose fibres are at ``angle`` [°]; its transpose turns the
-    ply's stresses (σ1, σ2, τ12) back."""
+    """What turns strains (εx, εy, γxy) into the axes of a ply whose fibres are at ``angle`` [°]; its transpose turns
+    the ply's stresses (σ1, σ2, τ12) back."""
     radians = jnp.deg2rad(jnp.asarray(angle, float))
     c, s = jnp.cos(radians), jnp.sin(radians)
     return stacked([c * c, s * s, c * s, s * s, c * c, -c * s, -2.0 * c * s, 2.0 * c * s, c * c - s * s]).reshape(3, 3)

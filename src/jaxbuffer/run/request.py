@@ -11,7 +11,7 @@ from .._types import Scalar
 from ..compiling.programs import Static
 from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
-from ..hybrid import Diffrax, Options, Result, Solver, Tolerance, solve_at_fixed_times
+from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times
 from ..mechanisms.mechanism import Mechanism, Stepping
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.system import ContactSystem

@@ -12,16 +12,22 @@ SAMPLES = 20  # of a period at least: a peak between two of them is then missed 
 
 
 def shock_spectrum(
-    acceleration: Float[Array, " samples"], step: float, frequencies: Float[Array, " oscillators"], damping: Scalar = 0.05
+    acceleration: Float[Array, " samples"],
+    step: float,
+    frequencies: Float[Array, " oscillators"],
+    damping: Scalar = 0.05,
 ) -> Float[Array, " oscillators"]:
-    """The largest absolute acceleration of oscillators on a base that moves with a signal, differentiable by the signal.
+    """The largest absolute acceleration of oscillators on a base that moves with a signal; differentiable by it.
 
-    Smallwood's filter: exact for a signal that is linear between its samples. The residual response is looked at for one
-    period of each oscillator after the signal's end.
+    Smallwood's filter: exact for a signal that is linear between its samples. The residual response is looked at for
+    one period of the slowest oscillator after the signal's end.
 
-    **Arguments:** ``acceleration``: (samples,) of the base [m/s²], zero before and after; ``step``: between samples [s];
-    ``frequencies``: (oscillators,) natural frequencies, at most a twentieth of the sampling rate [Hz]; ``damping``: ratio
-    of the critical one, below 1 [-].
+    **Arguments:**
+
+    - ``acceleration``: (samples,) of the base, zero before and after [m/s²].
+    - ``step``: between samples [s].
+    - ``frequencies``: (oscillators,) natural ones, at most a twentieth of the sampling rate [Hz].
+    - ``damping``: ratio of the critical one, below 1 [-].
 
     **Returns:** (oscillators,) [m/s²].
 

@@ -15,9 +15,7 @@ from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
 from .incidence import Incidence, added_at
-from .quads import AT_POINTS, POINTS, SIGNS
-
-SHAPES = 0.25 * (1.0 + SIGNS[:, 0] * POINTS[:, :1]) * (1.0 + SIGNS[:, 1] * POINTS[:, 1:])  # N (points, corners)
+from .mapping import SHAPES, Mapping
 
 
 class Liquid(NamedTuple):
@@ -75,12 +73,12 @@ class Liquid(NamedTuple):
 def element_matrices(
     positions: Float[Array, "nodes 2"], corners: np.ndarray, sound_speed: Scalar
 ) -> tuple[Float[Array, "elements 4 4"], Float[Array, "elements 4 4"]]:
-    """K_f [-] and the consistent M_f [s²] of each element. ``positions`` [m]; ``corners`` (elements, 4), counter-clockwise;
-    ``sound_speed`` c [m/s]."""
+    """K_f [-] and the consistent M_f [s²] of each element.
+
+    **Arguments:** ``positions`` [m]; ``corners``: (elements, 4), counter-clockwise; ``sound_speed``: c [m/s].
+    """
     at = jnp.asarray(positions, float)[corners]
-    jacobian = jnp.einsum("pck,eci->epik", AT_POINTS, at)
-    weight = jnp.linalg.det(jacobian)
-    gradient = jnp.einsum("pck,epki->epci", AT_POINTS, jnp.linalg.inv(jacobian))
+    weight, _, gradient = Mapping.of(at)
     stiffness = jnp.einsum("ep,epci,epdi->ecd", weight, gradient, gradient)
     mass = jnp.einsum("ep,pc,pd->ecd", weight, SHAPES, SHAPES) / sound_speed**2
     return stiffness, mass

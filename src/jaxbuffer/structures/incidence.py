@@ -43,7 +43,7 @@ class Incidence(NamedTuple):
 
 
 def added_at(places: Int[Array, " values"] | np.ndarray, values: Float[Array, "values *rest"], count: int) -> Array:
-    """(count, …) the sum of the ``values`` at each of ``count`` places; a gather where the places are known beforehand."""
+    """(count, …) the sum of the ``values`` at each of ``count`` places; a gather where these are known beforehand."""
     if isinstance(places, np.ndarray):
         return Incidence.of(places[:, None], count).to_nodes(values[:, None])
     return jnp.zeros((count, *values.shape[1:])).at[places].add(values)

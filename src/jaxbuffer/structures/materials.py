@@ -194,7 +194,9 @@ class Plastic(Material):
         left = 1.0 - 2.0 * shear * flow
         deviator = [left * part for part in trial]
         pressure = bulk * volume
-        stress = jnp.stack([deviator[0] + pressure, deviator[1] + pressure, deviator[3], deviator[2] + pressure], axis=-1)
+        stress = jnp.stack(
+            [deviator[0] + pressure, deviator[1] + pressure, deviator[3], deviator[2] + pressure], axis=-1
+        )
         plastic = jnp.stack([p11 + flow * trial[0], p22 + flow * trial[1], p12 + flow * trial[3]], axis=-1)
         equivalent = history.equivalent + yielded
         stored = (left * mises) ** 2 / (6.0 * shear) + 0.5 * bulk * volume**2

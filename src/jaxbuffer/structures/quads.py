@@ -10,17 +10,10 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from .incidence import Incidence
+from .mapping import POINTS, SIGNS, Mapping
 from .strain import logarithmic
 
-SIGNS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])  # ξ, η of the corners
-POINTS = SIGNS / np.sqrt(3.0)  # ξ, η of the integration points
 HOURGLASS = SIGNS[:, 0] * SIGNS[:, 1]  # ξη at the corners
-
-# ∂N/∂(ξ, η) (points, corners, 2): at the integration points, and at the centre
-AT_POINTS = 0.25 * np.stack(
-    [SIGNS[:, 0] * (1.0 + SIGNS[:, 1] * POINTS[:, 1:]), SIGNS[:, 1] * (1.0 + SIGNS[:, 0] * POINTS[:, :1])], axis=-1
-)
-AT_CENTRE = 0.25 * SIGNS
 
 
 class Quads(NamedTuple):
@@ -52,10 +45,7 @@ class Quads(NamedTuple):
         first = along / jnp.linalg.norm(along, axis=1, keepdims=True)
         axes = jnp.stack([first, jnp.stack([-first[:, 1], first[:, 0]], axis=1)], axis=1)
         own = jnp.einsum("eij,ecj->eci", axes, at)
-        jacobian = jnp.einsum("pck,eci->epik", AT_POINTS, own)  # ∂X/∂(ξ, η)
-        weight = jnp.linalg.det(jacobian)
-        inverse = jnp.linalg.inv(jacobian)
-        at_points = jnp.einsum("pck,epki->epci", AT_POINTS, inverse)
+        weight, inverse, at_points = Mapping.of(own)
         gradient = jnp.einsum("ep,epci->eci", weight, at_points) / jnp.sum(weight, axis=1)[:, None, None]
         linear = jnp.einsum("c,eci->ei", HOURGLASS, own)
         hourglass = 0.25 * (HOURGLASS[None] - jnp.einsum("ei,eci->ec", linear, gradient))

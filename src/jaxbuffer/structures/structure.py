@@ -70,7 +70,9 @@ class Plane(eqx.Module):
             return alive[:, None, None] * found.stress[..., :3], found
 
         forces, found = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
-        since = History(*(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(found.history, history)))
+        since = History(
+            *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(found.history, history, strict=True))
+        )
         lost = alive * jnp.all(self.material.failed(since), axis=1)
         energy = jnp.sum(self.quads.weight * found.stored, axis=1)
         return Resistance(
@@ -91,7 +93,9 @@ class Plane(eqx.Module):
         here = self.quads.incidence.to_corners(displacement)
 
         def forces(u: Array) -> Array:
-            return nodal_forces(self.quads, u, coupling, lambda e: (self.material.answer(e, history).stress[..., :3], 0))[0]
+            return nodal_forces(
+                self.quads, u, coupling, lambda e: (self.material.answer(e, history).stress[..., :3], 0)
+            )[0]
 
         def column(direction: Array) -> Array:
             return jax.jvp(forces, (here,), (jnp.broadcast_to(direction[None], here.shape),))[1]
@@ -124,7 +128,9 @@ class Rods(eqx.Module):
         stress = self.young * strain
         stored = 0.5 * jnp.sum(stress * strain * self.bars.length) * self.bars.section
         along = jnp.zeros((*stress.shape, 1, 4)).at[:, 0, 0].set(stress)
-        return Resistance(self.bars.incidence.to_nodes(self.bars.forces(stress)), history, along, stored, *(jnp.zeros(()),) * 2)
+        return Resistance(
+            self.bars.incidence.to_nodes(self.bars.forces(stress)), history, along, stored, *(jnp.zeros(()),) * 2
+        )
 
     def mass(self) -> Float[Array, " nodes"]:
         return self.bars.lumped_mass(self.density)

@@ -11,8 +11,8 @@ from .._types import Scalar
 from .acoustics import Liquid
 from .contact.forces import Contact, ContactForces
 from .contact.layer import Layer
-from .contact.surfaces import Segments
 from .contact.search import candidates
+from .contact.surfaces import Segments
 from .materials import History
 from .structure import Elements, Resistance
 
@@ -92,10 +92,9 @@ class System(eqx.Module):
             fastest = jnp.maximum(fastest, wet.fastest() ** 2)
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
-
     def _yielding(self, contact: Contact) -> Float[Array, ""]:
-        """How a pair of a contact yields to a force of one, at most [1/kg]; all press on a rigid plane together, and two
-        nodes at most on a segment."""
+        """How a pair of a contact yields to a force of one, at most [1/kg]: all nodes press on a rigid plane together,
+        two at most on a segment."""
         segments = isinstance(contact.surface, Segments)
         nodes = contact.surface.ends if segments else contact.surface.node
         together = 2 if segments else len(contact.slaves)

@@ -91,7 +91,13 @@ def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
     width = jnp.zeros_like(x).at[:-1].add(half).at[1:].add(half)
     soft = design.cushion
     return Layer(
-        slaves, RigidPlane(slider, (0.0, -1.0)), width, soft.thickness, soft.stiffness, soft.damping, SOLID * soft.stiffness
+        slaves,
+        RigidPlane(slider, (0.0, -1.0)),
+        width,
+        soft.thickness,
+        soft.stiffness,
+        soft.damping,
+        SOLID * soft.stiffness,
     )
 
 
@@ -139,7 +145,9 @@ def at_rest(parts: Assembled) -> State:
     rows = corners.reshape(-1, 8)
 
     def newton(moves: Array) -> Array:
-        whole = jnp.zeros((free.size, free.size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displaced(moves)))
+        whole = (
+            jnp.zeros((free.size, free.size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displaced(moves)))
+        )
         return moves - jnp.linalg.solve(whole[np.ix_(places, places)], unbalanced(moves))
 
     found = jax.lax.fori_loop(0, ITERATIONS, lambda _, moves: newton(moves), jnp.zeros(len(places)))

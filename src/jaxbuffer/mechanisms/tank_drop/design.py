@@ -14,7 +14,7 @@ THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
 class Wall(Part):
-    """The tank's wall: its thickness in six zones, each the same on the left and on the right, with tapers between them.
+    """The tank's wall: its thickness in six zones, the same on the left and on the right, with tapers between them.
 
     ``bottom``, ``lower_corner``, ``lower_side``, ``upper_side``, ``upper_corner``, ``top``: thicknesses.
     """
@@ -82,7 +82,7 @@ class Contents(Part):
 class Cushion(Part):
     """The layer under the slider: what is a buffer here.
 
-    ``thickness``; ``stiffness`` and ``damping`` of an area; it is solid where less than a fifth of its thickness is left.
+    ``thickness``; ``stiffness`` and ``damping`` of an area. It is solid where less than a fifth of it is left.
     """
 
     section: ClassVar[str] = "cushion"

@@ -7,10 +7,10 @@ import numpy as np
 from ..mechanism import Defaults, Mechanism, Names, Stepping
 from ..registry import register
 from ..validity import Limit
-from .drawing import drawing
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
-from .panels import panels
+from .drawing import drawing
 from .outcome import TankOutcome
+from .panels import panels
 from .quantities import QUANTITIES
 from .run import TankRun, rows_of, run_of
 from .stepping import TOLERANCE, dropped
@@ -36,7 +36,9 @@ def warnings(run: TankRun) -> list[str]:
                 f"the liquid would be torn: its pressure falls to {1e-3 * float(run.lowest_pressure):.4g} kPa over the"
                 " atmosphere's, and no cavities are computed"
             )
-        air = (1.0 - float(run.scenario.fill)) * (float(design.tank.height) - float(design.wall.bottom) - float(design.wall.top))
+        air = (1.0 - float(run.scenario.fill)) * (
+            float(design.tank.height) - float(design.wall.bottom) - float(design.wall.top)
+        )
         if float(run.deflection) > air:
             lines.append(
                 f"the top comes down by {1e3 * float(run.deflection):.4g} mm, further than the air is high"
@@ -93,7 +95,7 @@ TANK_DROP = register(
         contact="cushion",
         defaults=Defaults(
             duration=0.08,
-            parameters=tuple(f"wall.{zone}" for zone in ZONES) + ("cushion.stiffness", "cushion.damping", "scenario.fill"),
+            parameters=(*(f"wall.{zone}" for zone in ZONES), "cushion.stiffness", "cushion.damping"),
             differentiated=("peak_force", "peak_stress", "deflection"),
             grid={"scenario.height": {"from": 0.1, "to": 2.0, "count": 5}},  # m
             mapped=("peak_force", "reserve", "deflection", "plastic_strain"),

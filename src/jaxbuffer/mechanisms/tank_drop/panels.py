@@ -32,7 +32,10 @@ def panels(run: Any) -> list[Panel]:
             Panel(
                 "Pressure of the liquid on the wall",
                 "over the atmosphere's [kPa]",
-                (Curve("highest", 1e-3 * others["highest_pressure"]), Curve("lowest", 1e-3 * others["lowest_pressure"])),
+                (
+                    Curve("highest", 1e-3 * others["highest_pressure"]),
+                    Curve("lowest", 1e-3 * others["lowest_pressure"]),
+                ),
                 whole=True,
             )
         )

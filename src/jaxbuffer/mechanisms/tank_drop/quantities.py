@@ -6,7 +6,12 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_force": PEAK_FORCE._replace(description="largest force of the cushion on the slider"),
     "peak_time": PEAK_TIME,
     "wall_mass": Quantity(
-        "kg", lambda run: run.wall_mass, "mass of the wall, without the tank's ends", "wall mass", swept=True, tuned=True
+        "kg",
+        lambda run: run.wall_mass,
+        "mass of the wall, without the tank's ends",
+        "wall mass",
+        swept=True,
+        tuned=True,
     ),
     "reserve": Quantity(
         "-",
@@ -34,7 +39,12 @@ QUANTITIES: dict[str, Quantity] = {
         shown=("MPa", 1e-6),
     ),
     "plastic_strain": Quantity(
-        "-", lambda run: run.plastic_strain, "largest equivalent plastic strain", "plastic strain", swept=True, tuned=True
+        "-",
+        lambda run: run.plastic_strain,
+        "largest equivalent plastic strain",
+        "plastic strain",
+        swept=True,
+        tuned=True,
     ),
     "plastic_work": Quantity(
         "J", lambda run: run.plastic_work, "energy that yielding took", "plastic work", swept=True, tuned=True
@@ -79,7 +89,12 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "impulse": Quantity("N s", lambda run: run.impulse, "impulse of the force on the slider", "impulse", swept=True),
     "rebound_speed": Quantity(
-        "m/s", lambda run: run.rebound_speed, "speed of the slider at the end, upwards", "rebound speed", signed=True, swept=True
+        "m/s",
+        lambda run: run.rebound_speed,
+        "speed of the slider at the end, upwards",
+        "rebound speed",
+        signed=True,
+        swept=True,
     ),
     "contact_time": CONTACT_TIME,
     "end_time": END_TIME,

@@ -43,7 +43,10 @@ def section(design: TankDrop, fill: Scalar) -> Section:
     ends = _lengths(design)
     marks = [0.0, ends[0], ends[1], _level(design, fill), ends[-1]]
     along = jnp.concatenate(
-        [a + (b - a) * np.linspace(0.0, 1.0, n, endpoint=False) for a, b, n in zip(marks, marks[1:], counts, strict=False)]
+        [
+            a + (b - a) * np.linspace(0.0, 1.0, n, endpoint=False)
+            for a, b, n in zip(marks, marks[1:], counts, strict=False)
+        ]
         + [stacked([ends[-1]])]
     )
     face, normal = _outside(design, along)
@@ -117,7 +120,7 @@ def _level(design: TankDrop, fill: Scalar) -> Float[Array, ""]:
 
 def _outside(design: TankDrop, along: Float[Array, " columns"]) -> tuple[Array, Array]:
     """Positions (columns, 2) [m] and outward normals of the outside."""
-    width, height, radius = design.tank.width, design.tank.height, design.tank.corner_radius
+    height, radius = design.tank.height, design.tank.corner_radius
     ends = _lengths(design)
     quarter = 0.5 * np.pi
     turned = jnp.clip((along - ends[0]) / radius, 0.0, quarter) + jnp.clip((along - ends[2]) / radius, 0.0, quarter)

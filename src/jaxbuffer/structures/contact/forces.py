@@ -25,10 +25,9 @@ class Contact(eqx.Module):
       node; multipliers serve all pairs together; a penalty lets nodes in.
     - ``stiffness``: of a penalty [N/m].
     - ``friction``: Coulomb's coefficient [-].
-    - ``averaged``: whether the force of an instant is the mean of those over the step before and the step after it, of
-      which the latter keeps the pair closed, rather than one that does so by itself. A pair that opens is then pushed off
-      by half of what pressed it, and a bar of linear elements moves exactly at a Courant number of one; below one the
-      force rings.
+    - ``averaged``: whether the force of an instant is the mean of those over the step before it and the step after it,
+      rather than one that keeps the pair closed by itself. A pair that opens is then pushed off by half of what
+      pressed it, and a bar of linear elements moves exactly at a Courant number of one; below one the force rings.
     - ``published``: whether a defence node's force is distributed as Zhong does it, which turns bodies whose nodes have
       unequal masses; else by the shape functions.
     """
@@ -140,8 +139,8 @@ def _closing_forces(
     """The forces f ≥ 0 with W f ≥ ``wanted`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or diagonal,
     ``yielding``, where each pair is served for itself.
 
-    With a matrix the set of closed pairs is settled first (a primal-dual active set); the equations of that set are then
-    solved once, with derivatives.
+    With a matrix the set of closed pairs is settled first (a primal-dual active set); the equations of that set are
+    then solved once, with derivatives.
     """
     if matrix is None:
         return jnp.where(found, jnp.maximum(wanted, 0.0) / yielding, 0.0)

@@ -8,9 +8,7 @@ from jaxtyping import Array, Float, Int
 Candidates = Int[Array, "pairs some"]
 
 
-def candidates(
-    slaves: np.ndarray, ends: np.ndarray, positions: Float[Array, "nodes 2"], some: int = 4
-) -> Candidates:
+def candidates(slaves: np.ndarray, ends: np.ndarray, positions: Float[Array, "nodes 2"], some: int = 4) -> Candidates:
     """The ``some`` segments whose middles are nearest to each slave: nothing further away can hold its foot as long as
     it moves by less than a segment's length.
 

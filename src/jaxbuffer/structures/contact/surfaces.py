@@ -53,7 +53,6 @@ class RigidPlane(eqx.Module):
         nodes, weights = jnp.full((count, 2), self.node), jnp.broadcast_to(jnp.asarray([[1.0, 0.0]]), (count, 2))
         return Pairs(gap, normal, nodes, weights, jnp.ones(count, bool))
 
-
     def on_nodes(self, slaves: np.ndarray, force: Float[Array, "pairs 2"], nodes: int) -> Float[Array, "nodes 2"]:
         """(nodes, 2) forces on the slaves and, against them, on the plane's node."""
         against = jnp.where(jnp.arange(nodes)[:, None] == self.node, jnp.sum(force, axis=0)[None], 0.0)
