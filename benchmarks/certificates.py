@@ -25,16 +25,18 @@ from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
 import jaxbuffer as jb  # noqa: E402
+from jaxbuffer.compiling.pool import Pool  # noqa: E402
 from jaxbuffer.hybrid import ExplicitRungeKutta  # noqa: E402
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE  # noqa: E402
 from jaxbuffer.sensitivities.certificate import KINK, TRUSTED  # noqa: E402
-from jaxbuffer.sensitivities.evidence import FLOOR, TightSolves, each  # noqa: E402
+from jaxbuffer.sensitivities.evidence import FLOOR, TightSolve, TightSolves, course_of, each  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 from verification.cases import CASES  # noqa: E402
 from verification.designs import random_case  # noqa: E402
 
 PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
+POOL = Pool()
 WRONG = 1e-2  # relative error that no trusted elasticity may have
 SIGNIFICANT = 1e-4  # elasticities above must have the right sign
 EVERY = 5  # so many random designs hold one with a free tip
@@ -66,11 +68,9 @@ def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
         "seconds": seconds,
     }
     if not capture.outcome.failed:
-
-        def inputs(values: np.ndarray) -> tuple[jb.Design, jb.Scenario]:
-            return jb.replace(design, dict(zip(PARAMETERS, values, strict=True))), scenario
-
-        tight = TightSolves(inputs, capture, found.values, np.abs(found.values), QUANTITIES, 8.0, ExplicitRungeKutta())
+        options = (8.0, ExplicitRungeKutta(), int(capture.code), course_of(capture))
+        solve = TightSolve(design, scenario, PARAMETERS, QUANTITIES, *options)
+        tight = TightSolves(solve, found.values, np.abs(found.values), POOL)
         evidence = each(tight, found.elasticities, np.abs(found.results), np.zeros_like(found.elasticities))
         record |= {"off": evidence.by_differences.tolist(), "uncertainty": evidence.uncertainty.tolist()}
     if name in CASES:

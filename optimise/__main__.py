@@ -1,6 +1,7 @@
 """``python -m optimise [STUDY …]``: run all studies, or those named; results and figures below ``--output``."""
 
 import argparse
+import contextlib
 import importlib
 import os
 import sys
@@ -15,13 +16,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("studies", nargs="*", choices=[*STUDIES, []], metavar="STUDY", help=", ".join(STUDIES))
     parser.add_argument("--output", type=Path, default=Path("results/studies"), metavar="FOLDER")
     parser.add_argument("--resume", action="store_true", help="go on with runs that were interrupted")
+    parser.add_argument("--scheduler", metavar="WHERE", help="over Dask, as for jaxbuffer tune (docs/clusters.md)")
     options = parser.parse_args(arguments)
     import jaxbuffer
+    from jaxbuffer.cluster.connect import connected
 
     jaxbuffer.configure(cache=os.environ.get("JAXBUFFER_CACHE") or Path.home() / ".cache" / "jaxbuffer")
-    for name in options.studies or STUDIES:
-        print(f"--- {name}", file=sys.stderr, flush=True)
-        importlib.import_module(f"optimise.{name}").main(options.output / name, options.resume)
+    where = options.scheduler
+    try:
+        with contextlib.nullcontext() if where is None else connected(where) as client:
+            for name in options.studies or STUDIES:
+                print(f"--- {name}", file=sys.stderr, flush=True)
+                importlib.import_module(f"optimise.{name}").main(options.output / name, options.resume, client)
+    except jaxbuffer.InputError as error:
+        parser.error(str(error))
     return 0
 
 

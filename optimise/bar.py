@@ -6,22 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from jaxbuffer import Tuned, replace, simulate, sweep
+from jaxbuffer import Tuned, replace, simulate
 from jaxbuffer.output.formats import csv_text
 from jaxbuffer.study.config import Config
 
-from .study import config, figure, tuned, write
+from .study import Sweeps, config, figure, tuned, write
 
 POINTS, ROUNDS, NARROWER = 7, 6, 0.45  # of the scan: values a variable, grids, width of each to the one before
 MANY = 24  # modes, to check the tuned design with
 SCANNED = ("peak_force", "penetration", "plate_deflection")
 
 
-def main(folder: Path, resume: bool = False) -> None:
+def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """The tuning, the scan beside it, and the tuned design's peak with more modes."""
     study = config("bar")
-    found = tuned(study, folder, resume)
-    rows = scan(study)
+    found = tuned(study, folder, resume, client)
+    rows = scan(study, Sweeps(folder, resume, client))
     best = min((row for row in rows if row[-1]), key=lambda row: row[3])
     worst = found.after.quantities.max(axis=0)
     most = simulate(replace(found.design, {"plate.modes": MANY}), highest(study), study.options.duration)
@@ -59,7 +59,7 @@ def highest(study: Config) -> Any:
     return max(study.problem().scenarios_met, key=lambda scenario: float(scenario.height))
 
 
-def scan(study: Config) -> list[list[Any]]:
+def scan(study: Config, sweeps: Sweeps) -> list[list[Any]]:
     """Grids of designs dropped from the greatest height, each narrower and about the best of the one before."""
     problem = study.problem()
     low = np.log([variable.low for variable in problem.variables])
@@ -71,7 +71,8 @@ def scan(study: Config) -> list[list[Any]]:
         axes = [np.exp(np.linspace(a, a + w, POINTS)) for a, w in zip(start, width, strict=True)]
         grid = np.array(list(itertools.product(*axes)))
         changes = {variable.path: grid[:, k] for k, variable in enumerate(problem.variables)}
-        found = sweep(replace(problem.design, changes), highest(study), study.options.duration, rtol=study.options.rtol)
+        many, options = replace(problem.design, changes), study.options
+        found = sweeps.found(many, highest(study), options.duration, options.rtol)
         values = np.array([getattr(found, name) for name in SCANNED]).T
         kept = (values[:, 1] <= limits["penetration"]) & (values[:, 2] <= limits["plate_deflection"])
         numbers = np.concatenate([grid, values], axis=1)

@@ -15,7 +15,7 @@ from .study import config, figure, told, write
 LIMITS = (0.025, 0.02, 0.016, 0.013, 0.01, 0.008, 0.006)  # m
 
 
-def main(folder: Path, resume: bool = False) -> None:
+def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """A tuning a limit, each from the last one's design; the front as table and figure."""
     study = config("pareto")
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
@@ -25,6 +25,7 @@ def main(folder: Path, resume: bool = False) -> None:
         limits={"stroke": LIMITS},
         folder=folder,
         resume=resume,
+        client=client,
         report=told,
         **settings,
     )

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from jaxbuffer import Problem, Tuned, get, replace, simulate, sweep
+from jaxbuffer import Problem, Tuned, get, replace, simulate
 from jaxbuffer.output.formats import csv_text
 from jaxbuffer.study.config import Config
 
-from .study import config, figure, tuned, write
+from .study import Sweeps, config, figure, tuned, write
 
 DRAWN, ROUNDS, NARROWER = 256, 4, 0.4  # of the random search: designs a round, rounds, width of each to the one before
 MORE, TIGHT = 12, 1e-10  # modes and rtol, to check the tuned design with
@@ -17,12 +17,12 @@ SEEN = ("peak_force", "torque_ripple", "rod_stress", "slider_acceleration")
 UNITS = ("N", "N m", "Pa", "m/s²")
 
 
-def main(folder: Path, resume: bool = False) -> None:
+def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """The tuning, the random search beside it, and the tuned design with more modes and at a tighter tolerance."""
     study = config("slider_crank")
     problem = study.problem()
-    found = tuned(study, folder, resume)
-    rows = searched(study)
+    found = tuned(study, folder, resume, client)
+    rows = searched(study, Sweeps(folder, resume, client))
     best = rows[int(np.argmin(np.where(rows[:, -1] > 0.0, rows[:, -2], np.inf)))]
     told = [
         ["tuned", *(float(x) for x in seen_of(study, found.design, {}))],
@@ -66,7 +66,7 @@ def judged(problem: Problem, chosen: np.ndarray, values: np.ndarray) -> np.ndarr
     return np.column_stack([chosen, worst, objective, kept])
 
 
-def searched(study: Config) -> np.ndarray:
+def searched(study: Config, sweeps: Sweeps) -> np.ndarray:
     """Designs drawn at random, each round about the best of those before and in a narrower box."""
     problem, options = study.problem(), study.options
     drawn, rows = np.random.default_rng(0), np.empty((0, len(problem.variables) + len(SEEN) + 2))
@@ -76,7 +76,7 @@ def searched(study: Config) -> np.ndarray:
         scaled = low + width * drawn.random((DRAWN, len(problem.variables)))
         chosen = np.array([[v.value(x) for v, x in zip(problem.variables, row, strict=True)] for row in scaled])
         many = replace(problem.design, {v.path: chosen[:, k] for k, v in enumerate(problem.variables)})
-        runs = [sweep(many, each, options.duration, rtol=options.rtol) for each in problem.scenarios_met]
+        runs = [sweeps.found(many, each, options.duration, options.rtol) for each in problem.scenarios_met]
         values = np.array([np.array([getattr(run, name) for name in SEEN]).T for run in runs])
         rows = np.concatenate([rows, judged(problem, chosen, values)])
         best = rows[int(np.argmin(np.where(rows[:, -1] > 0.0, rows[:, -2], np.inf)))]

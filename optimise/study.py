@@ -6,13 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from jaxbuffer import Problem, Tuned, tune
+from jaxbuffer import Problem, Sweep, Tuned, sweep, tune
 from jaxbuffer.files import write as write_whole
 from jaxbuffer.output.formats import csv_text, json_text
 from jaxbuffer.output.records import tuned_comment, tuned_record
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config, design_toml, load
+from jaxbuffer.sweeps.store import ZARR
 from jaxbuffer.tuning.summary import in_words
 from jaxbuffer.tuning.table import tuning_history
 
@@ -24,18 +25,39 @@ def config(name: str) -> Config:
     return load(HERE / f"{name}.toml")
 
 
-def tuned(study: Config, folder: Path, resume: bool, problem: Problem | None = None) -> Tuned:
-    """Tune its problem (or a variant of it) and write result, history and figure; go on where a log is, if asked."""
+def tuned(study: Config, folder: Path, resume: bool, client: Any = None, problem: Problem | None = None) -> Tuned:
+    """Tune its problem (or a variant of it), by the workers of a ``client`` if there is one, and write result, history
+    and figure; go on where a log is, if asked."""
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
-    found = tune(problem, **settings, folder=folder, resume=resume, report=told)
+    found = tune(problem, **settings, folder=folder, resume=resume, client=client, report=told)
     write(folder, "design.toml", design_toml(found.design, problem.scenarios_met, tuned_comment(found)))
     write(folder, "tuned.json", json_text(tuned_record(found)))
     write(folder, "history.csv", csv_text(*tuning_history(found)))
     write(folder, "tune.png", png(tune_figure(found)))
     print(found, flush=True)
     return found
+
+
+class Sweeps:
+    """The sweeps of a study, one after the other: by threads, or by the workers of a ``client``, which store each in a
+    folder of its own below ``folder``, from where ``resume`` goes on."""
+
+    def __init__(self, folder: Path, resume: bool, client: Any) -> None:
+        self.folder, self.resume, self.client, self.count = folder, resume, client, 0
+
+    def found(self, design: Any, scenario: Any, duration: float | None, rtol: float) -> Sweep:
+        """The next one: designs as an array of each number that differs."""
+        if self.client is None:
+            return sweep(design, scenario, duration, rtol=rtol)
+        self.count += 1
+        place = self.folder / f"sweep-{self.count}"
+        going_on = self.resume and (place / ZARR).exists()
+        stored = sweep(design, scenario, duration, rtol=rtol, client=self.client, folder=place, resume=going_on)
+        loaded = stored.load()
+        assert isinstance(loaded, Sweep)
+        return loaded
 
 
 def write(folder: Path, name: str, content: str | bytes) -> None:

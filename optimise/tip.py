@@ -5,23 +5,22 @@ from typing import Any
 
 import numpy as np
 
-from jaxbuffer import Design, first_impact, replace, sweep
+from jaxbuffer import Design, first_impact, replace
 from jaxbuffer.output.formats import csv_text
 
-from .study import config, figure, write
+from .study import Sweeps, config, figure, write
 
 MASSES = np.geomspace(0.02, 0.2, 25)  # kg
 
 
-def main(folder: Path, resume: bool = False) -> None:
+def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """Sweeps of the tip's mass at every scenario of the study, welded and free, as table and figure."""
-    study = config("tip")
-    rows = []
+    study, sweeps, rows = config("tip"), Sweeps(folder, resume, client), []
     for free in (False, True):
         for scenario in study.scenarios:
             design: Design = replace(study.design, {"probe.free_tip": free, "probe.tip_mass": MASSES})
-            found = sweep(design, scenario, study.options.duration, rtol=study.options.rtol)
-            first = sweep(design, scenario, FIRST, rtol=study.options.rtol)
+            found = sweeps.found(design, scenario, study.options.duration, study.options.rtol)
+            first = sweeps.found(design, scenario, FIRST, study.options.rtol)
             for mass, peak, begin, code in zip(MASSES, found.peak_force, first.peak_force, found.code, strict=True):
                 closed = first_impact(replace(design, {"probe.tip_mass": float(mass)}), scenario)
                 numbers = [float(x) for x in (mass, peak, begin, closed.elastic_peak, closed.effective_energy)]

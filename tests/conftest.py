@@ -5,6 +5,7 @@ are dropped between files where a process holds too much.
 """
 
 import gc
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -64,6 +65,7 @@ def pytest_addoption(parser):
 def pytest_configure(config):
     given = getattr(config, "workerinput", {}).get("programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
+    os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -190,13 +190,6 @@ def test_the_history_holds_the_largest_stroke_with_its_derivative(found, expecte
     np.testing.assert_allclose(jax.grad(largest)(500.0), expected["stroke"][0], rtol=1e-3)
 
 
-@pytest.mark.slow
-def test_a_failed_capture_has_no_derivative():
-    """Its numbers are NaN, so is their derivative."""
-    value, slope = jax.value_and_grad(lambda x: captured((x, *VALUES[1:]), max_steps=20).peak_force)(500.0)
-    assert np.isnan(value) and np.isnan(slope)
-
-
 @pytest.mark.parametrize("twice", [jax.hessian, lambda f: jax.grad(jax.grad(f)), lambda f: jax.jit(jax.hessian(f))])
 def test_second_derivatives_are_refused_in_words(twice):
     with pytest.raises(jb.InputError, match=r"second derivatives are not offered.*take differences of first"):

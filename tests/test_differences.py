@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
-from jaxbuffer.sensitivities.differences import COARSEST, STEPS, balanced_direction, difference
+from jaxbuffer.sensitivities.differences import COARSEST, FIRST, STEPS, balanced_direction, difference, side_by_side
 
 SETTLED = np.full(3, 1e-9)
+
+
+def differentiated(evaluate, inside, settled, noise):
+    """One difference, of a function of the move."""
+    (found,) = side_by_side([difference(inside, settled, noise)], lambda asked: [evaluate(move) for _, move in asked])
+    return found
 
 
 def smooth(move):
@@ -27,16 +33,23 @@ def test_smooth_functions(inside, sided):
         assert inside(move)
         return smooth(move)
 
-    found = difference(evaluate, inside, SETTLED, noise=1e-15)
+    found = differentiated(evaluate, inside, SETTLED, noise=1e-15)
     assert np.all(np.abs(found.value - EXACT) <= found.uncertainty + 1e-12)
     assert np.all(found.uncertainty < (1e-7 if sided else 1e-9))
+
+
+def test_two_extrapolations_are_compared_at_least():
+    """Of a straight line, whose differences are all the same; an extrapolation takes two steps, the next one more."""
+    found = differentiated(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
+    np.testing.assert_allclose(found.value, 2.0, rtol=1e-12)
+    assert found.steps == 3
 
 
 def test_noise_stops_the_halving_where_it_takes_over():
     """Values good to 1e-8 give differences good to 1e-8 over the step; the uncertainty says so, and no luck helps."""
     draw = np.random.default_rng(1)
     for _ in range(20):
-        found = difference(
+        found = differentiated(
             lambda move: smooth(move) * (1.0 + 1e-8 * draw.uniform(-1.0, 1.0, 3)), lambda move: True, SETTLED, 2e-8
         )
         assert np.all(np.abs(found.value - EXACT) < 3.0 * found.uncertainty)
@@ -50,14 +63,14 @@ def test_a_jump_and_a_bend_are_uncertain():
     def evaluate(move):
         return np.array([abs(move - 0.7e-3), 1.0 + (move > 1e-5), 1.0 if move <= 0.0 else np.nan])
 
-    found = difference(evaluate, lambda move: True, SETTLED, noise=1e-15)
+    found = differentiated(evaluate, lambda move: True, SETTLED, noise=1e-15)
     assert np.all(found.uncertainty[1:] > 1.0) and np.isinf(found.uncertainty[2])
     # The bend lies between two steps: the finer ones see one side of it only, and agree.
     np.testing.assert_allclose(found.value[0], -1.0, rtol=1e-9)
 
 
 def test_nothing_is_evaluated_where_no_move_is_inside():
-    found = difference(lambda move: pytest.fail("evaluated"), lambda move: False, SETTLED, noise=1e-15)
+    found = differentiated(lambda move: pytest.fail("evaluated"), lambda move: False, SETTLED, noise=1e-15)
     assert np.all(np.isnan(found.value)) and np.all(np.isinf(found.uncertainty)) and found.steps == 0
 
 
@@ -72,5 +85,29 @@ def test_a_balanced_direction_weighs_every_parameter_the_same():
 
 def test_bounds_are_asked_for_as_far_as_one_sided_steps_reach():
     asked = []
-    difference(np.exp, lambda move: asked.append(move) is None, np.zeros(()), 0.0)
+    differentiated(np.exp, lambda move: asked.append(move) is None, np.zeros(()), 0.0)
     assert sorted(asked) == [-2.0 * COARSEST, 2.0 * COARSEST]
+
+
+def test_several_are_halved_side_by_side():
+    """All moves of the first steps at once, then those of the one that goes on; each as it is alone."""
+    noisy = np.random.default_rng(2).uniform(-1.0, 1.0, 100)
+
+    def rough(move):
+        return smooth(move) * (1.0 + 1e-6 * noisy[int(1e6 * abs(move)) % 97])
+
+    functions, rounds = (smooth, rough), []
+
+    def evaluate(asked):
+        rounds.append([k for k, _ in asked])
+        return [functions[k](move) for k, move in asked]
+
+    anywhere = lambda move: True  # noqa: E731
+    found = side_by_side([difference(anywhere, SETTLED, 1e-15) for _ in functions], evaluate)
+    pairs = [2 * (one.steps - FIRST) for one in found]
+    assert rounds[0] == [0] * 2 * FIRST + [1] * 2 * FIRST
+    assert found[1].steps == STEPS > found[0].steps
+    assert [sum(asked.count(k) for asked in rounds[1:]) for k in (0, 1)] == pairs
+    for function, one in zip(functions, found, strict=True):
+        alone = differentiated(function, anywhere, SETTLED, 1e-15)
+        assert np.array_equal(one.value, alone.value) and np.array_equal(one.uncertainty, alone.uncertainty)

@@ -39,6 +39,7 @@ def run(text: str, name: str, names: dict) -> dict:
 def begun(tmp_path, monkeypatch):
     """The names that the package's own example defines, in an empty folder; laws that are registered go again."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("jaxbuffer.output.animation.EVEN", 2)  # frames: a short film
     before = dict(laws)
     yield run(jaxbuffer.__doc__, "jaxbuffer", {"__name__": "example"})
     laws.clear()

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.run.trust import relative_changes, verdicts
+from jaxbuffer.run.trust import VERDICTS, relative_changes, verdicts
+from jaxbuffer.sweeps import chunk as chunks
 from jaxbuffer.sweeps.chunk import Settings, columns_of_chunk, runs
-from jaxbuffer.sweeps.found import UNKNOWN
+from jaxbuffer.sweeps.found import NO_VERDICT
 from jaxbuffer.sweeps.grid import Batch
 
 SPEEDS = [0.1, 0.2, 0.3]  # m/s
@@ -40,7 +41,36 @@ def test_a_run_without_numbers_has_no_verdict(designs):
     chunk, wanted = part.call(0)
     settings = Settings(np.asarray(1e-3), np.asarray(20.0), None, trust=True)
     *_, verdict = columns_of_chunk(chunk, wanted & (np.arange(16) != 1), settings)
-    assert (verdict[[0, 2]] >= 0).all() and (verdict[np.r_[1, 3:16]] == UNKNOWN).all()
+    assert (verdict[[0, 2]] >= 0).all() and (verdict[np.r_[1, 3:16]] == NO_VERDICT).all()
+
+
+@pytest.fixture
+def bar():
+    return jb.replace(jb.BarDrop(), {"impact.damping": 0.0}), jb.BarDropScenario(height=[0.1, 0.194])
+
+
+@pytest.mark.parametrize(("rtol", "known"), [(1e-12, True), (9e-13, False), (1e-13, False)])
+def test_below_rtol_1e_12_nothing_is_known(bar, rtol, known):
+    """A run at 1e-13, the least allowed, is no tenth of it: at rtol 1e-13 it is the run itself."""
+    found = jb.sweep(*bar, 0.22, rtol=rtol, trust=True)
+    if known:
+        assert found.verdicts == ["trusted"] * 2 and found.doubts("") == []
+    else:
+        (said,) = found.doubts("see trust")
+        assert found.verdicts == ["unknown"] * 2 == found.to_pandas()["trust"].tolist()
+        assert said.startswith("2 of 2 drops have numbers of unknown error: a tenth of rtol is below 1e-13, the least")
+
+
+def test_a_run_that_fails_at_a_tenth_of_the_tolerance_only(bar, monkeypatch):
+    part = runs(Batch(None, *bar), 0.22, 16, 1, filled=True)
+    solve = chunks.solve_chunk
+
+    def failing(chunk, wanted, rtol, *others):
+        return solve(chunk, wanted & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
+
+    monkeypatch.setattr(chunks, "solve_chunk", failing)
+    *_, verdict = columns_of_chunk(*part.call(0), Settings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))
+    assert verdict[:3].tolist() == [VERDICTS.index("trusted"), VERDICTS.index("unknown"), NO_VERDICT]
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,26 @@
 """What a certificate and a horizon make of other solves, which are made up here."""
 
+import contextlib
+
 import numpy as np
 import pytest
 
 import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
+from jaxbuffer.compiling.pool import Pool
 from jaxbuffer.mechanisms.run import Impacts
 from jaxbuffer.sensitivities import evidence
-from jaxbuffer.sensitivities.evidence import CHECK_TOLERANCE, FLOOR, NOISE, TightSolves, each, together
+from jaxbuffer.sensitivities.evidence import (
+    CHECK_TOLERANCE,
+    FLOOR,
+    NOISE,
+    TightSolve,
+    TightSolves,
+    course_of,
+    each,
+    together,
+)
 from jaxbuffer.sensitivities.gradients import Gradients
 
 
@@ -66,26 +78,33 @@ def test_a_horizon_with_another_tolerance_and_change(monkeypatch):
     assert str(found).startswith("the first 1 of 2 impacts can be trusted one by one")
 
 
-def solves(run, names=("stroke", "peak_force"), moves=(10.0, 1.0), values=(100.0, 2.0)):
-    """Tight solves by two parameters."""
-    return TightSolves(
-        lambda at: (jb.table2(), jb.Scenario()), run, np.array(values), np.array(moves), names, 8.0, None
-    )
+def solve(run, names=("stroke", "peak_force")):
+    """A tight solve by two parameters."""
+    paths = ("buffer.k_A", "buffer.c_A")
+    return TightSolve(jb.table2(), jb.Scenario(), paths, names, 8.0, None, int(run.code), course_of(run))
 
 
-def test_solves_are_made_once_each_and_tightly(monkeypatch):
+@pytest.fixture
+def pool():
+    """One thread."""
+    with contextlib.closing(Pool(1)) as pool:
+        yield pool
+
+
+def test_solves_are_made_once_each_and_tightly(monkeypatch, pool):
     asked = []
 
     def simulate(design, scenario, duration, rtol, solver):
-        asked.append((duration, rtol))
+        asked.append((float(design.buffer.k_A), float(design.buffer.c_A), duration, rtol))
         return capture([240.0])
 
     monkeypatch.setattr(evidence, "simulate", simulate)
-    tight = solves(capture([250.0]))
-    for move in (0.1, 0.1, -0.1):
-        np.testing.assert_allclose(tight.at(np.array([1.0, 0.5]), move), [0.0075, 240.0])
-    assert asked == [(8.0, CHECK_TOLERANCE)] * 2
-    assert {tuple(np.frombuffer(key)) for key in tight.known} == {(101.0, 2.05), (99.0, 1.95)}
+    tight, along = TightSolves(solve(capture([250.0])), np.array([100.0, 2.0]), np.array([10.0, 1.0]), pool), [1.0, 0.5]
+    for moves in ((0.1, 0.1), (0.1, -0.1), (-0.1,)):
+        found = tight.after([(np.array(along), move) for move in moves])
+        np.testing.assert_allclose(found, [[0.0075, 240.0]] * len(moves))
+    assert asked == [(101.0, 2.05, 8.0, CHECK_TOLERANCE), (99.0, 1.95, 8.0, CHECK_TOLERANCE)]
+    assert len(tight.known) == 2
 
 
 @pytest.mark.parametrize(("forces", "flanks", "expected"), [
@@ -97,19 +116,19 @@ def test_solves_are_made_once_each_and_tightly(monkeypatch):
     ([200.0], [0], np.nan),
 ])  # fmt: skip
 def test_the_peak_is_followed_by_its_impact(forces, flanks, expected):
-    found = solves(capture([200.0, 250.0, 10.0], [0, 1, 0]))._seen(capture(forces, flanks))
+    found = solve(capture([200.0, 250.0, 10.0], [0, 1, 0])).seen(capture(forces, flanks))
     np.testing.assert_allclose(found, [0.0075, expected])
 
 
 def test_another_outcome_is_not_compared():
-    tight = solves(capture([250.0]))
-    assert np.all(np.isnan(tight._seen(capture([250.0], outcome=jb.Outcome.failed_step_size))))
-    assert tight._seen(capture([250.0])).tolist() == [0.0075, 250.0]
+    tight = solve(capture([250.0]))
+    assert np.all(np.isnan(tight.seen(capture([250.0], outcome=jb.Outcome.failed_step_size))))
+    assert tight.seen(capture([250.0])).tolist() == [0.0075, 250.0]
 
 
 def test_without_an_impact_or_the_peak_among_the_quantities_there_is_none_to_follow():
-    assert solves(capture([250.0]), names=("stroke",))._seen(capture([200.0], [1])).tolist() == [0.0075]
-    assert solves(capture([0.0]))._seen(capture([200.0], [1])).tolist() == [0.0075, 200.0]
+    assert solve(capture([250.0]), names=("stroke",)).seen(capture([200.0], [1])).tolist() == [0.0075]
+    assert solve(capture([0.0])).seen(capture([200.0], [1])).tolist() == [0.0075, 200.0]
 
 
 def test_how_a_certificate_weighs():
@@ -127,8 +146,10 @@ class Powers:
     def inside(self, direction, move):
         return True
 
-    def at(self, direction, move):
-        return self.known.setdefault((direction.tobytes(), move), np.exp(self.truth @ np.log1p(move * direction)))
+    def after(self, moves):
+        moved = {(along.tobytes(), move): np.exp(self.truth @ np.log1p(move * along)) for along, move in moves}
+        self.known |= moved
+        return list(moved.values())
 
 
 @pytest.mark.parametrize(("gather", "thorough"), [(each, True), (together, False)])

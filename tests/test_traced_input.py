@@ -67,9 +67,9 @@ def test_exponents_belong_to_one_law():
     assert jax.jit(lambda exponent: valid(*given(adams | {"contact.exponent": exponent})))(1.4)
 
 
-def captured(stiffness, speed, distance, rtol, duration):
+def captured(stiffness, speed, distance, rtol, duration, **options):
     values = {"buffer.k_A": stiffness, "scenario.approach_speed": speed, "scenario.contact_distance": distance}
-    return jb.simulate(*given(values | {"probe.tip_radius": 0.035}), duration, rtol=rtol)
+    return jb.simulate(*given(values | {"probe.tip_radius": 0.035}), duration, rtol=rtol, **options)
 
 
 GOOD = (500.0, 0.1, 0.04, 1e-8, 0.01)
@@ -101,9 +101,12 @@ def test_numbers_out_of_range_fail_and_leave_other_lanes_alone():
 
 
 @pytest.mark.slow
-def test_a_derivative_out_of_range_is_nan():
-    value, slope = jax.jit(jax.value_and_grad(lambda *x: captured(*x).peak_force))(-5.0, *GOOD[1:])
-    assert np.isnan(value) and np.isnan(slope)
+def test_a_failed_capture_has_no_derivative():
+    """Whether a number is out of range or the run out of steps."""
+    peak = jax.jit(jax.value_and_grad(lambda *x: captured(*x, max_steps=20).peak_force))
+    for stiffness in (-5.0, 500.0):
+        value, slope = peak(stiffness, *GOOD[1:4], 8.0)
+        assert np.isnan(value) and np.isnan(slope)
 
 
 def test_known_numbers_are_still_refused_at_once():

@@ -8,6 +8,7 @@ from benchmarks.trust import drawn
 
 import jaxbuffer as jb
 from front.made_up import made_up_capture
+from jaxbuffer.run.request import TOLERANCES, tenth
 from jaxbuffer.run.trust import DOUBTFUL, HOPELESS, SAFETY, Trust, changes, trust
 
 BOUNCING = {
@@ -76,6 +77,20 @@ def test_runs_that_say_nothing_are_refused():
     failed = jb.simulate(jb.table2(), max_steps=1)
     with pytest.raises(jb.InputError, match="this run says nothing: failed"):
         trust(failed, failed)
+
+
+def test_without_a_run_at_a_tenth_of_the_tolerance_nothing_is_known():
+    run, failed = made_up_capture(), made_up_capture(outcome=jb.Outcome.failed_step_size)
+    found = trust(run, failed)
+    assert (found.verdict, found.errors) == ("unknown", {})
+    reason = jb.Outcome.failed_step_size.reason
+    assert str(found) == f"how far these numbers can be trusted is not known: at a tenth of the tolerance {reason}"
+
+
+def test_a_tenth_of_the_tolerance_is_one_or_not_there():
+    assert tenth(1e-6) == pytest.approx(1e-7) and tenth(1e-12) == pytest.approx(TOLERANCES["low"])
+    assert tenth(1e-12) >= TOLERANCES["low"], "rounding does not lead below what is allowed"
+    assert [tenth(rtol) for rtol in (9.9e-13, 2e-13, 1e-13)] == [None] * 3
 
 
 @pytest.mark.slow

@@ -43,7 +43,8 @@ def solved(monkeypatch):
         found, hertz = np.asarray(batch[1].height), batch[0].impact.law == "hertz"
         heights.extend(found[wanted].tolist())
         columns = (np.sin(found * (1 + k) + hertz) ** 2 for k in range(len(COLUMNS)))
-        return [(3 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
+        ends = {"trust": 4} | {name: 3 for name in WHOLE[:-1]}  # of whole numbers from 0
+        return [(ends[n] * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
     monkeypatch.setattr(task, "columns_of_chunk", chunk)
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)
@@ -74,7 +75,7 @@ def test_runs_that_are_not_trusted_are_marked_and_counted(client, tmp_path, solv
     stored = swept(tmp_path, client, trust=True)
     words = stored.to_xarray().trust
     meanings = dict(zip(words.flag_values, words.flag_meanings.split(), strict=True))
-    assert list(meanings.values()) == ["trusted", "check", "ill-conditioned"]
+    assert list(meanings.values()) == ["trusted", "check", "ill-conditioned", "unknown"]
     found = whole()
     for index, verdict in meanings.items():
         assert stored.verdicts.get(int(index), 0) == found.verdicts.count(verdict) > 0

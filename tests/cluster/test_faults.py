@@ -26,9 +26,8 @@ print(float(jb.simulate(jb.BarDrop(), jb.BarDropScenario(), 0.01).peak_force).he
 
 
 @pytest.fixture(scope="module")
-def setup(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("faults")
-    return faults.Setup(folder, folder / "cache", faults.words(CAPTURES), 3, 16)
+def setup(tmp_path_factory, programs):
+    return faults.Setup(tmp_path_factory.mktemp("faults"), programs, faults.words(CAPTURES), 3, 16)
 
 
 @pytest.mark.slow

@@ -122,6 +122,21 @@ def test_the_safe_rectangle_of_drops_is_where_the_closed_form_is_below_the_limit
     assert none.first is None and none.runs == 0 and "no run is safe" in repr(none)
 
 
+def test_verdicts_of_a_sample_are_those_of_single_runs():
+    """At a tolerance loose enough that some are not trusted."""
+    design, scenario = jb.BarDrop(), jb.BarDropScenario()
+    sample = jb.sample(design, scenario, RANGES, 8, duration=0.25, rtol=1e-3, trust=True)
+    singles = []
+    for k in range(8):
+        at = {path: float(values[k]) for path, values in sample.values.items()}
+        one = jb.replace(design, {"impact.stiffness": at["impact.stiffness"]})
+        there = jb.BarDropScenario(height=at["scenario.height"])
+        singles.append(jb.trust(*(jb.simulate(one, there, 0.25, rtol=rtol) for rtol in (1e-3, 1e-4))).verdict)
+    assert sample.found.verdicts == singles == sample.to_pandas()["trust"].tolist()
+    assert len(set(singles)) > 1
+    assert jb.sample(design, scenario, RANGES, 8, duration=0.25).found.verdicts == [""] * 8
+
+
 def test_a_sample_goes_on_where_it_was_stopped(drops, tmp_path):
     design, scenario = drops.design, drops.scenario
     again = {"count": 32, "method": "sobol", "duration": 0.25, "folder": tmp_path}

@@ -58,6 +58,15 @@ def test_simulate_prints_a_summary_and_writes_nothing(computed, capsys, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+def test_without_a_tenth_of_the_tolerance_trust_is_unknown(computed, capsys, tmp_path):
+    assert run(["simulate", "--rtol", "9e-13", "--output", "out"]) == 0
+    assert [arguments["rtol"] for name, arguments in computed.calls if name == "simulate"] == [9e-13]
+    reason = "how far these numbers can be trusted is not known: a tenth of rtol is below 1e-13, the least allowed"
+    assert f"note: {reason}\n" in capsys.readouterr().err
+    stored = json.loads((tmp_path / "out" / "capture.json").read_text())
+    assert stored["trust"] == {"verdict": "unknown", "reason": reason, "errors": {}}
+
+
 def test_options_and_fields_override_the_study(computed, tmp_path):
     (tmp_path / "study.toml").write_text("[buffer]\nk_A = 600\nc_A = 7\n[options]\nduration = 3\nrtol = 1e-6")
     words = "--buffer.k_A 800 --scenario.misalignment=-0.1 --rtol 1e-9 --solver explicit"

@@ -25,8 +25,7 @@ def test_defaults_of_the_other_laws_are_as_stiff_and_as_lossy_as_table_2s():
         assert abs(found[name].restitution - found["lankarani-nikravesh"].restitution) < 0.02
 
 
-def test_table_file_and_figure(tmp_path, capsys, monkeypatch):
-    monkeypatch.setenv("JAXBUFFER_CACHE", str(tmp_path / "cache"))
+def test_table_file_and_figure(tmp_path, capsys):
     words = ["laws", "--contact.restitution", "0.5", "--mass", "1", "--speed", "4.4294", "--contact.stiffness", "1.4e8"]
     assert run([*words, "--output", str(tmp_path / "out")]) == 0
     shown = capsys.readouterr().out
@@ -43,7 +42,6 @@ def test_table_file_and_figure(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(("word", "message"), [("--mass=-1", "mass = -1 kg"), ("--speed=0", "speed = 0 m/s")])
-def test_bad_impacts_are_refused(word, message, capsys, monkeypatch, tmp_path):
-    monkeypatch.setenv("JAXBUFFER_CACHE", str(tmp_path))
+def test_bad_impacts_are_refused(word, message, capsys):
     assert run(["laws", word]) == 2
     assert message in capsys.readouterr().err

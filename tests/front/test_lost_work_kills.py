@@ -34,7 +34,7 @@ SIGNALS = {
 def run(folder, *words):
     # what a shell without job control runs in the background ignores Ctrl-C, and so would what it starts
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    process = started(folder, *words, code=QUICK_RECORDS, env={"JAXBUFFER_CACHE": str(folder / "cache")}, text=True)
+    process = started(folder, *words, code=QUICK_RECORDS, text=True)
     signal.signal(signal.SIGINT, before)
     return process
 

@@ -4,6 +4,7 @@ import csv
 import io
 
 import pytest
+from made_up import made_up_sweep
 
 from jaxbuffer.cli.entry import run
 
@@ -33,6 +34,30 @@ def test_files_of_a_sample(computed, capsys, tmp_path):
     assert "--force overwrites" in capsys.readouterr().err
     assert run(["report", "out"]) == 0
     assert "Response surface of peak_force" in capsys.readouterr().out
+
+
+def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monkeypatch, tmp_path):
+    def doubtful(designs, scenarios, outcomes):
+        found = made_up_sweep(designs, scenarios, outcomes)
+        found.columns["trust"][:4] = [2, 1, 3, -1]
+        return found
+
+    monkeypatch.setattr("computed.made_up_sweep", doubtful)
+    assert run(["sample", *RANGES, "--count", "8", "--output", "out"]) == 0
+    assert computed.calls[-1][1]["trust"] is True
+    words = " ".join(capsys.readouterr().out.split())
+    for said in (
+        "1 of 8 captures are ill-conditioned: a bounce more or less decides",
+        "1 of 8 captures have numbers that may be off by more than 1e-04 of them (see trust in sample.csv)",
+        "1 of 8 captures have numbers of unknown error: a tenth of rtol is below 1e-13, the least allowed, or",
+    ):
+        assert said in words
+    marked = [row["trust"] for row in rows(tmp_path / "out" / "sample.csv")]
+    assert marked == ["ill-conditioned", "check", "unknown", "", *["trusted"] * 4]
+    assert run(["sample", *RANGES, "--count", "8", "--trust", "off"]) == 0
+    assert computed.calls[-1][1]["trust"] is False
+    assert run(["sample", *RANGES, "--trust", "maybe"]) == 2
+    assert "trust = 'maybe'" in capsys.readouterr().err
 
 
 def test_a_sample_of_a_study(computed, tmp_path):

@@ -1,4 +1,4 @@
-"""`--scheduler` of sweep, sample and tune: what is asked for, and what is refused before anything begins."""
+"""`--scheduler` of the commands: what is asked for, and what is refused before anything begins."""
 
 import json
 
@@ -6,9 +6,11 @@ import pytest
 
 from jaxbuffer.cli import sweep as command
 from jaxbuffer.cli.entry import run
+from jaxbuffer.sensitivities.sensitivity import sensitivity
 from jaxbuffer.sweeps.cut import GridSweep, Template
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.stored import StoredInterrupted, StoredSweep
+from jaxbuffer.tuning.pareto import pareto
 
 WHERE = ["--scheduler", "tcp://127.0.0.1:8786"]
 SPEEDS = ["--over", "scenario.approach_speed=0.1:0.3:5"]
@@ -23,6 +25,29 @@ def test_the_scheduler_is_asked(computed, no_figures, words):
     assert asked["client"] == "tcp://127.0.0.1:8786" and str(asked["folder"]) == "out"
     assert run([*words, "--output", "again"]) == 0
     assert computed.asked("tune" if words[0] == "tune" else "sweep").get("client") is None
+
+
+@pytest.mark.parametrize("words", [["sensitivity"], ["pareto", "--objectives", "peak_force,stroke", "--points", "2"]])
+def test_certificates_and_fronts_ask_it_too(computed, no_figures, words):
+    """Without a folder, which their workers do not write to."""
+    assert run([*words, *WHERE]) == 0
+    assert computed.asked(words[0])["client"] == "tcp://127.0.0.1:8786"
+    assert run(words) == 0
+    assert "client" not in computed.asked(words[0])
+
+
+@pytest.mark.parametrize(
+    ("words", "compute"),
+    [(["sensitivity"], sensitivity), (["pareto", "--objectives", "peak_force,stroke"], pareto)],
+)
+def test_a_scheduler_that_is_none_is_bad_input(computed, capsys, monkeypatch, words, compute):
+    monkeypatch.setattr(f"{compute.__module__}.{compute.__name__}", compute)
+    assert run([*words, "--scheduler", "lokal"]) == 2
+    shown = capsys.readouterr().err
+    assert "scheduler lokal is unknown; expected local, processes or an address as in tcp://host:8786" in shown
+    monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None)
+    assert run([*words, *WHERE]) == 2
+    assert "needs distributed and zarr, not installed here: pip install 'jaxbuffer[cluster]'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["sweep", "sample"])
@@ -89,7 +114,7 @@ def test_the_base_needs_nothing_of_the_extra():
         "import sys\n"
         "for name in ('dask', 'distributed', 'zarr', 'numcodecs'): sys.modules[name] = None\n"
         "import jaxbuffer as jb\n"
-        "jb.sweep, jb.tune, jb.sample, jb.load\n"
+        "jb.sweep, jb.tune, jb.sample, jb.sensitivity, jb.pareto, jb.load\n"
         "import jaxbuffer.cli.sweep, jaxbuffer.sweeps.distributed, jaxbuffer.tuning.evaluation\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -25,9 +25,10 @@ def oscillator():
 
 
 def step(solver, which, length, wanted):
-    """A step from t = 0.2 s, its second derivative wanted or not."""
+    """A step from t = 0.2 s, its second derivative wanted or not, or where ``wanted`` says so of state and rate."""
+    asked = wanted if callable(wanted) else lambda state, rate: jnp.asarray(wanted)
     columns = jnp.array([[0.3, 0.0], [2.0, 1.0]])
-    time, second = jnp.asarray(0.2), SecondDerivative(lambda state, rate: jnp.asarray(wanted), jnp.asarray(1e-5))
+    time, second = jnp.asarray(0.2), SecondDerivative(asked, jnp.asarray(1e-5))
     rate, allowance = field(time, columns), jnp.full((2, 2), 1e-9)
     transform = TimeTransform.uniform(jnp.asarray(length))
     return solver.step(jnp.asarray(which), field, oscillator(), time, columns, rate, transform, allowance, second)
@@ -53,3 +54,11 @@ def test_nothing_else_changes_where_it_is_wanted(which):
     assert not np.any(without.second)
     for name in ("end", "rate", "error"):
         np.testing.assert_array_equal(getattr(with_it, name), getattr(without, name))
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_whether_it_is_wanted_is_asked_of_the_state(which):
+    """Which ends at 0.3, moving at -0.4; the row beside it at 0.005, moving at 0.98."""
+    of_state = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] > 0.1) & (rate[0] < 0.0))
+    beside = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] < 0.1) | (rate[0] > 0.0))
+    assert np.all(of_state.second != 0.0) and not np.any(beside.second)

@@ -88,7 +88,8 @@ def drop_design():
 def test_a_batch_is_refused():
     import jax
 
-    runs = jax.vmap(lambda h: jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=h), 0.01))(np.array([0.1, 0.194]))
+    two = [jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=height), 0.01) for height in (0.1, 0.194)]
+    runs = jax.tree.map(lambda *each: np.stack(each), *two)  # as from jax.vmap
     with pytest.raises(jb.InputError, match="takes one run that is solved"):
         runs.to_xarray()
 

@@ -46,7 +46,7 @@ def test_the_tip_study_writes_a_row_a_capture(tmp_path, monkeypatch):
         force = (100.0 + 1e3 * np.asarray(design.probe.tip_mass)) * (1.0 if duration == tip.FIRST else 2.0)
         return SimpleNamespace(peak_force=force, code=np.zeros(len(force)))
 
-    monkeypatch.setattr(tip, "sweep", made_up)
+    monkeypatch.setattr("optimise.study.sweep", made_up)
     monkeypatch.setattr(tip, "MASSES", np.array([0.05, 0.15]))
     tip.main(tmp_path)
     assert (tmp_path / "tip.png").read_bytes().startswith(b"\x89PNG")

@@ -104,24 +104,20 @@ def test_adjoints():
 
 @pytest.mark.slow
 def test_how_wrong_plain_differentiation_is():
-    """What docs/diffrax.md says of elasticities of Table 2's peak force: 0.2 at rtol 1e-8, 3e-3 at 1e-10, by Tsit5."""
+    """What docs/diffrax.md says of elasticities of Table 2's peak force: 0.2 at rtol 1e-8, 3e-3 at 1e-10, by Tsit5.
+    Those of our own loop are in `test_elasticities`."""
     reference = np.array([CASES["table2"].values["elasticity"][parameter] for parameter in PARAMETERS])
     paths = [PATHS[parameter] for parameter in PARAMETERS]
     logs = jnp.log(jnp.array([jb.get(jb.table2(), path) for path in paths]))
 
-    def worst(solver, tolerances):
-        def log_peak(logs, rtol):
-            design = jb.replace(jb.table2(), dict(zip(paths, jnp.exp(logs), strict=True)))
-            return jnp.log(jb.simulate(design, rtol=rtol, solver=solver).peak_force)
+    def log_peak(logs, rtol):
+        design = jb.replace(jb.table2(), dict(zip(paths, jnp.exp(logs), strict=True)))
+        return jnp.log(jb.simulate(design, rtol=rtol, solver=TSIT5).peak_force)
 
-        slopes = jax.jit(jax.jacfwd(log_peak))
-        return [np.max(np.abs(slopes(logs, jnp.asarray(rtol)) / reference - 1.0)) for rtol in tolerances]
-
-    loose, tight = worst(TSIT5, (1e-8, 1e-10))
+    slopes = jax.jit(jax.jacfwd(log_peak))
+    loose, tight = (np.max(np.abs(slopes(logs, jnp.asarray(rtol)) / reference - 1.0)) for rtol in (1e-8, 1e-10))
     assert 0.02 < loose < 1.0
     assert 3e-4 < tight < 3e-2
-    (ours,) = worst(None, (1e-6,))
-    assert ours < 1e-3
 
 
 @pytest.mark.slow

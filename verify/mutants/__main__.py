@@ -38,7 +38,8 @@ def main() -> int:
             reaching.measure(tree, folder / "reach.jsonl", _told)
         reach = reaching.Reach(folder / "reach.jsonl", package)
         _all(tree, faults, reach, log, options)
-    records = [record for record in _latest(log).values() if record["mutant"] in {fault.key for fault in faults}]
+    keys = {fault.key for fault in faults}
+    records = [record for record in _latest(log, options.known).values() if record["mutant"] in keys]
     print(*summary(records, len(faults)), sep="\n")
     if options.keep:
         kept = [{name: record[name] for name in ("mutant", "verdict", "by")} for record in records]
@@ -48,7 +49,7 @@ def main() -> int:
 
 def _all(tree: Path, faults: list[Mutant], reach: reaching.Reach, log: Path, options: argparse.Namespace) -> None:
     """Try what has no verdict yet or, with ``--again``, what survived."""
-    known, equivalent = _latest(log), equivalents()
+    known, equivalent = _latest(log, options.known), equivalents()
     tries = 0
     for number, fault in enumerate(faults, 1):
         before = known.get(fault.key)
@@ -84,9 +85,10 @@ def summary(records: list[dict[str, Any]], count: int) -> list[str]:
     return lines + [f"{r['verdict']}: {r['mutant']}" for r in records if r["verdict"] in ("survived", "unreached")]
 
 
-def _latest(log: Path) -> dict[str, dict[str, Any]]:
-    """The latest record of each fault; what is listed as equivalent by now counts as that."""
-    found = {}
+def _latest(log: Path, kept: Path | None) -> dict[str, dict[str, Any]]:
+    """The latest record of each fault, else its verdict in the file ``kept``; what is listed as equivalent by now
+    counts as that."""
+    found = {record["mutant"]: record for record in json.loads(kept.read_text())} if kept else {}
     for line in log.read_text().splitlines() if log.exists() else ():
         record = json.loads(line)
         found[record["mutant"]] = record
@@ -104,6 +106,7 @@ def _parsed() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m verify.mutants", description=__doc__)
     parser.add_argument("--count", type=int, default=300, help="faults, as many from each room; default: 300")
     parser.add_argument("--seed", type=int, default=1, help="of the choice; default: 1")
+    parser.add_argument("--known", type=Path, help="a JSON file of --keep: what has a verdict there is not tried")
     parser.add_argument("--resume", action="store_true", help="go on with the log in the folder")
     parser.add_argument("--again", action="store_true", help="with --resume: try survivors again")
     parser.add_argument("--seconds", type=float, default=45.0, help="of tests for a fault, at most; default: 45")

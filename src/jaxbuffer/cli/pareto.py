@@ -8,6 +8,7 @@ import typer
 from ..errors import InputError
 from .exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from .request import Request, given
+from .scheduler import Scheduler
 from .streams import note
 
 Objectives = Annotated[
@@ -25,13 +26,15 @@ def pareto(
     iterations: Number = None,
     starts: Number = None,
     seed: Number = None,
+    scheduler: Scheduler = None,
     resume: Resume = False,
 ) -> int:
     """Find the front of two objectives or more: designs of which none is better than another in every objective.
 
     Each point is the least worst value of the first objective under limits on the others, tuned as `tune` does: over
     all scenarios, within bounds and [problem.constraints]. Its values are simulated again at rtol 1e-9, and
-    its first-order residual tells what is left to gain. The [problem.objective] is put aside.
+    its first-order residual tells what is left to gain. The [problem.objective] is put aside. --scheduler hands the
+    scenarios to a Dask cluster, as for tune.
 
     \b
     Files in DIR:
@@ -66,11 +69,10 @@ def pareto(
         "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
     )
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         front = tuning(
-            lambda report: compute(
-                problem, names, number, **settings, folder=request.output, resume=resume, report=report, finished=_said
-            ),
+            lambda report: compute(problem, names, number, **settings, **keeping, report=report, finished=_said),
             problem.mechanism.success,
         )
     except KeyboardInterrupt:

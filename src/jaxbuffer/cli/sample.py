@@ -8,8 +8,8 @@ import typer
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
 from .request import Request
-from .scheduler import Scheduler, check
-from .streams import note
+from .scheduler import Scheduler, check, kept
+from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..experiments.points import Points
@@ -44,6 +44,7 @@ def sample(
     surface: SurfaceOf = False,
     scheduler: Scheduler = None,
     resume: Resume = False,
+    trust: Trust = "on",
 ) -> int:
     """Simulate runs spread evenly over ranges of some fields of the design and the scenario, on all cores.
 
@@ -51,6 +52,9 @@ def sample(
     either, the bounds that a tuning has by default. A range of more than a decade is spread on a logarithmic scale.
     A run that fails is counted and named; it does not touch the others. Ctrl-C ends the sample and saves what was
     done; --resume goes on, also after a kill. --scheduler hands the runs to a Dask cluster, as in sweep.
+
+    Each is run again at a tenth of the tolerance, and marked in the column trust, as in sweep. --trust off takes half
+    the time.
 
     --indices makes count × (fields + 2) runs. With another --method, indices are those of the response surface.
 
@@ -95,7 +99,8 @@ def sample(
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
     wanted = [*SAMPLE, *(INDICES if indices else ()), *(SURFACE if surface else ())]
     files = request.files(*wanted, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
-    found, interrupted = _computed(request, study, points, resume, scheduler)
+    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
+    found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
     if found is None:
         return INTERRUPTED
     made = request.made(study, resume)
@@ -132,24 +137,18 @@ def _whole(name: str, text: str) -> int:
         raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
 
 
-def _computed(
-    request: Request, study: "Config", points: "Points", resume: bool, scheduler: str | None
-) -> "tuple[Sample | None, bool]":
-    """The sample, as far as it came, and whether it was interrupted."""
+def _computed(study: "Config", points: "Points", folder: Any, **options: Any) -> "tuple[Sample | None, bool]":
+    """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
     from ..experiments.sample import sample_at
     from ..sweeps.found import SweepInterrupted
     from .progress import sweeping
 
-    options: dict[str, Any] = {"solver": study.options.stepper(), "rtol": study.options.rtol}
-    options |= {"folder": request.output, "resume": resume}
-    options |= {} if scheduler is None else {"client": scheduler}
+    options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
     asked = (points, study.design, study.scenario, study.options.duration)
     try:
         return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False
     except SweepInterrupted as stop:
-        if request.output is not None:
-            told = f"{stop.done.sum()} of {stop.done.size} {study.mechanism.run_name}s are kept"
-            note(f"{told}; the same command with --resume goes on in {request.output}")
+        kept(stop.found, int(stop.done.sum()), stop.done.size, folder)
         return (stop.found if stop.done.any() else None), True
 
 

@@ -49,14 +49,15 @@ def computed(
     try:
         return sweeping(count, lambda report: compute(*swept, progress=report, **settings)), False
     except SweepInterrupted as stop:
-        _told(stop.found, int(stop.done.sum()), stop.done.size, options["folder"])
+        kept(stop.found, int(stop.done.sum()), stop.done.size, options["folder"])
         return stop.found, True
     except StoredInterrupted as stop:
-        _told(stop.found, stop.found.done, stop.found.count, options["folder"])
+        kept(stop.found, stop.found.done, stop.found.count, options["folder"])
         return stop.found, True
 
 
-def _told(found: Any, done: int, count: int, folder: Any) -> None:
+def kept(found: Any, done: int, count: int, folder: Any) -> None:
+    """Say how many runs of an interrupted sweep or sample are in its folder, if it has one."""
     if folder is not None:
         told = f"{done} of {count} {found.mechanism.run_name}s are kept"
         note(f"{told}; the same command with --resume goes on in {folder}")

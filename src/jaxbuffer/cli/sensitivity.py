@@ -6,7 +6,8 @@ import typer
 
 from .exits import fail
 from .limits import asked_limits, keeps_limits
-from .request import Request, ScenarioNumber
+from .request import Request, ScenarioNumber, given
+from .scheduler import Scheduler
 
 
 def sensitivity(
@@ -23,13 +24,15 @@ def sensitivity(
         str, typer.Option(metavar="HOW", help="quick (default), thorough (a difference a parameter) or none.")
     ] = "quick",
     scenario_number: ScenarioNumber = None,
+    scheduler: Scheduler = None,
 ) -> int:
     """Differentiate one run: gradients and elasticities of peak forces, stroke, hinge angle and end time, or of any
     quantity below.
 
     They come with a certificate: estimated errors from a second tolerance and from differences of tight simulations,
     the active peak and its runner-up, and a verdict: trusted, check or refused. Of a capture that did not succeed,
-    --of capture_share says by how much each parameter would have to change, to first order.
+    --of capture_share says by how much each parameter would have to change, to first order. --scheduler hands these
+    simulations to a Dask cluster, which is worth it where one takes seconds.
 
     \b
     Files in DIR:
@@ -68,6 +71,7 @@ def sensitivity(
             rtol=options.rtol,
             solver=options.stepper(),
             certify=certify,
+            **given(client=scheduler),
         ),
     )
     if result.run.outcome.failed:

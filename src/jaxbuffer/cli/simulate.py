@@ -49,9 +49,11 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
+    from ..run.simulate import HISTORY_STEPS
+
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")
-    told = None if closer is None else trusted(run, closer)
+    told = trusted(run, closer) if asked_for(trust) else None
     from ..output.results import run_files
 
     contents = run_files(run, request.made(study), limits, told)
@@ -60,10 +62,10 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
 
 
 def simulated(study: "Config", history: bool, again: bool) -> "tuple[Run, Run | None]":
-    """The study's run, and, if it is asked for ``again``, the same at a tenth of the tolerance, with a spinner."""
-    from ..run.request import TOLERANCES
+    """The study's run, and, if it is asked for ``again``, the same at a tenth of the tolerance (None where that is not
+    allowed), with a spinner."""
+    from ..run.request import tenth
     from ..run.simulate import simulate as compute
-    from ..run.trust import TENTH
     from .progress import working
 
     options = study.options
@@ -72,18 +74,17 @@ def simulated(study: "Config", history: bool, again: bool) -> "tuple[Run, Run | 
         asked = (study.design, study.scenario, options.duration)
         return compute(*asked, solver=options.stepper(), rtol=rtol, history=history)
 
-    closer = max(TENTH * options.rtol, TOLERANCES["low"])
-    return working("simulating", lambda: (at(options.rtol), at(closer) if again else None))
+    closer = tenth(options.rtol) if again else None
+    return working("simulating", lambda: (at(options.rtol), None if closer is None else at(closer)))
 
 
-def trusted(run: "Run", closer: "Run") -> "HowFar | None":
-    """How far the run's numbers can be trusted, said; None where the second run failed."""
-    from ..run.trust import trust
+def trusted(run: "Run", closer: "Run | None") -> "HowFar":
+    """How far the run's numbers can be trusted, said; ``closer``: at a tenth of the tolerance, None where there is no
+    such run."""
+    from ..run.request import NO_TENTH
+    from ..run.trust import Trust, trust
 
-    if closer.outcome.failed:
-        note(f"how far these numbers can be trusted is not known: at a tenth of the tolerance {closer.outcome.reason}")
-        return None
-    found = trust(run, closer)
+    found = Trust({}, "", NO_TENTH) if closer is None else trust(run, closer)
     if found.verdict == "trusted":
         print(found, file=sys.stderr, flush=True)
     else:

@@ -4,12 +4,18 @@ import contextlib
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from ..compiling.pool import Pool
 from ..compiling.programs import folder
 from .connect import connected
 from .spread import spread
 from .workers import Workers
 
 R = TypeVar("R")
+
+
+def pool_of(client: Any, workers: int | None = None) -> "Pool | ClusterPool":
+    """Threads of this process, or with a ``client`` the workers of its cluster."""
+    return Pool(workers) if client is None else ClusterPool(client, workers)
 
 
 class ClusterPool:

@@ -99,6 +99,7 @@ def sample(
     duration: Scalar | None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
+    trust: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
@@ -117,8 +118,8 @@ def sample(
       indices off without a response surface.
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
-    - ``workers``, ``progress``, ``folder``, ``resume``, ``client``: as for `sweep`; the sample is read back into
-      memory.
+    - ``trust``, ``workers``, ``progress``, ``folder``, ``resume``, ``client``: as for `sweep`; the sample is read back
+      into memory, its verdicts are ``found.verdicts``.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -134,8 +135,8 @@ def sample(
     ('log', 'linear')
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
-    options = {"solver": solver, "rtol": rtol, "workers": workers, "progress": progress, "client": client}
-    return sample_at(spread, design, scenario, duration, folder=folder, resume=resume, **options)
+    options = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume, "client": client}
+    return sample_at(spread, design, scenario, duration, workers=workers, progress=progress, **options)
 
 
 def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | None = None, **options: Any) -> Sample:

@@ -78,6 +78,11 @@ class Stepping:
     difference_tolerance: float
 
 
+def no_hybrid_system(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
+    """Raise `InputError`: the mechanism is stepped otherwise."""
+    raise InputError(f"{type(design).__name__} is not a system of equations of motion between events")
+
+
 def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
     """Whether every number is in its declared range, for numbers known only inside compiled code."""
     return all_of([*design.in_range(), *scenario.in_range()])
@@ -106,12 +111,12 @@ class Mechanism:
 
     - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
     - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
-    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system, or how it is stepped
-      otherwise;
+    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system;
     - ``quantities``: its one catalogue.
 
     What has a plain default:
 
+    - ``stepping``: how it is stepped through time if it is no hybrid system (then ``system`` is `no_hybrid_system`);
     - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
       of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
     - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
@@ -136,8 +141,9 @@ class Mechanism:
     title: str
     design: type[Part]
     scenario: type[Part]
-    system: Callable[..., ContactSystem] | Stepping
+    system: Callable[..., ContactSystem]
     quantities: Catalogue
+    stepping: Stepping | None = None
     outcomes: type[RunOutcome] = Simulated
     ends: tuple[str, ...] = ("failed_penetration",)
     time_is_up: str = "finished"

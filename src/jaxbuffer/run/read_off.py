@@ -7,7 +7,7 @@ from jaxtyping import Array
 
 from .._types import Scalar
 from ..hybrid import Log, Options, Result, Status
-from ..mechanisms.mechanism import Mechanism, Stepping
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import outcome_code
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Maxima, Run, Solved
@@ -24,8 +24,8 @@ from .survey import survey
 def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Any) -> Run:
     """The run, from what time stepping found."""
     mechanism = mechanism_of(parameters[0])
-    if isinstance(mechanism.system, Stepping):
-        return mechanism.system.read(parameters, duration, result)
+    if mechanism.stepping is not None:
+        return mechanism.stepping.read(parameters, duration, result)
     system = mechanism.system(*parameters)
     return mechanism.run(system, _read_off(mechanism, system, parameters, duration, result, options))
 

@@ -12,13 +12,14 @@ from ..compiling.programs import Static
 from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
 from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times
-from ..mechanisms.mechanism import Mechanism, Stepping
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.system import ContactSystem
 
 DEFAULT_TOLERANCE = 1e-6
 CHECKED, UNCHECKED = Static(False), Static(True)
 TOLERANCES = {"low": 1e-13, "high": 1e-2}
+NO_TENTH = "a tenth of rtol is below 1e-13, the least allowed"
 LIMITS: dict[str, dict[str, Any]] = {
     "duration": POSITIVE,
     "rtol": TOLERANCES,
@@ -71,6 +72,11 @@ def allowed_of(
     return mechanism.valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
 
 
+def tenth(rtol: float) -> float | None:
+    """A tenth of a tolerance [-]; None where that is below the least allowed."""
+    return None if rtol < 10.0 * TOLERANCES["low"] else 0.1 * rtol
+
+
 def with_tolerances(options: Options, parameters: Parameters, tolerances: Tolerances) -> Options:
     """The options with a run's tolerances, and how closely its events are located at these."""
     system = mechanism_of(parameters[0]).system(*parameters)
@@ -103,10 +109,10 @@ def stepped(
     ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails without a step.
     """
     mechanism = mechanism_of(parameters[0])
-    if isinstance(mechanism.system, Stepping):
+    if mechanism.stepping is not None:
         may = wanted & allowed_of(mechanism, parameters, duration, tolerances)
         options = dataclasses.replace(options, tolerance=Tolerance(*tolerances))
-        return mechanism.system.step(parameters, duration, options, may, backwards=unchecked.value)
+        return mechanism.stepping.step(parameters, duration, options, may, backwards=unchecked.value)
     allowed = wanted & allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
     options = with_tolerances(options, parameters, tolerances)
     return solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)

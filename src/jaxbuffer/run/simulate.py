@@ -12,7 +12,6 @@ from ..compiling.programs import Static, after
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Options, Result, Solver, solver_named
-from ..mechanisms.mechanism import Stepping
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from .history import trimmed
@@ -100,8 +99,8 @@ def simulate(
             _refuse_arrays(design, scenario, one)
     run = _simulate(*given, UNCHECKED if traced else CHECKED)
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
-        stepping = mechanism.system
-        rows = stepping.rows(run) if isinstance(stepping, Stepping) else min(int(run.accepted), HISTORY_STEPS)
+        stepping = mechanism.stepping
+        rows = stepping.rows(run) if stepping is not None else min(int(run.accepted), HISTORY_STEPS)
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
     return run
 

@@ -10,11 +10,10 @@ from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
 
-TENTH = 0.1
 SAFETY = 3.0  # an error is estimated as so many times the change; benchmarks/trust.py holds that against tight runs
 DOUBTFUL = 1e-4  # relative
 HOPELESS = 1e-2  # from here on a run is ill-conditioned even if nothing else changes
-VERDICTS = ("trusted", "check", "ill-conditioned")
+VERDICTS = ("trusted", "check", "ill-conditioned", "unknown")
 SMALL = 1e-3  # of the largest quantity of the same unit: errors of smaller ones are relative to this
 
 
@@ -25,6 +24,7 @@ class Trust:
     - ``errors``: by quantity's name, the estimated error of its value [-], relative to it, or to a thousandth of the
       run's largest quantity of that unit where it is smaller.
     - ``differs``: what else a tenth of the tolerance changed, in words; "" for nothing.
+    - ``unknown``: why nothing is known, in words; "" where something is.
 
     Of a run that is ill-conditioned no error is sure, also where the estimate is small.
 
@@ -37,6 +37,7 @@ class Trust:
 
     errors: dict[str, float]
     differs: str
+    unknown: str = ""
 
     @property
     def worst(self) -> tuple[str, float]:
@@ -45,10 +46,14 @@ class Trust:
 
     @property
     def verdict(self) -> str:
-        """In a word: "trusted", "check", or "ill-conditioned" where little decides what happens."""
+        """In a word: "trusted", "check", "ill-conditioned" where little decides what happens, or "unknown"."""
+        if self.unknown:
+            return "unknown"
         return VERDICTS[int(verdicts(self.worst[1], self.differs.startswith("the outcome"), bool(self.differs)))]
 
     def __str__(self) -> str:
+        if self.unknown:
+            return f"how far these numbers can be trusted is not known: {self.unknown}"
         name, error = self.worst
         if error == 0.0 and not self.differs:
             return "a tenth of the tolerance changes no number"
@@ -65,9 +70,10 @@ class Trust:
 def trust(run: Run, closer: Run) -> Trust:
     """How far the numbers of a run can be trusted.
 
-    **Arguments:** ``run``; ``closer``: the same design and scenario at a tenth of the tolerance.
+    **Arguments:** ``run``; ``closer``: the same design and scenario at a tenth of the tolerance. From rtol 1e-12 on
+    there is one: 1e-13 is the least allowed.
 
-    **Returns:** a `Trust`.
+    **Returns:** a `Trust`; its verdict is "unknown" where ``closer`` failed.
 
     **Raises:** `InputError` for runs of two mechanisms, and for one that failed.
 
@@ -84,6 +90,8 @@ def trust(run: Run, closer: Run) -> Trust:
         )
     if run.outcome.failed:
         raise InputError(f"this run says nothing: {run.outcome.reason}")
+    if closer.outcome.failed:
+        return Trust({}, "", f"at a tenth of the tolerance {closer.outcome.reason}")
     return Trust({name: SAFETY * change for name, change in changes(run, closer).items()}, _differs(run, closer))
 
 

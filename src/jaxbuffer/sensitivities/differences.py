@@ -5,13 +5,15 @@ extrapolated differences of two successive pairs agree best, rounding and curvat
 is the uncertainty.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+import itertools
+from collections.abc import Callable, Generator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 COARSEST = 2e-3  # relative step
 STEPS = 6
+FIRST = 3  # steps that are always taken: two successive pairs
 
 
 class Difference(NamedTuple):
@@ -23,40 +25,68 @@ class Difference(NamedTuple):
     steps: int
 
 
-def difference(
-    evaluate: Callable[[float], np.ndarray], inside: Callable[[float], bool], settled: np.ndarray, noise: float
-) -> Difference:
+Halving = Generator[list[float], dict[float, np.ndarray], Difference]
+
+
+def difference(inside: Callable[[float], bool], settled: np.ndarray, noise: float) -> Halving:
     """Differentiate at zero.
 
-    **Arguments:** ``evaluate``: the quantities after a relative move, NaN for one that can't be compared with the
-    unmoved ones; ``inside``: whether a move stays within bounds (differences are one-sided where it doesn't);
+    **Arguments:** ``inside``: whether a move stays within bounds (differences are one-sided where it doesn't);
     ``settled``: the uncertainty of each quantity that is small enough to stop; ``noise``: relative error of the values,
     so that no two differences may agree by luck.
+
+    **Yields:** relative moves, to be sent the quantities after each of them, NaN for a move that can't be compared with
+    the unmoved ones. **Returns:** the derivatives.
     """
     best, uncertainty = np.full(settled.shape, np.nan), np.full(settled.shape, np.inf)
     up, down = inside(2.0 * COARSEST), inside(-2.0 * COARSEST)
     if not (up or down):
         return Difference(best, uncertainty, 0)
-    sign = 1.0 if up else -1.0
-    start = np.zeros(()) if up and down else evaluate(0.0)
+    central, sign = up and down, 1.0 if up else -1.0
+    steps = [sign * COARSEST / 2**count for count in range(STEPS)]
+    pairs = [(step, -step if central else 2.0 * step) for step in steps]
+    after = yield [*([] if central else [0.0]), *itertools.chain(*pairs[:FIRST])]
     plain: list[np.ndarray] = []
-    for count in range(STEPS):
-        step = sign * COARSEST / 2**count
-        near = evaluate(step)
-        if up and down:
-            plain.append((near - evaluate(-step)) / (2.0 * step))
+    for count, (near, other) in enumerate(pairs):
+        if count >= FIRST:
+            after |= yield [near, other]
+        if central:
+            plain.append((after[near] - after[other]) / (2.0 * near))
         else:
-            plain.append((4.0 * near - evaluate(2.0 * step) - 3.0 * start) / (2.0 * step))
-        if count < 2:
+            plain.append((4.0 * after[near] - after[other] - 3.0 * after[0.0]) / (2.0 * near))
+        if count < FIRST - 1:
             continue
         # Both stencils are off by a multiple of the step's square, which this takes out.
         older, newer = ((4.0 * plain[i] - plain[i - 1]) / 3.0 for i in (count - 1, count))
-        apart = np.maximum(np.abs(newer - older), np.abs(noise * near / step))
+        apart = np.maximum(np.abs(newer - older), np.abs(noise * after[near] / near))
         better = apart < uncertainty
         best, uncertainty = np.where(better, newer, best), np.where(better, apart, uncertainty)
         if np.all(uncertainty <= settled):
             break
     return Difference(best, uncertainty, len(plain))
+
+
+def side_by_side(
+    halvings: Sequence[Halving], evaluate: Callable[[list[tuple[int, float]]], list[np.ndarray]]
+) -> list[Difference]:
+    """What several differences find whose steps are halved together.
+
+    **Arguments:** ``evaluate``: the quantities after each of some moves, which are given with the numbers of the
+    differences that ask for them.
+    """
+    found = dict[int, Difference]()
+    answers: dict[int, Any] = dict.fromkeys(range(len(halvings)))
+    while answers:
+        asked = list[tuple[int, float]]()
+        for k, answer in answers.items():
+            try:
+                asked += [(k, move) for move in halvings[k].send(answer)]
+            except StopIteration as end:
+                found[k] = end.value
+        answers = {k: {} for k, _ in asked}
+        for (k, move), quantities in zip(asked, evaluate(asked), strict=True):
+            answers[k][move] = quantities
+    return [found[k] for k in range(len(halvings))]
 
 
 def balanced_direction(elasticities: np.ndarray, floor: float) -> np.ndarray:

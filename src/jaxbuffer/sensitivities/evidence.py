@@ -1,21 +1,23 @@
 """Evidence against or for a gradient, from runs solved so tightly that differences of them mean something."""
 
-from collections.abc import Callable
+import functools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from .._types import Scalar
+from ..cluster.pool import ClusterPool
+from ..compiling.pool import Pool
 from ..errors import InputError
-from ..fields import Part
+from ..fields import Part, with_values
 from ..hybrid import Solver
-from ..mechanisms.mechanism import Stepping
 from ..mechanisms.quantity import value_of
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.request import check_pair
 from ..run.simulate import simulate
-from .differences import balanced_direction, difference
+from .differences import Difference, balanced_direction, difference, side_by_side
 
 CHECK_TOLERANCE = 1e-11  # of the solves that are differenced
 NOISE = 10.0 * CHECK_TOLERANCE  # relative error that such a solve leaves in a quantity
@@ -36,63 +38,85 @@ class Evidence(NamedTuple):
     thorough: bool
 
 
-class TightSolves:
-    """Quantities of tight solves after a relative move of the parameters.
+class TightSolve(NamedTuple):
+    """A tight solve at any values of the parameters, small enough to be sent to another process.
 
-    The peak force is that of the same impact throughout, so that a swap of peaks is no part of a difference; where the
-    impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
-
-    **Arguments:** ``inputs``: design and scenario from the parameters' values; ``run``: the one in question, at
-    ``values``; ``moves``: what counts as a relative move of 1; ``names``: the quantities; the rest as for `simulate`.
+    ``design`` and ``scenario``, in which the parameters at ``paths`` are changed; ``names``: the quantities;
+    ``duration`` [s] and ``solver`` as for `simulate`; ``code``: the outcome of the run in question; ``course``:
+    contacts of its impacts, up to the one with the peak.
     """
 
-    def __init__(
-        self,
-        inputs: Callable[[np.ndarray], tuple[Part, Part]],
-        run: Run,
-        values: np.ndarray,
-        moves: np.ndarray,
-        names: tuple[str, ...],
-        duration: Scalar,
-        solver: Solver | None,
-    ) -> None:
-        self.inputs, self.values, self.moves, self.names = inputs, values, moves, names
-        self.duration, self.solver = duration, solver
-        system = run.mechanism.system
-        self.rtol = system.difference_tolerance if isinstance(system, Stepping) else CHECK_TOLERANCE
-        self.code = int(run.code)
-        contacts, forces = _impacts(run)
-        self.active = int(np.argmax(forces)) if forces.size else -1
-        self.course = contacts[: self.active + 1]
-        self.known: dict[bytes, np.ndarray] = {}
+    design: Part
+    scenario: Part
+    paths: tuple[str, ...]
+    names: tuple[str, ...]
+    duration: Scalar
+    solver: Solver | str | None
+    code: int
+    course: list[int]
 
-    def inside(self, direction: np.ndarray, move: float) -> bool:
-        """Whether all parameters are in range after a relative move of that length along a direction."""
-        try:
-            moved = self.inputs(self.values + move * direction * self.moves)
-            check_pair(mechanism_of(moved[0]), *moved)
-        except InputError:
-            return False
-        return True
+    def inputs(self, values: np.ndarray) -> tuple[Part, Part]:
+        """Design and scenario with the parameters at these values."""
+        return with_values(self.design, self.scenario, dict(zip(self.paths, values, strict=True)))
 
-    def at(self, direction: np.ndarray, move: float) -> np.ndarray:
-        """All quantities after such a move."""
-        values = self.values + move * direction * self.moves
-        key = values.tobytes()
-        if key not in self.known:
-            inputs = self.inputs(values)
-            self.known[key] = self._seen(simulate(*inputs, self.duration, rtol=self.rtol, solver=self.solver))
-        return self.known[key]
+    def at(self, values: np.ndarray) -> np.ndarray:
+        """All quantities with the parameters at these values.
 
-    def _seen(self, run: Run) -> np.ndarray:
+        The peak force is that of the same impact throughout, so that a swap of peaks is no part of a difference; where
+        the impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
+        """
+        stepping = mechanism_of(self.design).stepping
+        rtol = CHECK_TOLERANCE if stepping is None else stepping.difference_tolerance
+        return self.seen(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
+
+    def seen(self, run: Run) -> np.ndarray:
+        """All quantities of a run, NaN where they can't be compared."""
         if int(run.code) != self.code:
             return np.full(len(self.names), np.nan)
         found = np.array([value_of(run, name) for name in self.names])
         if self.course and "peak_force" in self.names:
             contacts, forces = _impacts(run)
-            same = contacts[: self.active + 1] == self.course
-            found[self.names.index("peak_force")] = forces[self.active] if same else np.nan
+            same = contacts[: len(self.course)] == self.course
+            found[self.names.index("peak_force")] = forces[len(self.course) - 1] if same else np.nan
         return found
+
+
+def course_of(run: Run) -> list[int]:
+    """Contacts of a run's impacts, up to the one with the peak."""
+    contacts, forces = _impacts(run)
+    return contacts[: int(np.argmax(forces)) + 1] if forces.size else []
+
+
+class TightSolves:
+    """Quantities of tight solves after relative moves of the parameters, each solved once.
+
+    **Arguments:** ``solve``: one of them; ``values``: the parameters' own (parameters,); ``moves``: what counts as a
+    relative move of 1, alike; ``pool``: who solves.
+    """
+
+    def __init__(self, solve: TightSolve, values: np.ndarray, moves: np.ndarray, pool: Pool | ClusterPool) -> None:
+        self.solve, self.values, self.moves, self.pool = solve, values, moves, pool
+        self.known: dict[bytes, np.ndarray] = {}
+
+    def inside(self, direction: np.ndarray, move: float) -> bool:
+        """Whether all parameters are in range after a relative move of that length along a direction."""
+        try:
+            moved = self.solve.inputs(self._moved(direction, move))
+            check_pair(mechanism_of(moved[0]), *moved)
+        except InputError:
+            return False
+        return True
+
+    def after(self, moves: Sequence[tuple[np.ndarray, float]]) -> list[np.ndarray]:
+        """All quantities after each of these moves, a direction and a length each."""
+        wanted = [self._moved(*move) for move in moves]
+        new = {values.tobytes(): values for values in wanted if values.tobytes() not in self.known}
+        if new:
+            self.known |= zip(new, self.pool.map(self.solve.at, new.values()), strict=True)
+        return [self.known[values.tobytes()] for values in wanted]
+
+    def _moved(self, direction: np.ndarray, move: float) -> np.ndarray:
+        return np.asarray(self.values + move * direction * self.moves)
 
 
 def _impacts(run: Run) -> tuple[list[int], np.ndarray]:
@@ -109,11 +133,9 @@ def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tol
     **Arguments:** ``elasticities`` (quantities, paths) to be judged; ``sizes``: each quantity's value, which makes its
     change relative; ``by_tolerance``: the other evidence.
     """
-    value, uncertainty = np.empty(elasticities.shape), np.empty(elasticities.shape)
-    for k, column in enumerate(np.eye(elasticities.shape[1])):
-        settled = SETTLED * np.maximum(np.abs(elasticities[:, k]), FLOOR) * sizes
-        found = _difference(tight, column, settled)
-        value[:, k], uncertainty[:, k] = found[0] / sizes, found[1] / sizes
+    settled = [SETTLED * np.maximum(np.abs(column), FLOOR) * sizes for column in elasticities.T]
+    found = _differences(tight, list(np.eye(elasticities.shape[1])), settled)
+    value, uncertainty = (np.stack([part[k] / sizes for part in found], axis=1) for k in (0, 1))
     return Evidence(by_tolerance, np.abs(elasticities - value), uncertainty, len(tight.known), True)
 
 
@@ -123,7 +145,7 @@ def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by
     direction = balanced_direction(elasticities[0], FLOOR)
     size = np.maximum(np.abs(elasticities), FLOOR)
     share = np.mean(size * np.abs(direction), axis=1)  # of a typical parameter in the directional change
-    value, uncertainty = _difference(tight, direction, SETTLED * share * sizes)
+    ((value, uncertainty, _),) = _differences(tight, [direction], [SETTLED * share * sizes])
     missed = np.abs(elasticities @ direction - value / sizes)
     spread = size / share[:, None]
     return Evidence(
@@ -131,8 +153,10 @@ def together(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by
     )
 
 
-def _difference(tight: TightSolves, direction: np.ndarray, settled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    found = difference(
-        lambda move: tight.at(direction, move), lambda move: tight.inside(direction, move), settled, NOISE
-    )
-    return found.value, found.uncertainty
+def _differences(tight: TightSolves, directions: list[np.ndarray], settled: list[np.ndarray]) -> list[Difference]:
+    """A difference along each direction."""
+    halvings = [
+        difference(functools.partial(tight.inside, direction), enough, NOISE)
+        for direction, enough in zip(directions, settled, strict=True)
+    ]
+    return side_by_side(halvings, lambda asked: tight.after([(directions[k], move) for k, move in asked]))

@@ -13,7 +13,6 @@ from .._types import Scalar
 from ..compiling.programs import Static, after
 from ..fields import Part, with_values
 from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
-from ..mechanisms.mechanism import Stepping
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
@@ -74,7 +73,7 @@ def _moved(inputs: Inputs, values: list[Array], asked: Static, solver: Solver | 
 def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result | None:
     """What time stepping finds, with a tangent for each address; nothing of a mechanism with its own `Stepping`, which
     is differentiated as a whole."""
-    if isinstance(mechanism_of(inputs[0]).system, Stepping):
+    if mechanism_of(inputs[0]).stepping is not None:
         return None
     separate = [values[k] for k in range(len(asked.value))]
     parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)

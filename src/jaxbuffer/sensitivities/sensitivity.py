@@ -1,21 +1,25 @@
 """`sensitivity`: gradients and elasticities of a run, with a certificate of how far to trust them."""
 
+import contextlib
+import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import equinox as eqx
 import numpy as np
 
 from .._types import Scalar
+from ..cluster.pool import ClusterPool, pool_of
+from ..compiling.pool import Pool
 from ..errors import check_choice, check_single
-from ..fields import POSITIVE, Part, check_numbers, with_values
-from ..hybrid import Solver, solver_named
+from ..fields import POSITIVE, Part, check_numbers
+from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.quantity import check_quantities, is_signed, value_of
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
-from .evidence import TightSolves, each, together
+from .evidence import TightSolve, TightSolves, course_of, each, together
 from .gradients import Gradients, gradients
 
 if TYPE_CHECKING:
@@ -105,6 +109,7 @@ def sensitivity(
     rtol: float = DEFAULT_TOLERANCE,
     solver: Solver | str | None = None,
     certify: str = "quick",
+    client: Any = None,
 ) -> Sensitivity:
     """Simulate a run and differentiate it.
 
@@ -117,10 +122,13 @@ def sensitivity(
     - ``certify``: "quick" compares with the gradient at a tenth of the tolerance and with one difference of tight
       solves along all parameters together, "thorough" with differences of tight solves for each parameter, "none" with
       nothing.
+    - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers solve,
+      rather than threads of this process; the numbers are the same (docs/clusters.md).
 
     **Returns:** a `Sensitivity`.
 
-    **Raises:** `InputError` for paths or names that are unknown or not numbers, and for values out of range.
+    **Raises:** `InputError` for paths or names that are unknown or not numbers, for values out of range, and with
+    ``client`` for a solver that has no name and for a scheduler that does not answer.
 
     **Example:** 1 % more stiffness is 0.34 % more peak force.
 
@@ -140,34 +148,67 @@ def sensitivity(
     check_single("duration", duration, "s", one, **POSITIVE)
     check_single("rtol", rtol, "-", one, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
+    sent = solver if client is None else name_of(solver)
+    asked = _Asked(design, scenario, paths, values, names, duration, sent)
+    with contextlib.closing(pool_of(client)) as pool:
+        if certify == "none":
+            (solved,) = pool.map(asked.gradients_at, [rtol])
+            return asked.uncertified(solved)
+        solved, again = pool.map(asked.gradients_at, [rtol, rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol])
+        found = asked.uncertified(solved)
+        certificate = _certificate(asked, found, solved, again, certify == "thorough", pool)
+    return dataclasses.replace(found, certificate=certificate)
 
-    def gradients_at(rtol: float) -> tuple[Gradients, np.ndarray]:
-        found = gradients(design, scenario, paths, values, duration, rtol=rtol, solver=solver)
-        return found, np.array([found.of(name) for name in names])
 
-    solved, slopes = gradients_at(rtol)
-    run = solved.run
-    results = np.array([value_of(run, name) for name in names])
-    slopes = np.where(np.isfinite(results)[:, None], slopes, np.nan)
-    nonzero = np.where(np.abs(results) < ZERO, np.nan, results)[:, None]
-    signed = np.array([is_signed(catalogue, name) for name in names])[:, None]
-    elasticities = np.where(signed, np.nan, slopes * values / nonzero)
-    found = Sensitivity(run, paths, values, names, results, slopes, elasticities, None)
-    if certify == "none":
-        return found
+class _Asked(NamedTuple):
+    """What is differentiated: as in `sensitivity`, checked; small enough to be sent to another process."""
+
+    design: Part
+    scenario: Part
+    paths: tuple[str, ...]
+    values: np.ndarray
+    names: tuple[str, ...]
+    duration: Scalar
+    solver: Solver | str | None
+
+    def gradients_at(self, rtol: float) -> Gradients:
+        """The run and all its gradients at a tolerance."""
+        solver = None if self.solver is None else solver_named(self.solver)
+        return gradients(self.design, self.scenario, self.paths, self.values, self.duration, rtol=rtol, solver=solver)
+
+    def slopes(self, solved: Gradients) -> np.ndarray:
+        """The gradients asked for (quantities, paths)."""
+        return np.array([solved.of(name) for name in self.names])
+
+    def uncertified(self, solved: Gradients) -> Sensitivity:
+        """The result without a certificate."""
+        run, catalogue = solved.run, solved.run.mechanism.quantities
+        results = np.array([value_of(run, name) for name in self.names])
+        slopes = np.where(np.isfinite(results)[:, None], self.slopes(solved), np.nan)
+        signed = np.array([is_signed(catalogue, name) for name in self.names])[:, None]
+        elasticities = np.where(signed, np.nan, slopes * self.values / _nonzero(results)[:, None])
+        return Sensitivity(run, self.paths, self.values, self.names, results, slopes, elasticities, None)
+
+
+def _nonzero(results: np.ndarray) -> np.ndarray:
+    """Results that have elasticities, NaN for the others."""
+    return np.where(np.abs(results) < ZERO, np.nan, results)
+
+
+def _certificate(
+    asked: _Asked, found: Sensitivity, solved: Gradients, again: Gradients, thorough: bool, pool: Pool | ClusterPool
+) -> Certificate:
+    """The certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
+    run, names, values = found.run, asked.names, asked.values
     # Signed like elasticities, but finite where a parameter or a quantity is zero.
     moves = np.where(values == 0.0, 1.0, np.abs(values))
+    nonzero = _nonzero(found.results)
     sizes = np.where(np.isfinite(nonzero), np.abs(nonzero), 1.0)
-    evidence = None
+    claimed, evidence = found.gradients * moves / sizes[:, None], None
     if not run.outcome.failed:
-        changes = np.abs(slopes - gradients_at(rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol)[1]) * moves / sizes
-
-        def inputs(values: np.ndarray) -> tuple[Part, Part]:
-            return with_values(design, scenario, dict(zip(paths, values, strict=True)))
-
-        tight = TightSolves(inputs, run, values, moves, names, duration, solver)
-        by_differences = each if certify == "thorough" else together
-        evidence = by_differences(tight, slopes * moves / sizes, sizes[:, 0], changes)
-    peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, paths)
-    certificate = judge(run, names, paths, slopes * moves / sizes, evidence, peaks)
-    return eqx.tree_at(lambda s: s.certificate, found, certificate, is_leaf=lambda x: x is None)
+        changes = np.abs(found.gradients - asked.slopes(again)) * moves / sizes[:, None]
+        inputs = (asked.design, asked.scenario, asked.paths, names, asked.duration, asked.solver)
+        tight = TightSolves(TightSolve(*inputs, int(run.code), course_of(run)), values, moves, pool)
+        evidence = (each if thorough else together)(tight, claimed, sizes, changes)
+    peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, asked.paths)
+    return judge(run, names, asked.paths, claimed, evidence, peaks)

@@ -132,9 +132,9 @@ def march(
         return after, see(seen, instant, after)
 
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
-        done, *rest = carry
-        near = jax.lax.stop_gradient(system.search(rest[0].displacement))
-        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), tuple(rest), length=block)[0]
+        done, state, seen = carry
+        near = jax.lax.stop_gradient(system.search(state.displacement))
+        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), (state, seen), length=block)[0]
         return done + 1, state, seen
 
     def going(carry: tuple[Array, State, T]) -> Array:

@@ -95,10 +95,12 @@ class System(eqx.Module):
     def _yielding(self, contact: Contact) -> Float[Array, ""]:
         """How a pair of a contact yields to a force of one, at most [1/kg]: all nodes press on a rigid plane together,
         two at most on a segment."""
-        segments = isinstance(contact.surface, Segments)
-        nodes = contact.surface.ends if segments else contact.surface.node
-        together = 2 if segments else len(contact.slaves)
-        return jnp.max(self.inverse_mass[contact.slaves]) + together * jnp.max(self.inverse_mass[nodes])
+        surface = contact.surface
+        if isinstance(surface, Segments):
+            others = 2.0 * jnp.max(self.inverse_mass[surface.ends])
+        else:
+            others = len(contact.slaves) * jnp.max(self.inverse_mass[surface.node])
+        return jnp.max(self.inverse_mass[contact.slaves]) + others
 
 
 class State(NamedTuple):

@@ -12,11 +12,12 @@ from jaxtyping import Array, Bool
 from ..compiling.programs import after
 from ..errors import InputError, as_number
 from ..hybrid import Result, Solver
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.read_off import run_of
-from ..run.request import TOLERANCES, Request, request, stepped
-from ..run.trust import SAFETY, TENTH, relative_changes, verdicts
-from .found import UNKNOWN, column_names
+from ..run.request import Request, request, stepped, tenth
+from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
+from .found import NO_VERDICT, column_names
 from .grid import Batch
 
 CHUNK = 16
@@ -99,20 +100,31 @@ def solve_chunk(
 def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.ndarray]:
     """The columns of a sweep (`found.column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
     which of them are."""
-    mechanism, (rtol, stabilisation, solver, trust) = mechanism_of(chunk[0]), settings
-    found = [np.asarray(values) for values in solve_chunk(chunk, wanted, rtol, stabilisation, solver)]
-    verdict = np.full(len(found[0]), UNKNOWN)
-    if trust:
-        tenth = np.maximum(TENTH * rtol, TOLERANCES["low"])
-        closer = [np.asarray(values) for values in solve_chunk(chunk, wanted, tenth, stabilisation, solver)]
-        here, there = (dict(zip(column_names(mechanism), values, strict=False)) for values in (found, closer))
-        changes = relative_changes(mechanism, here, there)
-        error = SAFETY * np.max([*changes.values(), np.zeros(len(verdict))], axis=0)
-        others = (f"peak_{mechanism.contact}", "impact_count")
-        differs = np.any([here[name] != there[name] for name in others], axis=0)
-        solved = np.maximum(here["code"], there["code"]) < mechanism.outcomes["failed_steps"]
-        verdict = np.where(solved, verdicts(error, here["code"] != there["code"], differs), UNKNOWN)
-    return [*found, verdict]
+    mechanism = mechanism_of(chunk[0])
+
+    def at(rtol: Any) -> dict[str, np.ndarray]:
+        values = map(np.asarray, solve_chunk(chunk, wanted, rtol, settings.stabilisation, settings.solver))
+        return dict(zip(column_names(mechanism), values, strict=False))
+
+    found = at(settings.rtol)
+    if not settings.trust:
+        return [*found.values(), np.full(len(wanted), NO_VERDICT)]
+    closer = tenth(float(settings.rtol))
+    return [*found.values(), _verdicts(mechanism, found, None if closer is None else at(np.asarray(closer)))]
+
+
+def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str, np.ndarray] | None) -> np.ndarray:
+    """The column ``trust``, from the others and from what they are at a tenth of the tolerance, None if not known."""
+    failed, unknown = mechanism.outcomes["failed_steps"], VERDICTS.index("unknown")
+    solved = here["code"] < failed
+    if there is None:
+        return np.where(solved, unknown, NO_VERDICT)
+    changes = relative_changes(mechanism, here, there)
+    error = SAFETY * np.max([*changes.values(), np.zeros(len(solved))], axis=0)
+    others = (f"peak_{mechanism.contact}", "impact_count")
+    differs = np.any([here[name] != there[name] for name in others], axis=0)
+    found = verdicts(error, here["code"] != there["code"], differs)
+    return np.where(solved, np.where(there["code"] < failed, found, unknown), NO_VERDICT)
 
 
 def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:

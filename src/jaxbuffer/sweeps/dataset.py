@@ -88,7 +88,7 @@ def _variables(
     what = f"{mechanism.contact} with the largest force"
     found[largest] = Labelled(dims, np.array(where, str).reshape(shape), "", what)
     trusted = np.array(sweep.verdicts, str).reshape(shape)
-    found["trust"] = Labelled(dims, trusted, "", "how far the numbers can be trusted, empty where not known")
+    found["trust"] = Labelled(dims, trusted, "", "how far the numbers can be trusted, empty for no verdict")
     for name in ("impact_count", "attempts"):
         counted = f"number of {name.removesuffix('_count').rstrip('s')}s, -1 where not computed"
         found[name] = Labelled(dims, sweep.columns[name].reshape(shape), "-", counted)

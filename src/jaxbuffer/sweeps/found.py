@@ -9,13 +9,14 @@ import numpy as np
 from ..fields import Part
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import NotComputed, RunOutcome
+from ..run.request import NO_TENTH
 from ..run.trust import DOUBTFUL, VERDICTS
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-UNKNOWN = -1  # how far a run's numbers can be trusted: not asked, or one of the two runs failed
+NO_VERDICT = -1  # on how far a run's numbers can be trusted: not asked, or it has none
 
 
 @dataclasses.dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Sweep:
     - ``mechanism``: of which these are runs.
     - ``columns``: by name, each of shape (n,) and an attribute too: ``code`` of the outcome, the mechanism's quantities
       that sweeps have (units in its catalogue), the contact with the largest force (``peak_flank`` where contacts are
-      flanks), ``impact_count``, ``attempts``, and ``trust``: the index of its verdict in `VERDICTS`, -1 if not known.
+      flanks), ``impact_count``, ``attempts``, and ``trust``: the index of its verdict in `VERDICTS`, or -1.
     - ``design``, ``scenarios``: what was swept, with arrays (n,) for the numbers that differ.
 
     **Example:**
@@ -64,7 +65,8 @@ class Sweep:
 
     @property
     def verdicts(self) -> list[str]:
-        """How far the numbers of each run can be trusted, in a word as of `jb.trust`; "" where that is not known."""
+        """How far the numbers of each run can be trusted, in a word as of `jb.trust`; "" for a run that failed, and
+        where it was not asked."""
         return [VERDICTS[index] if index >= 0 else "" for index in self.columns["trust"]]
 
     def doubts(self, where: str) -> list[str]:
@@ -124,6 +126,8 @@ def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: 
         told.append(f"{count} {of_all} are ill-conditioned: a bounce more or less decides, no number is sure")
     if count := verdicts.get(VERDICTS.index("check")):
         told.append(f"{count} {of_all} have numbers that may be off by more than {DOUBTFUL:.0e} of them")
+    if count := verdicts.get(VERDICTS.index("unknown")):
+        told.append(f"{count} {of_all} have numbers of unknown error: {NO_TENTH}, or they fail at it")
     return [f"{line} ({where})" for line in told]
 
 

@@ -24,7 +24,7 @@ class StoredSweep:
     - ``store``: the store's folder.
     - ``asked``: what was swept; ``count``: runs of it; ``done``: how many of these are in the store.
     - ``codes``: how many runs ended with each outcome's code.
-    - ``verdicts``: how many have each verdict of `jb.trust`, by its index; -1 where it is not known.
+    - ``verdicts``: how many have each verdict of `jb.trust`, by its index; -1 for none.
 
     **Example:**
 

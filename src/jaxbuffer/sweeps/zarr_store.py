@@ -108,7 +108,7 @@ def create(
             if name == "code":
                 told = {"long_name": "how the run ended, -1 where not computed", **_flags(codes)}
             if name == "trust":
-                told = {"long_name": "how far the numbers can be trusted, -1 where not known", **_flags(verdicts)}
+                told = {"long_name": "how far the numbers can be trusted, -1 for no verdict", **_flags(verdicts)}
             _array(group, name, cut.sizes, cut.block, dims, -1 if name in whole else np.nan, told)
         told = {"long_name": "of each block of runs, once it is whole"}
         _array(group, CHECKSUM, (len(cut),), (1,), ("block_number",), np.uint64(0), told)

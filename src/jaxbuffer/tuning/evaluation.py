@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..cluster.pool import ClusterPool
-from ..compiling.pool import Pool
+from ..cluster.pool import pool_of
 from ..errors import InputError
 from ..fields import Part, get
 from ..mechanisms.quantity import rising
@@ -72,7 +71,7 @@ class Evaluator:
 
     def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True, client: Any = None) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
-        self._pool = Pool(workers) if client is None else ClusterPool(client, workers)
+        self._pool = pool_of(client, workers)
 
     def __enter__(self) -> "Evaluator":
         return self

@@ -1,5 +1,6 @@
 """`pareto`: the front of several objectives, each point the best design under limits on the others than the first."""
 
+import contextlib
 import dataclasses
 import itertools
 from collections.abc import Callable, Mapping, Sequence
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..cluster.connect import connected
 from ..errors import InputError, check_names, check_type, check_whole, suggest
 from ..fields import Part
 from .objective import Limits, Objective
@@ -95,6 +97,7 @@ def pareto(
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
+    client: Any = None,
     report: Callable[[Record], None] | bool | None = None,
     finished: Callable[[int, int], None] | None = None,
     **settings: Any,
@@ -113,7 +116,8 @@ def pareto(
     - ``points``: how many, both ends included; with more than two objectives, for each limited one.
     - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
     - ``folder``: a folder for each point's run is made in it; ``resume``: go on there.
-    - ``workers``, ``report``, ``settings``: as for `tune`; ``finished``: called with points done and asked for.
+    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with points done and asked
+      for.
 
     **Returns:** a `Front`; points that are infeasible or dominated are in it, and it says which they are.
 
@@ -137,11 +141,13 @@ def pareto(
     check_front(problem, objectives, points)
     names = tuple(objectives)
     _check_limits(names, limits)
-    search = _Search(problem, names, None if folder is None else Path(folder), resume, workers, report, settings)
-    if limits is None:
-        return _between_ends(search, points, finished)
-    wanted = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
-    return search.front(wanted, None, problem.design, finished)
+    place = None if folder is None else Path(folder)
+    with contextlib.nullcontext() if client is None else connected(client, workers) as shared:
+        search = _Search(problem, names, place, resume, workers, shared, report, settings)
+        if limits is None:
+            return _between_ends(search, points, finished)
+        wanted = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
+        return search.front(wanted, None, problem.design, finished)
 
 
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:
@@ -173,6 +179,7 @@ class _Search:
     folder: Path | None
     resume: bool
     workers: int | None
+    client: Any
     report: Callable[[Record], None] | bool | None
     settings: dict[str, Any]
 
@@ -221,7 +228,8 @@ class _Search:
         problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=kept)
         folder = None if self.folder is None else self.folder / name
         begun = self.resume and folder is not None and (folder / LOG).exists()
-        return tune(problem, folder=folder, resume=begun, workers=self.workers, report=self.report, **self.settings)
+        who = {"workers": self.workers, "client": self.client}
+        return tune(problem, folder=folder, resume=begun, **who, report=self.report, **self.settings)
 
 
 def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:

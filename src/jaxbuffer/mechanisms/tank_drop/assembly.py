@@ -22,13 +22,15 @@ ITERATIONS = 6  # of Newton's method for the static start
 class Assembled(NamedTuple):
     """The system of half a cross-section, a metre long.
 
-    - ``system``, ``section``: of it.
+    - ``system``, ``section``: of it; ``wall``: its elements, ``material``: theirs.
     - ``slider``: its node.
     - ``factor``: from its forces and energies to those of the whole tank [m].
     """
 
     system: System
     section: Section
+    wall: Plane
+    material: Plastic
     slider: int
     factor: Scalar
 
@@ -42,17 +44,15 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
     material = design.material
-    wall = Plane(
-        Quads.of(positions, seen.corners),
-        Plastic(
-            material.density,
-            material.young_modulus,
-            material.poisson_ratio,
-            material.yield_stress,
-            material.hardening,
-            material.failure_strain,
-        ),
+    plastic = Plastic(
+        material.density,
+        material.young_modulus,
+        material.poisson_ratio,
+        material.yield_stress,
+        material.hardening,
+        material.failure_strain,
     )
+    wall = Plane(Quads.of(positions, seen.corners), plastic)
     inverse = 1.0 / wall.mass()[:nodes]
     middle = np.concatenate([np.arange(design.mesh.refinement + 1), np.arange(nodes)[-design.mesh.refinement - 1 :]])
     inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[middle, 0].set(0.0)
@@ -74,7 +74,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
         liquid,
         static,
     )
-    return Assembled(system, seen, slider, factor)
+    return Assembled(system, seen, wall, plastic, slider, factor)
 
 
 def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:
@@ -133,7 +133,7 @@ def at_rest(parts: Assembled) -> State:
     if system.liquid is not None:
         assert system.static_pressure is not None
         load = load + system.liquid.push(system.static_pressure, nodes + 2)
-    (wall,), (history,) = system.elements, start.histories
+    wall, (history,) = parts.wall, start.histories
 
     def displaced(moves: Array) -> Array:
         return jnp.zeros(free.size).at[places].set(moves).reshape(free.shape)

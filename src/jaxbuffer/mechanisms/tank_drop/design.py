@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
@@ -189,6 +190,7 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
 
 def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     """The same of numbers known only inside compiled code, each in its range besides."""
-    thin = [getattr(design.wall, zone) < design.tank.corner_radius for zone in ZONES]
-    round_enough = [2.0 * design.tank.corner_radius < side for side in (design.tank.width, design.tank.height)]
+    radius = jnp.asarray(design.tank.corner_radius, float)
+    thin = [getattr(design.wall, zone) < radius for zone in ZONES]
+    round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]
     return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough])

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanism import Defaults, Mechanism, Names, Stepping
+from ..mechanism import Defaults, Mechanism, Names, Stepping, no_hybrid_system
 from ..registry import register
 from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
@@ -71,7 +71,8 @@ TANK_DROP = register(
         title="Drop onto a tank",
         design=TankDrop,
         scenario=TankDropScenario,
-        system=Stepping(dropped, run_of, rows_of, TOLERANCE),
+        system=no_hybrid_system,
+        stepping=Stepping(dropped, run_of, rows_of, TOLERANCE),
         quantities=QUANTITIES,
         outcomes=TankOutcome,
         time_is_up="whole",

@@ -64,8 +64,8 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     code = _code(found)
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     force = factor * seen.force * known
-    (history,), (wall,) = state.histories, parts.system.elements
-    gone = jnp.all(wall.material.failed(history), axis=1)
+    (history,), wall, limit = state.histories, parts.wall, parts.material.yield_stress
+    gone = jnp.all(parts.material.failed(history), axis=1)
     energy = _energy(factor, seen.energies)
     before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     after = state.velocity[parts.slider, 1]
@@ -73,7 +73,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     impulse = factor * seen.impulse
     area = jnp.sum(wall.quads.area)
-    scale = wall.material.yield_stress / SMOOTH
+    scale = limit / SMOOTH
     mean = jnp.log(jnp.maximum(seen.sharpened, 1e-300) / (area * end))
     initial = 0.5 * design.slider.mass * before**2
     touched = jnp.where(seen.force > 0.0, 1, 0)
@@ -109,12 +109,12 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         attempts=found.steps,
         accepted=found.steps,
         stabilisation=jnp.asarray(stabilisation, float),
-        _located=None,
+        _located=None,  # type: ignore[arg-type] # no event is located
         impulse=impulse * known,
         momentum=momentum * known,
         peak_stress=seen.stress * known,
         stress_element=seen.stress_element,
-        smooth_stress=(wall.material.yield_stress + scale * mean) * known,
+        smooth_stress=(limit + scale * mean) * known,
         smooth_bias=scale * jnp.log(area * end / (jnp.min(wall.quads.area) * found.step)),
         plastic_strain=jnp.max(history.equivalent) * known,
         plastic_work=factor * seen.energies.plastic * known,
@@ -125,7 +125,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
-        reserve=wall.material.yield_stress / seen.stress * known,
+        reserve=limit / seen.stress * known,
         wall_mass=jnp.asarray(design.wall_mass, float),
         step=found.step,
     )

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ...hybrid import Options
-from ...structures import Plane, State, march, mises
+from ...structures import State, march, mises
 from ...structures.central_differences import BLOCK
 from ...structures.system import SAFETY, Energies, Instant
 from .assembly import Assembled, assembled, falling
@@ -17,7 +17,7 @@ from .design import TankDrop, TankDropScenario
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
 CRUSHED = 0.95  # of the inner height: how far the top may come down
-SMOOTH = 20.0  # sharpness of the smooth maximum of the stress, over the largest stress at rest or at yield
+SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
 ROWS = 800  # of a history, evenly spread over the duration
 
 
@@ -132,11 +132,6 @@ def dropped(
     return Dropped(state, seen, wanted * BLOCK, step, until(seen), too_many, jnp.asarray(allowed))
 
 
-def smooth_scale(design: TankDrop) -> Float[Array, ""]:
-    """What the smooth maximum of the stress is sharp over [Pa]."""
-    return jnp.asarray(design.material.yield_stress, float) / SMOOTH
-
-
 def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     zero = jnp.zeros(())
     energies = Energies(*(zero,) * 7)
@@ -158,10 +153,8 @@ def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant:
     force = jnp.sum(cushion.normal)
     stress = jnp.max(mises(found.stress), axis=1)
     highest_stress = jnp.max(stress)
-    (wall,) = system.elements
-    assert isinstance(wall, Plane)
-    scale = jax.lax.stop_gradient(wall.material.yield_stress) / SMOOTH
-    sharpened = jnp.sum(wall.quads.area * jnp.exp((stress - wall.material.yield_stress) / scale))
+    limit = parts.material.yield_stress
+    sharpened = jnp.sum(parts.wall.quads.area * jnp.exp((stress - limit) / (limit / SMOOTH)))
     higher, lower = seen.highest, seen.lowest
     if system.liquid is not None:
         assert system.static_pressure is not None
@@ -195,9 +188,9 @@ def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant:
 def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
     """The history with this instant in the row of its share of the duration: the last one there stays."""
     (found,) = instant.resistances
-    place = jnp.clip((instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
+    place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = Row(
-        instant.time,
+        jnp.asarray(instant.time),
         instant.displacement,
         instant.velocity[parts.slider, 1],
         force,

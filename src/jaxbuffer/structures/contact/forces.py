@@ -1,6 +1,6 @@
 """Contact forces of one step of central differences: penalty, Lagrange multipliers, defence node (M142 to M145)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -63,7 +63,7 @@ def contact_forces(
     residual: Float[Array, "nodes 2"],
     inverse_mass: Float[Array, "nodes 2"],
     step: Scalar,
-    near: object = None,
+    near: Any = None,
     before: Float[Array, " pairs"] | None = None,
 ) -> ContactForces:
     """The forces of one contact.

@@ -1,6 +1,6 @@
 """Surfaces that nodes touch, and the pairs of a node and its foot on one (M140)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ class Pairs(NamedTuple):
     weights: Float[Array, "pairs 2"]
     found: Bool[Array, " pairs"]
 
-    def along(self, slaves: Array, vectors: Float[Array, "nodes 2"], direction: Float[Array, "pairs 2"]) -> Array:
+    def along(self, slaves: np.ndarray, vectors: Float[Array, "nodes 2"], direction: Float[Array, "pairs 2"]) -> Array:
         """(pairs,) by how much the nodes' ``vectors`` part node and foot along a ``direction``."""
         foot = jnp.sum(self.weights[..., None] * vectors[self.nodes], axis=1)
         return jnp.sum((vectors[slaves] - foot) * direction, axis=1)
@@ -45,7 +45,7 @@ class RigidPlane(eqx.Module):
     node: int = eqx.field(static=True)
     normal: tuple[float, float] = eqx.field(static=True)
 
-    def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: object) -> Pairs:
+    def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Any = None) -> Pairs:
         """The pairs of all ``slaves`` with their feet."""
         count = len(slaves)
         normal = jnp.broadcast_to(jnp.asarray([self.normal]), (count, 2))
@@ -67,8 +67,8 @@ class Segments(eqx.Module):
 
     ends: np.ndarray
 
-    def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Int[Array, "pairs some"]) -> Pairs:
-        """Each slave with its foot on the nearest of the segments ``near`` it."""
+    def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Any) -> Pairs:
+        """Each slave with its foot on the nearest of the segments ``near`` it (pairs, some): see `candidates`."""
         ends = jnp.asarray(self.ends)[near]
         start, along = positions[ends[..., 0]], positions[ends[..., 1]] - positions[ends[..., 0]]
         squared = jnp.sum(along * along, axis=-1)

@@ -1,0 +1,32 @@
+"""What is read off a run whose time is up, of a log written by hand."""
+
+import jax
+import jax.numpy as jnp
+
+import jaxbuffer as jb
+from jaxbuffer.hybrid import Kind, Log, Result, Status
+from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.run.read_off import run_of
+from jaxbuffer.run.request import options_of
+
+RATE = 2.0  # m/s, at which the ball's depth grows at the end
+
+
+def test_an_end_by_time_stays():
+    """The bar, and its ball with it, is lowered by 1 m a unit: its depth would be reached 1/`RATE` earlier."""
+    parameters = jb.BarDrop(), jb.BarDropScenario(), 20.0
+    system = mechanism_of(parameters[0]).system(*parameters)
+    row = system.first_posture()[0].state[None]
+    contacts, observables = system.contact_count, len(system.observed)
+    lower = jnp.zeros_like(row).at[0, 1].set(-1.0)
+
+    @jax.jit
+    def end(p):
+        log = Log.empty(2, row, contacts, observables)
+        event = (jnp.asarray(x) for x in (True, int(Kind.END), 0, 0.1))
+        now = jnp.zeros(observables), jnp.asarray(RATE), jnp.zeros(contacts)
+        log = log.append(*event, *now, row + p * lower, jnp.zeros_like(row), jnp.asarray(False))
+        result = Result(jnp.asarray(int(Status.TIMEOUT)), log, None, jnp.asarray(1), jnp.asarray(1))
+        return run_of(parameters, 0.1, options_of(), result).end_time
+
+    assert jax.jvp(end, (0.0,), (1.0,)) == (0.1, 0.0)
