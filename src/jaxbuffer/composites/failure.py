@@ -89,7 +89,7 @@ def tsai_wu(stress: PlyStress, strength: Strength, interaction: Scalar = -0.5) -
 
 def is_bounded(strength: Strength) -> Bool[Array, ""]:
     """Whether Hoffman's criterion limits every plane stress: F12² < F11 F22, where it is an ellipse."""
-    return (_hoffman_interaction(strength) / 2.0) ** 2 < _f11(strength) * _f22(strength)
+    return jnp.asarray((_hoffman_interaction(strength) / 2.0) ** 2 < _f11(strength) * _f22(strength))
 
 
 Criterion = Callable[[PlyStress, Strength], Float[Array, "*plies"]]

@@ -48,7 +48,7 @@ class Laminate(NamedTuple):
     @property
     def interfaces(self) -> Float[Array, " surfaces"]:
         """(plies + 1,) the heights of the plies' surfaces above the middle surface [m]."""
-        return (np.arange(len(self.angles) + 1) - len(self.angles) / 2.0) * jnp.asarray(self.ply.thickness, float)
+        return jnp.asarray(np.arange(len(self.angles) + 1) - len(self.angles) / 2.0) * self.ply.thickness
 
     def stiffness(self) -> Stiffness:
         """A, B and D."""

@@ -86,7 +86,7 @@ def response(pulse: str, ratio: Scalar, time: Values | Scalar) -> Values:
     """
     w, time = 2.0 * jnp.pi * jnp.asarray(ratio, float), jnp.asarray(time, float)
     parts = _known(pulse)
-    return sum(part.factor * part.response(w, jnp.maximum(time - part.start, 0.0)) for part in parts)
+    return sum((part.factor * part.response(w, jnp.maximum(time - part.start, 0.0)) for part in parts), 0.0 * time)
 
 
 def largest_response(pulse: str, ratio: Values | Scalar) -> Values:
@@ -130,7 +130,7 @@ def _rate_at_the_end(pulse: str, ratio: Float[Array, ""]) -> Float[Array, ""]:
     """Just before the pulse's end, where parts that begin there have no rate yet."""
     w = 2.0 * jnp.pi * ratio
     parts = [part for part in PULSES[pulse] if part.start < 1.0]
-    return sum(part.factor * jax.grad(part.response, 1)(w, jnp.asarray(1.0 - part.start)) for part in parts)
+    return sum((part.factor * jax.grad(part.response, 1)(w, jnp.asarray(1.0 - part.start)) for part in parts), 0.0 * w)
 
 
 def _known(pulse: str) -> Pulse:

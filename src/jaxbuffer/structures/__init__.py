@@ -9,6 +9,7 @@ from .materials import Orthotropic as Orthotropic
 from .materials import Plastic as Plastic
 from .materials import mises as mises
 from .quads import Quads as Quads
+from .quads import at_faces as at_faces
 from .structure import Plane as Plane
 from .structure import Rods as Rods
 from .system import State as State

@@ -1,7 +1,8 @@
 """Plane four-node elements in a total Lagrangian description, with an assumed strain that neither locks nor lets
 hourglasses go (M130 to M134)."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -97,13 +98,26 @@ class Quads(NamedTuple):
         )
 
 
-def nodal_forces(
-    quads: Quads, displacements: Float[Array, "elements 4 2"], coupling: Array, stress_of
-) -> tuple[Float[Array, "elements 4 2"], object]:
-    """The forces with which the elements resist, at their corners, by the principle of virtual work.
+def at_faces(values: Float[Array, "elements 4 *rest"]) -> Float[Array, "elements 4 *rest"]:
+    """What the integration points have, followed in straight lines across the element to its sides 1-2 and 3-4: on the
+    faces of a wall that is one element thick."""
+    here, there = values, values[:, [3, 2, 1, 0]]
+    return 0.5 * (here + there) + 0.5 * np.sqrt(3.0) * (here - there)
 
-    **Arguments:** ``stress_of``: strains (elements, 4, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic
-    strain, and whatever else.
+
+T = TypeVar("T")
+
+
+def nodal_forces(
+    quads: Quads,
+    displacements: Float[Array, "elements 4 2"],
+    coupling: Float[Array, " 2"],
+    stress_of: Callable[[Array], tuple[Array, T]],
+) -> tuple[Float[Array, "elements 4 2"], T]:
+    """The forces with which the elements resist, at their corners, by the principle of virtual work (M134).
+
+    **Arguments:** ``quads``; ``displacements``: of the corners [m]; ``coupling``: as of `Quads.strains`; ``stress_of``:
+    strains (elements, 4, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and whatever else.
 
     **Returns:** forces (elements, 4, 2) [N per metre of depth], and that.
     """

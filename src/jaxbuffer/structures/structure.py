@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from .bars import Bars
-from .materials import History, Material
+from .materials import History, Material, Stressed
 from .quads import Quads, nodal_forces
 
 
@@ -65,7 +65,7 @@ class Plane(eqx.Module):
         here = self.quads.incidence.to_corners(displacement)
         alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
 
-        def stress_of(strain: Array) -> tuple[Array, object]:
+        def stress_of(strain: Array) -> tuple[Array, Stressed]:
             found = self.material.answer(strain, history)
             return alive[:, None, None] * found.stress[..., :3], found
 

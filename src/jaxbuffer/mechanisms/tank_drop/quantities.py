@@ -16,7 +16,7 @@ QUANTITIES: dict[str, Quantity] = {
     "reserve": Quantity(
         "-",
         lambda run: run.reserve,
-        "yield stress over the largest stress after von Mises; 1 and less where it yielded",
+        "yield stress over the largest stress after von Mises; less than 1 where a face yielded",
         "reserve factor",
         swept=True,
         tuned=True,
@@ -24,7 +24,7 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_stress": Quantity(
         "Pa",
         lambda run: run.peak_stress,
-        "largest stress after von Mises in the wall",
+        "largest stress after von Mises on the faces of the wall",
         "peak stress",
         swept=True,
         tuned=True,

@@ -24,7 +24,8 @@ class TankRun(Run):
 
     - ``impulse``: of the contact force on the slider [N s].
     - ``momentum``: by which the slider was slowed down, its weight's share included [N s].
-    - ``peak_stress``: largest stress after von Mises in the wall [Pa], in element ``stress_element``.
+    - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``; followed
+      in straight lines from the integration points, so that it passes the yield stress where only the faces yield.
     - ``smooth_stress``: the smooth maximum of the stress: above the mean of its area and time, by up to
       ``smooth_bias`` below the largest [Pa].
     - ``plastic_strain``: largest equivalent plastic strain at the end [-]; ``plastic_work`` [J]; ``deleted``: elements.

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ...hybrid import Options
-from ...structures import State, march, mises
+from ...structures import State, at_faces, march, mises
 from ...structures.central_differences import BLOCK
 from ...structures.system import SAFETY, Energies, Instant
 from .assembly import Assembled, assembled, falling
@@ -48,7 +48,7 @@ class Seen(NamedTuple):
 
     - ``force``: largest on the slider [N], at ``force_time`` [s]; ``impulse`` [N s]; ``released``: when it was last
       above zero [s]; ``in_contact`` [s].
-    - ``stress``: largest after von Mises [Pa]; ``stress_element``: where; ``sharpened``: the sum of its smooth maximum.
+    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where; ``sharpened``: the sum of its smooth maximum.
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider, downwards [m].
     - ``compression``: largest of the cushion [m].
     - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
@@ -151,7 +151,7 @@ def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant:
     system, section = parts.system, parts.section
     (cushion,), (found,) = instant.layers, instant.resistances
     force = jnp.sum(cushion.normal)
-    stress = jnp.max(mises(found.stress), axis=1)
+    stress = jnp.max(mises(at_faces(found.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.material.yield_stress
     sharpened = jnp.sum(parts.wall.quads.area * jnp.exp((stress - limit) / (limit / SMOOTH)))
