@@ -161,6 +161,12 @@ class TankDropScenario(Part):
     - ``gravity``: [m/s²].
 
     **Raises:** `InputError` where a number is out of its range.
+
+    **Example:** the seed's slider arrives with 6964 J.
+
+    >>> drop = jb.TankDropScenario()
+    >>> f"{float(jb.TankDrop().slider.mass * drop.gravity * drop.height):.0f} J"
+    '6964 J'
     """
 
     section: ClassVar[str] = "scenario"
