@@ -1,6 +1,6 @@
 """The catalogue of a drop's quantities."""
 
-from ..quantity import CONTACT_TIME, END_TIME, PEAK_FORCE, PEAK_TIME, Quantity
+from ..quantity import CONTACT_TIME, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 
 QUANTITIES: dict[str, Quantity] = {
     "peak_force": PEAK_FORCE._replace(description="largest force of the cushion on the slider"),
@@ -60,6 +60,11 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "travel": Quantity(
         "m", lambda run: run.travel, "how far the slider goes down", "travel of the slider", swept=True, tuned=True
+    ),
+    "penetration": PENETRATION._replace(
+        description="how far the cushion is pressed together at most",
+        title="penetration of the cushion",
+        shown=("mm", 1e3),
     ),
     "compression": Quantity(
         "-",
