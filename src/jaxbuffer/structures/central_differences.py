@@ -1,4 +1,4 @@
-"""Explicit time stepping by central differences (M129), in blocks of steps between searches for contact."""
+"""Explicit time stepping by central differences (M126, M127), in blocks of steps between searches for contact."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
