@@ -159,6 +159,12 @@ def _pulse_goes_on() -> None:
     pulses.PULSES = {**pulses.PULSES, "half-sine": (first, second._replace(factor=-second.factor))}
 
 
+def _still_at_the_end() -> None:
+    from jaxbuffer.shock import pulses
+
+    pulses._rate_at_the_end = lambda pulse, ratio: 0.0 * ratio
+
+
 def _filter_undamped() -> None:
     from jaxbuffer.shock import spectrum
 
@@ -191,7 +197,8 @@ STRUCTURE = (
     ),
     Breakage("tension only", "strengths of tension for compression too", _tension_only, (PLY, UNIAXIAL)),
     Breakage("turned back", "a ply's stiffness turned the other way", _turned_back, (FIBRES,)),
-    Breakage("endless pulse", "the half-sine's second half does not end it", _pulse_goes_on, (MOTION, LARGEST)),
+    Breakage("endless pulse", "the half-sine's second half does not end it", _pulse_goes_on, (MOTION,)),
+    Breakage("still at the end", "a pulse leaves the oscillator without a speed", _still_at_the_end, (LARGEST,)),
     Breakage(
         "spectrum's filter",
         "Smallwood's filter damps by 0.1 % less in one of its weights",

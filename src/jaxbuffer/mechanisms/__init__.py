@@ -17,10 +17,10 @@ FOLDERS: dict[str, tuple[str, ...]] = {
         *("bending_frequencies", "with_bending"),
     ),
     "bar_drop": ("BarDrop", "BarDropScenario"),
-    "tank_drop": ("TankDrop", "TankDropScenario"),
     "slider_crank": (
         *("SliderCrank", "SliderCrankScenario", "journal_path", "published_slider_crank", "turn_statistics"),
     ),
+    "tank_drop": ("TankDrop", "TankDropScenario"),
 }
 
 

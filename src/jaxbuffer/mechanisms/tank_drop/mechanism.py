@@ -102,7 +102,7 @@ TANK_DROP = register(
             mapped=("peak_force", "reserve", "deflection", "plastic_strain"),
             variables={
                 "cushion.stiffness": [1e5, 2e7],  # Pa/m
-                "cushion.damping": [0.0, 1e5],  # Pa s/m
+                "cushion.damping": [1e2, 1e5],  # Pa s/m
             },
             limits={"compression": 0.8},
         ),

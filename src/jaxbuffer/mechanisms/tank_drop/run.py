@@ -14,6 +14,7 @@ from ..run import Impacts, Run
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome
+from .section import wall_area
 from .stepping import SMOOTH, Dropped, Row
 
 
@@ -127,7 +128,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
         reserve=limit / seen.stress * known,
-        wall_mass=jnp.asarray(design.wall_mass, float),
+        wall_mass=factor * design.material.density * wall_area(design),
         step=found.step,
     )
 

@@ -46,15 +46,15 @@ class Row(NamedTuple):
 class Seen(NamedTuple):
     """What is known of a run so far, of half a section and a metre of length.
 
-    - ``force``: largest on the slider [N], at ``force_time`` [s]; ``impulse`` [N s]; ``released``: when it was last
-      above zero [s]; ``in_contact`` [s].
-    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where; ``sharpened``: the sum of
-      its smooth maximum.
-    - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider, downwards [m].
-    - ``compression``: largest of the cushion [m].
+    - ``force``: largest on the slider [N]; ``force_time``: of that [s]; ``impulse``: [N s].
+    - ``released``: when the force was last above zero [s]; ``in_contact``: for how long it was [s].
+    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where.
+    - ``sharpened``: the integral over wall and time whose logarithm is the smooth maximum of the stress [m² s].
+    - ``deflection``: largest, of the middle of the top downwards [m]; ``travel``: of the slider, downwards [m].
+    - ``compression``: largest, of the cushion [m].
     - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
-    - ``first``, ``last``: all energies together at the first and the last instant, and the ``off``: furthest from the
-      first [J].
+    - ``first``: all energies together at the first instant; ``off``: the furthest from it later [J].
+    - ``energies``: at the last instant [J].
     - ``rows``: a history, or None.
     """
 
