@@ -52,6 +52,19 @@ def test_one_isotropic_ply_bends_as_a_plate():
     np.testing.assert_allclose(b, 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("angle", [30.0, -70.0])
+def test_a_turned_ply_pulled_along_its_fibres_carries_along_them_only(angle):
+    """σ (c², s², cs) in the laminate's axes; it stretches along the fibres by σ/E1 and narrows by ν12 of that."""
+    ply, pull = PANEL.ply, 1e8
+    c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
+    one = Laminate(ply, (angle,))
+    strain, curvature = one.strains(pull * ply.thickness * jnp.array([c * c, s * s, c * s]), jnp.zeros(3))
+    np.testing.assert_allclose(one.stresses(strain, curvature)[0, 0], [pull, 0.0, 0.0], atol=1e-9 * pull)
+    along, across = pull / ply.along, -ply.poisson * pull / ply.along
+    exact = [along * c * c + across * s * s, along * s * s + across * c * c, 2.0 * (along - across) * c * s]
+    np.testing.assert_allclose(strain, exact, rtol=1e-11)
+
+
 def test_bending_stretches_the_two_faces_against_each_other():
     sheet = Laminate(Ply(70e9, 70e9, 70e9 / 2.6, 0.3, 1e-3), (0.0, 0.0))
     moment = jnp.array([100.0, 0.0, 0.0])  # N

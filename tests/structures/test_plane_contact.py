@@ -56,17 +56,40 @@ def momenta(system, velocity, displacement):
 
 
 @pytest.mark.parametrize("method", ["defence node", "multiplier", "penalty"])
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_both_momenta_are_kept(method, friction):
-    """Also with friction, whose forces act in the same point."""
-    system, start, _ = two_blocks(method, friction=friction)
+def test_both_momenta_are_kept_to_rounding(method):
+    """The angular one, Σ m x × v, with the place of an instant and the mean of the velocities half a step before and
+    after it."""
+    system, start, _ = two_blocks(method)
     _, velocity, displacement, normal, _ = followed(system, start, 1500)
-    assert normal.max() > 0.0 and np.count_nonzero(normal.sum(axis=1)) > 10
+    assert np.count_nonzero(normal.sum(axis=1)) > 10
     linear, angular = momenta(system, velocity, displacement)
     size = np.abs(linear[0]).max()
     np.testing.assert_allclose(linear - linear[0], 0.0, atol=1e-12 * size)
-    # in central differences velocities are those between instants: an arm moves by v dt/2 meanwhile
-    assert np.abs(angular - angular[0]).max() < 2e-4 * size * 0.3
+    np.testing.assert_allclose(angular - angular[0], 0.0, atol=1e-10 * size * 0.3)
+
+
+@pytest.mark.parametrize("method", ["defence node", "multiplier", "penalty"])
+def test_frictions_arm_is_the_gap(method):
+    """Friction pulls the node here and the foot there: as a couple, whose moment is what the angular momentum lacks."""
+    system, start, _ = two_blocks(method, friction=0.3)
+    step = 0.5 * float(system.stable_step())
+
+    def one(state, _):
+        after, seen = advance(system, state, step, near := system.search(state.displacement))
+        at, (found,) = system.positions + state.displacement, seen.contacts
+        pairs = system.contacts[0].surface.pairs(system.contacts[0].slaves, at, near[0])
+        moment = jnp.sum(at[:, 0] * found.nodes[:, 1] - at[:, 1] * found.nodes[:, 0])
+        return after, (seen.velocity, seen.displacement, moment, 0.3 * jnp.sum(jnp.abs(pairs.gap) * found.normal))
+
+    seen = jax.jit(lambda s: jax.lax.scan(one, s, length=1500)[1])(start)
+    velocity, displacement, moment, most = map(np.asarray, seen)
+    linear, angular = momenta(system, velocity, displacement)
+    size = np.abs(linear[0]).max()
+    np.testing.assert_allclose(linear - linear[0], 0.0, atol=1e-12 * size)
+    turned = step * (np.cumsum(moment) - 0.5 * moment - 0.5 * moment[0])  # the mean of before and after each instant
+    np.testing.assert_allclose(angular - angular[0], turned, atol=1e-10 * size * 0.3)
+    assert np.abs(moment).max() > 0.0
+    assert np.all(np.abs(moment) <= most * (1.0 + 1e-9) + 1e-9)
 
 
 def test_the_published_distribution_turns_bodies_of_unequal_masses():
@@ -161,56 +184,3 @@ def test_the_search_finds_the_segments_that_are_near():
     close = np.asarray(every.found) & (np.abs(np.asarray(every.gap)) < 0.1)
     np.testing.assert_allclose(np.asarray(some.gap)[close], np.asarray(every.gap)[close])
     assert np.all(np.asarray(some.found)[close]) and np.count_nonzero(close) > 15
-
-
-@pytest.mark.slow
-def test_hertz_under_refinement():
-    """A cylinder pressed on a rigid plane: the largest pressure √(F E*/(π R)), met the closer the finer the mesh; at
-    rest after damped steps."""
-    radius, young, poisson = 0.1, 1e7, 0.3
-    modulus = young / (1.0 - poisson**2)
-    errors = []
-    for fine in (1, 2):
-        width = 0.1 * radius
-        force = np.pi * modulus * width**2 / (4.0 * radius)
-        found = pressed_cylinder(radius, young, poisson, force / 2.0, 12 * fine)
-        exact = np.sqrt(force * modulus / (np.pi * radius))
-        errors.append(abs(found - exact) / exact)
-    assert errors[1] < 0.03 and errors[1] < 0.7 * errors[0]
-
-
-def pressed_cylinder(radius, young, poisson, force, across):
-    """The mean pressure on the innermost node of half a cylinder, whose elements are fine where it is pressed."""
-    x = 0.6 * radius * (np.arange(2 * across + 1) / (2 * across)) ** 2.0
-    lower = radius - np.sqrt(radius**2 - x**2)
-    rise = (np.arange(2 * across + 1) / (2 * across)) ** 2.0
-    y = lower[:, None] + (radius - lower[:, None]) * rise[None]
-    positions = np.stack([np.broadcast_to(x[:, None], y.shape), y], axis=-1).reshape(-1, 2)
-    node = np.arange(len(positions)).reshape(y.shape)
-    corners = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 4)
-    positions = jnp.asarray(np.concatenate([positions, [[0.0, 0.0]]]))
-    group = Plane(Quads.of(positions, corners), Elastic(1000.0, young, poisson))
-    mass = group.mass()
-    inverse = jnp.repeat(jnp.where(mass > 0.0, 1.0 / jnp.maximum(mass, 1e-12), 0.0)[:, None], 2, axis=1)
-    inverse = inverse.at[node[0], 0].set(0.0)
-    load = (
-        jnp.zeros_like(positions)
-        .at[node[:, -1], 1]
-        .set(-force / 0.6 / radius * jnp.asarray(np.gradient(x) * [0.5] + 0.0) * 1.0)
-    )
-    load = load * (force / -jnp.sum(load[:, 1]))
-    contact = Contact(node[: across + across // 2, 0], RigidPlane(len(positions) - 1, (0.0, 1.0)), "multiplier")
-    system = System(positions, inverse, (group,), (contact,), load=load)
-    step = 0.8 * float(system.stable_step())
-    state = system.start()
-
-    def one(state, _):
-        after, seen = advance(system, state, step, (None,))
-        return after._replace(velocity=0.995 * after.velocity), seen.contacts[0].normal
-
-    steps = 8000 * across // 12
-    normal = jax.jit(lambda s: jax.lax.scan(one, s, length=steps)[1][-1])(state)
-    strip = np.gradient(x)[: len(normal)]
-    strip[0] = 0.5 * (x[1] - x[0])
-    assert float(jnp.sum(normal)) == pytest.approx(force, rel=0.02)
-    return float(normal[1] / strip[1])

@@ -1,4 +1,4 @@
-"""Failure criteria of a ply in plane stress, each as a reserve factor: by how much the stress may grow (M150)."""
+"""Failure criteria of a ply in plane stress, each as a reserve factor, by which the stress may grow (M152 to M155)."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -29,7 +29,7 @@ class Strength(NamedTuple):
 
 
 def maximum_stress(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by maximum stress (M150): no part of the stress knows of another.
+    """The reserve factor by maximum stress (M152): no part of the stress knows of another.
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply.
 
@@ -47,7 +47,7 @@ def maximum_stress(stress: PlyStress, strength: Strength) -> Float[Array, "*plie
 
 
 def tsai_hill(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by Tsai and Hill (M151), the strengths chosen by the signs of σ1 and σ2.
+    """The reserve factor by Tsai and Hill (M153), the strengths chosen by the signs of σ1 and σ2.
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply.
 
@@ -66,7 +66,7 @@ def tsai_hill(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
 
 
 def hoffman(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
-    """The reserve factor by Hoffman (M152): `tsai_wu` with another interaction of σ1 and σ2, -1/(X_t X_c).
+    """The reserve factor by Hoffman (M154): `tsai_wu` with another interaction of σ1 and σ2, -1/(X_t X_c).
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply, `is_bounded` or the criterion allows
     some stresses without limit.
@@ -77,7 +77,7 @@ def hoffman(stress: PlyStress, strength: Strength) -> Float[Array, "*plies"]:
 
 
 def tsai_wu(stress: PlyStress, strength: Strength, interaction: Scalar = -0.5) -> Float[Array, "*plies"]:
-    """The reserve factor by Tsai and Wu (M153).
+    """The reserve factor by Tsai and Wu (M155).
 
     **Arguments:** ``stress``: (…, 3) σ1, σ2, τ12 [Pa]; ``strength``: of the ply; ``interaction``: F12/√(F11 F22), whose
     size must be below 1 [-].

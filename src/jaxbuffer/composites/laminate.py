@@ -1,4 +1,4 @@
-"""Classical laminate theory: plies bonded to a thin plate (M155 to M157)."""
+"""Classical laminate theory: plies bonded to a thin plate (M156 to M158)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from .ply import Ply, in_ply_axes
 
 
 class Stiffness(NamedTuple):
-    """[N; M] = [A B; B D] [ε0; κ].
+    """[N; M] = [A B; B D] [ε0; κ] (M157).
 
     - ``a``: (3, 3) A, of the membrane [N/m].
     - ``b``: (3, 3) B, the coupling, zero for a symmetric lay-up [N].
@@ -72,7 +72,7 @@ class Laminate(NamedTuple):
         return both[:3], both[3:]
 
     def stresses(self, strain: Float[Array, " 3"], curvature: Float[Array, " 3"]) -> Float[Array, "plies 2 3"]:
-        """σ1, σ2, τ12 [Pa] in each ply's own axes, at its lower and at its upper surface.
+        """σ1, σ2, τ12 [Pa] in each ply's own axes, at its lower and at its upper surface (M158).
 
         **Arguments:** ``strain``: (3,) of the middle surface [-]; ``curvature``: (3,) [1/m].
         """

@@ -24,7 +24,7 @@ class Ply(NamedTuple):
     thickness: Scalar
 
     def stiffness(self, angle: Scalar = 0.0) -> Float[Array, "3 3"]:
-        """Q̄ [Pa]: stress from strain (εx, εy, γxy) in axes from which the fibres are turned by ``angle`` [°] (M154)."""
+        """Q̄ [Pa]: stress from strain (εx, εy, γxy) in axes from which the fibres are turned by ``angle`` [°] (M156)."""
         other = self.poisson * self.across / self.along  # ν21
         factor = 1.0 / (1.0 - self.poisson * other)
         q11, q12, q22 = factor * self.along, factor * self.poisson * self.across, factor * self.across

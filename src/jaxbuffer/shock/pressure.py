@@ -1,4 +1,4 @@
-"""The shear below a surface that is struck: on the axis of a Hertzian pressure (M160)."""
+"""The shear below a surface that is struck: on the axis of a Hertzian pressure (M159)."""
 
 import jax.numpy as jnp
 

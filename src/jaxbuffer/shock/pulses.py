@@ -1,4 +1,4 @@
-"""What an undamped oscillator answers to a pulse, in closed form (M161 to M166).
+"""What an undamped oscillator answers to a pulse, in closed form (M160 to M164).
 
 Times are over the pulse's duration τ, deflections over the static one of the pulse's peak; r = τ/T is the duration over
 the oscillator's natural period. Pulses are sums of steps, ramps, sines and cosines that begin one after the other, and
@@ -66,7 +66,7 @@ PULSES: Mapping[str, Pulse] = MappingProxyType(
         ),
     }
 )
-"""The pulses by name, each with a peak of 1 and a duration of 1."""
+"""The pulses by name, each with a peak of 1 and a duration of 1 (M163)."""
 
 
 def response(pulse: str, ratio: Scalar, time: Values | Scalar) -> Values:

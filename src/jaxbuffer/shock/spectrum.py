@@ -1,4 +1,4 @@
-"""The shock response spectrum of a signal (M167)."""
+"""The shock response spectrum of a signal (M165)."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""A liquid as a linear acoustic medium: pressure on a conforming mesh, coupled to a wall (M146 to M148).
+"""A liquid as a linear acoustic medium: pressure on a conforming mesh, coupled to a wall (M147 to M149).
 
     [M_s   0 ] [ü]   [K_s -A ] [u]   [F]
     [ρAᵀ  M_f] [p̈] + [ 0  K_f] [p] = [0]

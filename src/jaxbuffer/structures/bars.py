@@ -1,4 +1,4 @@
-"""Bars: two-node elements that carry a force along them (M139)."""
+"""Bars: two-node elements that carry a force along them (M138)."""
 
 from typing import NamedTuple
 
@@ -43,6 +43,6 @@ class Bars(NamedTuple):
         return jnp.stack([-pull, pull], axis=1)
 
     def lumped_mass(self, density: Scalar) -> Float[Array, " nodes"]:
-        """(nodes,) half of each bar's mass at each of its ends [kg]. ``density``: [kg/m³]."""
+        """(nodes,) half of each bar's mass at each of its ends (M129) [kg]. ``density``: [kg/m³]."""
         half = 0.5 * density * self.section * self.length
         return self.incidence.to_nodes(jnp.repeat(half[:, None], 2, axis=1))

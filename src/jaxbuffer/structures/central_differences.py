@@ -1,4 +1,4 @@
-"""Explicit time stepping by central differences (M129), in blocks of steps between searches for contact."""
+"""Explicit time stepping by central differences (M126, M127), in blocks of steps between searches for contact."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -58,7 +58,7 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
         stored=sum((found.stored for found in resistances), jnp.zeros(())),
         plastic=sum((found.plastic for found in resistances), jnp.zeros(())),
-        contact=0.5 * (state.contact_work + work),
+        contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
         liquid=jnp.zeros(()) if liquid is None else _liquid_energy(system, state, impulse),
         potential=-jnp.sum(constant * state.displacement),
         released=state.released,

@@ -1,4 +1,4 @@
-"""Materials of plane elements: elastic, orthotropic, and plastic after von Mises (M135 to M138).
+"""Materials of plane elements: elastic, orthotropic, and plastic after von Mises (M134 to M137).
 
 Strains are logarithmic, stresses conjugate to them, both in an element's own axes. Under plane strain nothing stretches
 across the plane.
@@ -70,7 +70,7 @@ class Material(eqx.Module):
 
 
 class Elastic(Material):
-    """Isotropic and elastic.
+    """Isotropic and elastic (M134).
 
     - ``density``: [kg/m³].
     - ``young``: E [Pa].
@@ -112,7 +112,8 @@ class Elastic(Material):
 
 
 class Orthotropic(Material):
-    """Orthotropic and elastic, under plane strain; axis 1 along an element's length, 2 across it, 3 across the plane.
+    """Orthotropic and elastic, under plane strain (M135); axis 1 along an element's length, 2 across it, 3 across the
+    plane.
 
     - ``density``: [kg/m³].
     - ``young``: (3,) E1, E2, E3 [Pa].
@@ -152,7 +153,8 @@ class Orthotropic(Material):
 
 
 class Plastic(Material):
-    """Plastic after von Mises with linear isotropic hardening, under plane strain; what has strained too far fails.
+    """Plastic after von Mises with linear isotropic hardening, under plane strain (M136, M137); what has strained too
+    far fails.
 
     - ``density``: [kg/m³].
     - ``young``, ``poisson``: E [Pa], ν [-].

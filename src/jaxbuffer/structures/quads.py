@@ -1,5 +1,5 @@
 """Plane four-node elements in a total Lagrangian description, with an assumed strain that neither locks nor lets
-hourglasses go (M130 to M134)."""
+hourglasses go (M130 to M133)."""
 
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
@@ -65,7 +65,7 @@ class Quads(NamedTuple):
 
         The mean deformation gradient gives the constant part. In bending the element stretches along its length as it
         should, narrows across it by ``coupling`` of that, so that no stress across stands against it, and is not
-        sheared (Belytschko and Bindeman 1991, there of small strains; here of C).
+        sheared (Belytschko and Bindeman 1991, there of small strains; here of C; M131).
 
         **Arguments:** ``displacements``: (elements, 4, 2) of the corners [m]; ``coupling``: strain across over strain
         along the first and the second own axis where no stress acts across [-].
@@ -79,8 +79,8 @@ class Quads(NamedTuple):
         return logarithmic(c11, c22, jnp.broadcast_to(metric[:, 0, 1, None], c11.shape))
 
     def lumped_mass(self, density: Scalar) -> Float[Array, " nodes"]:
-        """(nodes,) a quarter of each element's mass at each of its corners [kg]. ``density``: [kg/m³], one or one an
-        element; times one metre of depth."""
+        """(nodes,) a quarter of each element's mass at each of its corners [kg] (M129). ``density``: [kg/m³], one or
+        one an element; times one metre of depth."""
         quarter = jnp.broadcast_to(0.25 * density * self.area, self.area.shape)
         return self.incidence.to_nodes(jnp.repeat(quarter[:, None], 4, axis=1))
 
@@ -114,7 +114,7 @@ def nodal_forces(
     coupling: Float[Array, " 2"],
     stress_of: Callable[[Array], tuple[Array, T]],
 ) -> tuple[Float[Array, "elements 4 2"], T]:
-    """The forces with which the elements resist, at their corners, by the principle of virtual work (M134).
+    """The forces with which the elements resist, at their corners, by the principle of virtual work (M133).
 
     **Arguments:** ``quads``; ``displacements``: of the corners [m]; ``coupling``: as of `Quads.strains`; ``stress_of``:
     strains (elements, 4, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and whatever else.

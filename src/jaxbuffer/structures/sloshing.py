@@ -1,4 +1,4 @@
-"""Linear sloshing in upright tanks, in closed form (M149)."""
+"""Linear sloshing in upright tanks, in closed form (M150, M151)."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Logarithmic strain in the plane (M131)."""
+"""Logarithmic strain in the plane (M132)."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float

@@ -1,4 +1,4 @@
-"""What explicit dynamics moves: structures, rigid bodies, contacts, a liquid (M130)."""
+"""What explicit dynamics moves: structures, rigid bodies, contacts, a liquid (M126)."""
 
 from typing import NamedTuple
 
@@ -77,7 +77,7 @@ class System(eqx.Module):
         """The critical step [s], found from the fastest element, node on a contact and liquid element, at rest.
 
         An element's frequency bounds that of any assembly of such (Irons). What a contact or the liquid adds to a node
-        adds to the square at most.
+        adds to the square at most (M128).
         """
         fastest = jnp.max(jnp.stack([jnp.max(group.fastest()) for group in self.elements])) ** 2
         added = [layer.fastest(self.inverse_mass) ** 2 for layer in self.layers]
@@ -129,7 +129,7 @@ class State(NamedTuple):
 
 
 class Energies(NamedTuple):
-    """At an instant, all in [J]; their sum does not change.
+    """At an instant, all in [J]; their sum does not change (M127, M149).
 
     - ``kinetic``: of nodes; ``stored``: elastic; ``plastic``: work; ``contact``: taken up by contacts and cushions;
       ``liquid``: of compression and motion; ``potential``: of gravity and constant loads; ``released``: by deletion.

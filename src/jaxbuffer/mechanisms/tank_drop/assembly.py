@@ -1,4 +1,4 @@
-"""The drop onto a tank from parts: wall, liquid, cushion, slider and baffle, at rest under gravity (M170 to M173)."""
+"""The drop onto a tank from parts: wall, liquid, cushion, slider and baffle, at rest under gravity (M166, M167)."""
 
 from typing import NamedTuple
 

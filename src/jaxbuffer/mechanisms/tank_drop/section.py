@@ -131,7 +131,7 @@ def _outside(design: TankDrop, along: Float[Array, " columns"]) -> tuple[Array, 
 
 
 def thickness_at(design: TankDrop, along: Float[Array, " columns"]) -> Float[Array, " columns"]:
-    """The wall's thickness [m], linear over the tapers where zones meet."""
+    """The wall's thickness [m], linear over the tapers where zones meet (M168)."""
     ends = _lengths(design)
     meet = [ends[0], ends[1], 0.5 * (ends[1] + ends[2]), ends[2], ends[3]]
     values = [getattr(design.wall, zone) for zone in ZONES]

@@ -1,4 +1,4 @@
-"""The drop onto a tank in time: what is seen of it step by step (M174)."""
+"""The drop onto a tank in time: what is seen of it step by step (M126, M169)."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Contact forces of one step of central differences: penalty, Lagrange multipliers, defence node (M142 to M145)."""
+"""Contact forces of one step of central differences: penalty, Lagrange multipliers, defence node (M140 to M145)."""
 
 from typing import Any, NamedTuple
 
@@ -27,7 +27,8 @@ class Contact(eqx.Module):
     - ``friction``: Coulomb's coefficient [-].
     - ``averaged``: whether the force of an instant is the mean of those over the step before it and the step after it,
       rather than one that keeps the pair closed by itself. A pair that opens is then pushed off by half of what
-      pressed it, and a bar of linear elements moves exactly at a Courant number of one; below one the force rings.
+      pressed it, and a bar of linear elements moves exactly at a Courant number of one; below one the force rings
+      (M144).
     - ``published``: whether a defence node's force is distributed as Zhong does it, which turns bodies whose nodes have
       unequal masses; else by the shape functions.
     """
@@ -102,8 +103,8 @@ def contact_forces(
 
 
 def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
-    """How a force is handed to the surface's nodes: by φ, or as published, by φ m/(φ̄ M) with φ̄ = Σφ² and
-    M = Σφ m/φ̄."""
+    """How a force is handed to the surface's nodes: by φ (M141), or as published, by φ m/(φ̄ M) with φ̄ = Σφ² and
+    M = Σφ m/φ̄ (M142)."""
     if not contact.published:
         return pairs.weights
     inverse = _along(inverse_mass[pairs.nodes], pairs.normal[:, None])
@@ -125,7 +126,7 @@ def _yielding(slaves: np.ndarray, pairs: Pairs, weights: Array, inverse_mass: Ar
 
 
 def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs pairs"]:
-    """W = G M⁻¹ Gᵀ: the relative acceleration of each pair for a force of one in each [1/kg]."""
+    """W = G M⁻¹ Gᵀ (M143): the relative acceleration of each pair for a force of one in each [1/kg]."""
     nodes = jnp.concatenate([jnp.asarray(slaves)[:, None], pairs.nodes], axis=1)
     factors = jnp.concatenate([jnp.ones((len(slaves), 1)), -pairs.weights], axis=1)
     rows = factors[..., None] * pairs.normal[:, None]  # (pairs, 3, 2)

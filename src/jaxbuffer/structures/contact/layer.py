@@ -1,4 +1,4 @@
-"""A soft layer under a rigid plane: a cushion between the plane and the nodes it meets (M144)."""
+"""A soft layer under a rigid plane: a cushion between the plane and the nodes it meets (M146)."""
 
 import equinox as eqx
 import jax.numpy as jnp

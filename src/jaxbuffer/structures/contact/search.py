@@ -1,4 +1,4 @@
-"""The global search: which segments are near a node (M141)."""
+"""The global search: which segments are near a node (M139)."""
 
 import jax
 import jax.numpy as jnp

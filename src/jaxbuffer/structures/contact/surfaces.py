@@ -1,4 +1,4 @@
-"""Surfaces that nodes touch, and the pairs of a node and its foot on one (M140)."""
+"""Surfaces that nodes touch, and the pairs of a node and its foot on one (M139)."""
 
 from typing import Any, NamedTuple
 
