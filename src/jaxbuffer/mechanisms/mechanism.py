@@ -69,13 +69,14 @@ class Stepping:
     ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
     ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
     ``rows``: how many rows of its history a run has filled; ``difference_tolerance``: rtol of the runs that differences
-    are taken of.
+    are taken of; ``tight``: rtol at which a tuned design is judged.
     """
 
     step: Callable[..., Any]
     read: Callable[[Any, Any, Any], Run]
     rows: Callable[[Any], int]
     difference_tolerance: float
+    tight: float
 
 
 def no_hybrid_system(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:

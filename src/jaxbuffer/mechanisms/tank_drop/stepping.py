@@ -15,6 +15,7 @@ from .assembly import Assembled, assembled, falling
 from .design import TankDrop, TankDropScenario
 
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
+TIGHT = 0.25 * TOLERANCE  # steps half as long
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
 CRUSHED = 0.95  # of the inner height: how far the top may come down
 SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
