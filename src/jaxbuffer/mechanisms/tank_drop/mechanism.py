@@ -9,6 +9,7 @@ from ..registry import register
 from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
 from .drawing import drawing
+from .meshes import meshes
 from .outcome import TankOutcome
 from .panels import panels
 from .quantities import QUANTITIES
@@ -91,6 +92,7 @@ TANK_DROP = register(
         warnings=warnings,
         validity=validity,
         panels=panels,
+        meshes=meshes,
         drawing=drawing,
         names=names,
         contact="cushion",

@@ -151,7 +151,8 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
 
 def history_of(parts: Assembled, rows: Row) -> History:
     """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
-    "wall_y" [m]), and the stress and plastic strain of its elements."""
+    "wall_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic strain of its elements, and the
+    liquid's ``pressure`` [Pa]."""
     system, section, factor = parts.system, parts.section, parts.factor
     count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
     at = system.positions[None] + rows.displacement
@@ -168,11 +169,13 @@ def history_of(parts: Assembled, rows: Row) -> History:
         "wall_y": middle[..., 1],
         "stress": rows.stress,
         "plastic_strain": rows.plastic_strain,
+        "displacement": rows.displacement,
     }
     if system.liquid is not None:
         assert system.static_pressure is not None
         wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
         others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
+        others["pressure"] = rows.pressure + system.static_pressure[None]
     whole = jax.tree.map(lambda x: factor * x, rows.energies)
     return History(
         time=rows.time,
