@@ -125,9 +125,9 @@ class Mechanism:
       cannot be known, so that the command line tells how many of them are (`jb.horizon`);
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
-      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``meshes``: of elements
-      at a few telling instants; ``drawing``: what a
-      design looks like, from it and its bodies' names; ``record``: tables of numbers that a run's record has besides,
+      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
+      ``meshes``: its elements at a few telling instants; ``drawing``: what a design looks like, from it and its bodies'
+      names; ``record``: tables of numbers that a run's record has besides,
       by name; ``notes``: lines below a table of a run's sensitivities;
     - ``leaves_out``: what the model leaves out, a line each, and where it is told;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,

@@ -8,7 +8,7 @@ from ..picture import Meshed
 from .assembly import assembled
 from .section import Section, liquid_mesh
 
-STRESS = {"plastic": "stress after von Mises [MPa]", "composite": "stress of the equivalent wall [MPa]"}
+STRESS = "stress after von Mises [MPa]"
 
 
 def meshes(run: Any) -> list[Meshed]:
@@ -31,7 +31,7 @@ def _whole(section: Section, at: np.ndarray, kept: dict[str, Any]) -> tuple[np.n
     """Nodes, cells and values of the right half: the wall, then the liquid, whose mesh goes with the wall."""
     wall = len(section.corners)
     nodes, cells = at, np.asarray(section.corners)
-    values = {STRESS["plastic"]: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
+    values = {STRESS: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
     if "pressure" in kept:
         inner = section.inner[: section.level + 1]
         liquid, _ = liquid_mesh(at[inner], int(section.corner))

@@ -33,7 +33,7 @@ class TankRun(Run):
     - ``compression``: largest, of the cushion over its thickness [-].
     - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
-    - ``reserve``: the yield stress over the largest stress [-].
+    - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
     - ``wall_mass``: [kg]; ``step``: of the time stepping [s].
     """
 
@@ -65,7 +65,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     code = _code(found)
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     force = factor * seen.force * known
-    (history,), wall, limit = state.histories, parts.wall, parts.material.yield_stress
+    (history,), wall, limit = state.histories, parts.wall, parts.strength
     gone = jnp.all(parts.material.failed(history), axis=1)
     energy = _energy(factor, seen.energies)
     before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
@@ -126,7 +126,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
-        reserve=limit / seen.stress * known,
+        reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
         wall_mass=jnp.asarray(design.wall_mass, float),
         step=found.step,
     )
