@@ -30,7 +30,7 @@ def test_a_run_without_meshes_has_no_such_files():
     class Plain:
         history = object()
 
-        class mechanism:  # noqa: N801
+        class mechanism:
             meshes = staticmethod(lambda run: [])
 
     assert field_files.field_files(Plain()) == {}

@@ -41,12 +41,13 @@ def test_both_halves_make_the_whole_section():
     assert (worst.title, last.title) == ("largest stress, 0 ms", "end, 1 ms")
     of_wall = ~np.isnan(worst.values["stress after von Mises [MPa]"])
     wall = float(run.design.wall_mass) / 950.0 / 0.7  # m², by the middle surface
+    ring = np.pi * (0.04**2 - 0.035**2)  # of all corners; chords across up to 39° take off up to 7.5 % of it
     inside = (0.6 - 0.01) * (0.3 - 0.01)  # less its corners
     level = 0.5 * (0.3 - 0.01)
     for mesh in (worst, last):
         area = areas(mesh)
         assert np.all(area > 0.0)
-        assert np.isclose(area[of_wall].sum(), wall, rtol=5e-3)
+        assert wall - 0.075 * ring < area[of_wall].sum() < wall
         corners = 2.0 * (1.0 - 0.25 * np.pi) * 0.035**2  # of two corners, whose inner radius is 35 mm
         assert np.isclose(area[~of_wall].sum(), inside * level / 0.29 - corners, rtol=2e-3)
 
