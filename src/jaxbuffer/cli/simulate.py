@@ -32,6 +32,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
       capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
       motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
       motion.json, force.json  the same and the force over time, for the page of jaxbuffer report
+      fields.png, .svg  stress, strain and pressure on the mesh, of a mechanism that has one; with meshio installed
+                    fields.vtu, fields_end.vtu too
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 

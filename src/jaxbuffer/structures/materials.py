@@ -132,6 +132,11 @@ class Orthotropic(Material):
         rows = [1.0 / e1, -v12 / e1, -v13 / e1, -v12 / e1, 1.0 / e2, -v23 / e2, -v13 / e1, -v23 / e2, 1.0 / e3]
         return stacked(rows).reshape(3, 3)
 
+    def strain_along(self, stress: Float[Array, "*points 4"]) -> Float[Array, " *points"]:
+        """ε11 [-] from σ11, σ22, σ12, σ33 [Pa]."""
+        first = self._compliance()[0]
+        return first[0] * stress[..., 0] + first[1] * stress[..., 1] + first[2] * stress[..., 3]
+
     def _stiffness(self) -> Float[Array, "3 2"]:
         """σ11, σ22, σ33 from ε11, ε22 [Pa]."""
         return jnp.linalg.inv(self._compliance())[:, :2]

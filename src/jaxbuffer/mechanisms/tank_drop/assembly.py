@@ -8,11 +8,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
-from ...structures import Liquid, Plane, Plastic, Quads, State, System
+from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, State, System
 from ...structures.acoustics import boundary_areas, element_matrices
 from ...structures.contact import Contact, Layer, RigidPlane
 from ...structures.incidence import Incidence
 from .design import TankDrop, TankDropScenario
+from .laminate import equivalent
 from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
@@ -23,6 +24,7 @@ class Assembled(NamedTuple):
     """The system of half a cross-section, a metre long.
 
     - ``system``, ``section``: of it; ``wall``: its elements, ``material``: theirs.
+    - ``strength``: the size of stresses that matter: yield stress, or the plies' in compression along the fibres [Pa].
     - ``slider``: its node.
     - ``factor``: from its forces and energies to those of the whole tank [m].
     """
@@ -30,7 +32,8 @@ class Assembled(NamedTuple):
     system: System
     section: Section
     wall: Plane
-    material: Plastic
+    material: Plastic | Orthotropic
+    strength: Scalar
     slider: int
     factor: Scalar
 
@@ -43,16 +46,8 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     above = design.tank.height + design.cushion.thickness
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
-    material = design.material
-    plastic = Plastic(
-        material.density,
-        material.young_modulus,
-        material.poisson_ratio,
-        material.yield_stress,
-        material.hardening,
-        material.failure_strain,
-    )
-    wall = Plane(Quads.of(positions, seen.corners), plastic)
+    material = _material(design)
+    wall = Plane(Quads.of(positions, seen.corners), material)
     inverse = 1.0 / wall.mass()[:nodes]
     middle = np.concatenate([np.arange(design.mesh.refinement + 1), np.arange(nodes)[-design.mesh.refinement - 1 :]])
     inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[middle, 0].set(0.0)
@@ -74,7 +69,25 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
         liquid,
         static,
     )
-    return Assembled(system, seen, wall, plastic, slider, factor)
+    return Assembled(system, seen, wall, material, _strength(design), slider, factor)
+
+
+def _material(design: TankDrop) -> Plastic | Orthotropic:
+    if design.material.kind == "composite":
+        return equivalent(design.composite)
+    material = design.material
+    return Plastic(
+        material.density,
+        material.young_modulus,
+        material.poisson_ratio,
+        material.yield_stress,
+        material.hardening,
+        material.failure_strain,
+    )
+
+
+def _strength(design: TankDrop) -> Scalar:
+    return design.composite.along_compression if design.material.kind == "composite" else design.material.yield_stress
 
 
 def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:

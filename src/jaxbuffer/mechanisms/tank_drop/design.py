@@ -9,6 +9,7 @@ from ..._types import Scalar
 from ...errors import InputError, check_type, concrete
 from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
 from ...structures.contact import METHODS
+from .laminate import Composite
 
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
 THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
@@ -55,11 +56,13 @@ class Tank(Part):
 class TankMaterial(Part):
     """What the wall is made of: high-density polyethylene unless said otherwise.
 
-    ``density``; ``young_modulus``; ``poisson_ratio``; ``yield_stress``; ``hardening``: its rise over equivalent plastic
-    strain; ``failure_strain``: the equivalent plastic strain at which an element is deleted.
+    ``kind``: "plastic", which the rest describes, or "composite", which `Composite` does; ``density``;
+    ``young_modulus``; ``poisson_ratio``; ``yield_stress``; ``hardening``: its rise over equivalent plastic strain;
+    ``failure_strain``: the equivalent plastic strain at which an element is deleted.
     """
 
     section: ClassVar[str] = "material"
+    kind: str = choice("plastic", "plastic", "composite")
     density: Scalar = number(950.0, "kg/m³", **POSITIVE)
     young_modulus: Scalar = number(1.0e9, "Pa", **POSITIVE)
     poisson_ratio: Scalar = number(0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True)
@@ -128,7 +131,7 @@ class TankDrop(Part):
 
     Seed 003 prints no dimension and no material: the defaults are assumed.
 
-    - ``tank``, ``wall``, ``material``: the tank.
+    - ``tank``, ``wall``, ``material``: the tank; ``composite``: its wall's plies, if they are its material.
     - ``contents``: what it holds.
     - ``cushion``, ``slider``: what falls on it.
     - ``support``: how it rests.
@@ -146,6 +149,7 @@ class TankDrop(Part):
     tank: Tank = Tank()
     wall: Wall = Wall()
     material: TankMaterial = TankMaterial()
+    composite: Composite = Composite()
     contents: Contents = Contents()
     cushion: Cushion = Cushion()
     slider: Slider = Slider()

@@ -9,11 +9,12 @@ from ..registry import register
 from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
 from .drawing import drawing
+from .meshes import meshes
 from .outcome import TankOutcome
 from .panels import panels
 from .quantities import QUANTITIES
 from .run import TankRun, rows_of, run_of
-from .stepping import TOLERANCE, dropped
+from .stepping import TIGHT, TOLERANCE, dropped
 
 ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
 SLENDER = 0.05  # of the tank's height: a wall that moves further takes the liquid's mesh out of its place
@@ -72,7 +73,7 @@ TANK_DROP = register(
         design=TankDrop,
         scenario=TankDropScenario,
         system=no_hybrid_system,
-        stepping=Stepping(dropped, run_of, rows_of, TOLERANCE),
+        stepping=Stepping(dropped, run_of, rows_of, TOLERANCE, TIGHT),
         quantities=QUANTITIES,
         outcomes=TankOutcome,
         time_is_up="whole",
@@ -91,6 +92,7 @@ TANK_DROP = register(
         warnings=warnings,
         validity=validity,
         panels=panels,
+        meshes=meshes,
         drawing=drawing,
         names=names,
         contact="cushion",

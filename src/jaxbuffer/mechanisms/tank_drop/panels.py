@@ -10,6 +10,7 @@ from ..picture import Curve, Level, Panel
 def panels(run: Any) -> list[Panel]:
     """Motion, pressures, stress with the yield stress, plastic strain, energy, of a run with a history."""
     seen, design = run.history, run.design
+    composite = design.material.kind == "composite"
     others = {name: np.asarray(values) for name, values in seen.others.items()}
     travel = np.asarray(seen.position)[0, 0, 1] - np.asarray(seen.position)[:, 0, 1]
     found = [
@@ -23,7 +24,7 @@ def panels(run: Any) -> list[Panel]:
             f"Stress after von Mises, largest {1e-6 * float(run.peak_stress):.4g} MPa",
             "stress [MPa]",
             (Curve("largest in the wall", 1e-6 * others["peak_stress"]),),
-            (Level("yield stress", 1e-6 * float(design.material.yield_stress)),),
+            () if composite else (Level("yield stress", 1e-6 * float(design.material.yield_stress)),),
             whole=True,
         ),
     ]

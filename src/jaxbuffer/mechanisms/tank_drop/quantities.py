@@ -16,7 +16,7 @@ QUANTITIES: dict[str, Quantity] = {
     "reserve": Quantity(
         "-",
         lambda run: run.reserve,
-        "yield stress over the largest stress after von Mises; less than 1 where a face yielded",
+        "yield stress over the largest stress after von Mises, or the plies' least reserve factor; below 1 one failed",
         "reserve factor",
         swept=True,
         tuned=True,

@@ -34,7 +34,7 @@ class TankRun(Run):
     - ``compression``: largest, of the cushion over its thickness [-].
     - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
-    - ``reserve``: the yield stress over the largest stress [-].
+    - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
     - ``wall_mass``: [kg]; ``step``: of the time stepping [s].
     """
 
@@ -66,7 +66,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     code = _code(found)
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
     force = factor * seen.force * known
-    (history,), wall, limit = state.histories, parts.wall, parts.material.yield_stress
+    (history,), wall, limit = state.histories, parts.wall, parts.strength
     gone = jnp.all(parts.material.failed(history), axis=1)
     energy = _energy(factor, seen.energies)
     before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
@@ -127,8 +127,8 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
-        reserve=limit / seen.stress * known,
-        wall_mass=factor * design.material.density * wall_area(design),
+        reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
+        wall_mass=factor * parts.material.density * wall_area(design),
         step=found.step,
     )
 
@@ -152,7 +152,8 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
 
 def history_of(parts: Assembled, rows: Row) -> History:
     """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
-    "wall_y" [m]), and the stress and plastic strain of its elements."""
+    "wall_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic strain of its elements, and the
+    liquid's ``pressure`` [Pa]."""
     system, section, factor = parts.system, parts.section, parts.factor
     count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
     at = system.positions[None] + rows.displacement
@@ -169,11 +170,13 @@ def history_of(parts: Assembled, rows: Row) -> History:
         "wall_y": middle[..., 1],
         "stress": rows.stress,
         "plastic_strain": rows.plastic_strain,
+        "displacement": rows.displacement,
     }
     if system.liquid is not None:
         assert system.static_pressure is not None
         wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
         others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
+        others["pressure"] = rows.pressure + system.static_pressure[None]
     whole = jax.tree.map(lambda x: factor * x, rows.energies)
     return History(
         time=rows.time,

@@ -20,6 +20,7 @@ class Section(NamedTuple):
     - ``corners``: (elements, 4) their nodes.
     - ``inner``, ``outer``: (columns,) the nodes on either face.
     - ``zone``: of the columns' numbers: how many stand on the flat bottom, and up to the level.
+    - ``corner``: the column at the lower right corner of the liquid's block.
     - ``liquid``: (liquid nodes, 2) [m], ``liquid_corners``; ``wet``: the liquid's nodes along the wall, from the middle
       of the bottom to the level; ``free``: those on its surface.
     """
@@ -30,6 +31,7 @@ class Section(NamedTuple):
     outer: np.ndarray
     flat: int
     level: int
+    corner: int
     liquid: Float[Array, "liquid 2"]
     liquid_corners: np.ndarray
     wet: np.ndarray
@@ -57,7 +59,8 @@ def section(design: TankDrop, fill: Scalar) -> Section:
     node = np.arange(columns * across).reshape(columns, across)
     corners = np.stack([node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]], axis=-1).reshape(-1, 4)
     level = sum(counts[:3])
-    grid, liquid_node = _liquid(positions[node[: level + 1, 0]], counts[0] + counts[1] // 2)
+    corner = counts[0] + counts[1] // 2
+    grid, liquid_node = liquid_mesh(positions[node[: level + 1, 0]], corner)
     bottom, right = liquid_node[:, 0], liquid_node[-1, :]
     cells = [liquid_node[:-1, :-1], liquid_node[1:, :-1], liquid_node[1:, 1:], liquid_node[:-1, 1:]]
     return Section(
@@ -67,6 +70,7 @@ def section(design: TankDrop, fill: Scalar) -> Section:
         node[:, -1],
         counts[0],
         level,
+        corner,
         grid,
         np.stack(cells, axis=-1).reshape(-1, 4),
         np.concatenate([bottom, right[1:]]),
@@ -80,7 +84,7 @@ def _lengthwise(corners: np.ndarray) -> np.ndarray:
     return np.stack([outer_here, outer_next, inner_next, inner_here], axis=1)
 
 
-def _liquid(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, "liquid 2"], np.ndarray]:
+def liquid_mesh(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, "liquid 2"], np.ndarray]:
     """The liquid's nodes between the wall, the middle and the surface, by transfinite interpolation; the block's lower
     right corner is the wall's column ``corner``."""
     bottom, right = edge[: corner + 1], edge[corner:]

@@ -8,13 +8,15 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
 from ...hybrid import Options
-from ...structures import State, at_faces, march, mises
+from ...structures import Orthotropic, State, at_faces, march, mises
 from ...structures.central_differences import BLOCK
 from ...structures.system import SAFETY, Energies, Instant
 from .assembly import Assembled, assembled, falling
 from .design import TankDrop, TankDropScenario
+from .laminate import least_reserve
 
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
+TIGHT = 0.25 * TOLERANCE  # steps half as long
 GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
 CRUSHED = 0.95  # of the inner height: how far the top may come down
 SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
@@ -50,6 +52,7 @@ class Seen(NamedTuple):
     - ``released``: when the force was last above zero [s]; ``in_contact``: for how long it was [s].
     - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where.
     - ``sharpened``: the integral over wall and time whose logarithm is the smooth maximum of the stress [m² s].
+    - ``reserve``: the least of a composite's plies [-].
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel``: of the slider, downwards [m].
     - ``compression``: largest, of the cushion [m].
     - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
@@ -66,6 +69,7 @@ class Seen(NamedTuple):
     stress: Float[Array, ""]
     stress_element: Int[Array, ""]
     sharpened: Float[Array, ""]
+    reserve: Float[Array, ""]
     deflection: Float[Array, ""]
     travel: Float[Array, ""]
     compression: Float[Array, ""]
@@ -124,7 +128,7 @@ def dropped(
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
     def see(seen: Seen, instant: Instant, after: State) -> Seen:
-        return _seen(parts, step, duration, seen, instant)
+        return _seen(parts, design, step, duration, seen, instant)
 
     def until(seen: Seen) -> Array:
         return seen.deflection >= crushed
@@ -145,16 +149,16 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
             *(room(elements), room(elements), Energies(*(room() for _ in energies))),
         )
     most = jnp.asarray(jnp.inf)
-    return Seen(*(zero,) * 6, jnp.asarray(0), *(zero,) * 4, -most, most, zero, zero, energies, rows)
+    return Seen(*(zero,) * 6, jnp.asarray(0), zero, most, *(zero,) * 3, -most, most, zero, zero, energies, rows)
 
 
-def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
+def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
     system, section = parts.system, parts.section
     (cushion,), (found,) = instant.layers, instant.resistances
     force = jnp.sum(cushion.normal)
     stress = jnp.max(mises(at_faces(found.stress)), axis=1)
     highest_stress = jnp.max(stress)
-    limit = parts.material.yield_stress
+    limit = parts.strength
     sharpened = jnp.sum(parts.wall.quads.area * jnp.exp((stress - limit) / (limit / SMOOTH)))
     higher, lower = seen.highest, seen.lowest
     if system.liquid is not None:
@@ -174,6 +178,7 @@ def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant:
         jnp.maximum(seen.stress, highest_stress),
         jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
         seen.sharpened + step * sharpened,
+        jnp.minimum(seen.reserve, _reserve(parts, design, found.stress)),
         jnp.maximum(seen.deflection, -instant.displacement[section.outer[-1], 1]),
         jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),
         jnp.maximum(seen.compression, compressed),
@@ -184,6 +189,13 @@ def _seen(parts: Assembled, step: Scalar, duration: Scalar, seen: Seen, instant:
         instant.energies,
         None if seen.rows is None else _kept(parts, duration, seen.rows, instant, force, stress),
     )
+
+
+def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
+    """Of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
+    if not isinstance(parts.material, Orthotropic):
+        return jnp.asarray(jnp.inf)
+    return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
 def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
