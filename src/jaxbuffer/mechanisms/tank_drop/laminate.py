@@ -1,4 +1,4 @@
-"""The composite wall: Aerospatiale's lay-up scaled to the wall's thickness, as elements and ply by ply (M175)."""
+"""The composite wall: Aerospatiale's lay-up scaled to the wall's thickness, as elements and ply by ply."""
 
 from typing import ClassVar
 
