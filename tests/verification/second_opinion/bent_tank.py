@@ -1,5 +1,6 @@
 """The tank's wall under a load on its top, in equilibrium, by our elements; felupe's answer: `felupe_tank`."""
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -9,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.assembly import assembled
-from jaxbuffer.structures import at_faces
+from jaxbuffer.structures import Plane, at_faces
 
 ROUNDS = 20  # of Newton's method
 SHARES = (0.5, 1.0)  # of the load, one after the other
@@ -51,7 +52,7 @@ def bent(design, loads):
     held[[*range(section.inner[1]), *range(section.inner[-1], parts.slider)], 0] = True
     free = np.flatnonzero(~held.ravel())
     start = wall.start()
-    resist, stiffness = jax.jit(lambda u: wall.resist(u, start)), jax.jit(lambda u: wall.stiffness(u))
+    resist, stiffness = jax.jit(lambda u: wall.resist(u, start)), jax.jit(partial(Plane.stiffness, wall))
     corners = (2 * wall.quads.incidence.corners[:, :, None] + np.arange(2)).reshape(-1, 8)
     at = [places.ravel() for places in np.broadcast_arrays(corners[:, :, None], corners[:, None])]
     edge = 0.5 * float(design.tank.width) - float(design.tank.corner_radius)

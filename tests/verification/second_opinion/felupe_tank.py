@@ -8,8 +8,7 @@ from .bent_tank import BED, Bent, balanced, mises
 
 
 def outline(tank, fine):
-    """Positions (columns, 2) and outward normals of the outside, two columns an element, and how many columns each of its
-    five parts has."""
+    """Positions (columns, 2) and outward normals of the outside, two columns an element, and columns of its parts."""
     width, height, radius = float(tank.width), float(tank.height), float(tank.corner_radius)
     flat, side = 0.5 * width - radius, height - 2.0 * radius
     counts = [2 * fine * n for n in (12, 5, 10, 5, 12)]

@@ -48,7 +48,8 @@ class Seen(NamedTuple):
 
     - ``force``: largest on the slider [N], at ``force_time`` [s]; ``impulse`` [N s]; ``released``: when it was last
       above zero [s]; ``in_contact`` [s].
-    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where; ``sharpened``: the sum of its smooth maximum.
+    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where; ``sharpened``: the
+      sum of its smooth maximum.
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider, downwards [m].
     - ``compression``: largest of the cushion [m].
     - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
