@@ -17,7 +17,7 @@ from .laminate import equivalent
 from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
-ITERATIONS = 6  # of Newton's method for the static start
+ITERATIONS = 20  # of Newton's method for the static start
 
 
 class Assembled(NamedTuple):
@@ -131,17 +131,18 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
 
 
 def at_rest(parts: Assembled) -> State:
-    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle; the slider
-    where the cushion just touches. Newton's method finds it; derivatives are those of the equilibrium."""
+    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
+    presses on it; the slider where the cushion would just touch the tank undeformed. Newton's method finds it;
+    derivatives are those of the equilibrium."""
     system, seen = parts.system, parts.section
     start = system.start()
     nodes = parts.slider
     free = np.ones((nodes + 2, 2), bool)
     free[nodes:] = False
-    free[seen.outer[: seen.flat + 1], 1] = False
     middle = np.concatenate([np.arange(seen.inner[1]), np.arange(seen.inner[-1], nodes)])
     free[middle, 0] = False
     places = np.flatnonzero(free.ravel())
+    bottom = np.searchsorted(places, 2 * seen.outer[: seen.flat + 1] + 1)
     load = system.mass * system.gravity[None]
     if system.liquid is not None:
         assert system.static_pressure is not None
@@ -157,14 +158,20 @@ def at_rest(parts: Assembled) -> State:
     corners = 2 * wall.quads.incidence.corners[:, :, None] + np.arange(2)
     rows = corners.reshape(-1, 8)
 
-    def newton(moves: Array) -> Array:
+    def newton(moves: Array, stands: Array) -> tuple[Array, Array]:
+        """Better displacements where these bottom nodes stand, and which stand then: pressed, or below the baffle."""
         whole = (
             jnp.zeros((free.size, free.size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displaced(moves)))
         )
-        return moves - jnp.linalg.solve(whole[np.ix_(places, places)], unbalanced(moves))
+        matrix, left = whole[np.ix_(places, places)], unbalanced(moves)
+        held = jnp.zeros(len(places), bool).at[bottom].set(stands)
+        change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(len(places)), matrix), -jnp.where(held, moves, left))
+        after, pressed = moves + change, (left + matrix @ change)[bottom]
+        return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
 
-    found = jax.lax.fori_loop(0, ITERATIONS, lambda _, moves: newton(moves), jnp.zeros(len(places)))
-    return start._replace(displacement=displaced(newton(jax.lax.stop_gradient(found))))
+    nowhere = jnp.zeros(len(places)), jnp.ones(len(bottom), bool)
+    found, stands = jax.lax.fori_loop(0, ITERATIONS, lambda _, at: newton(*at), nowhere)
+    return start._replace(displacement=displaced(newton(jax.lax.stop_gradient(found), stands)[0]))
 
 
 def falling(parts: Assembled, scenario: TankDropScenario) -> State:

@@ -1,4 +1,4 @@
-"""The composite wall: Aerospatiale's lay-up scaled to the wall's thickness, as elements and ply by ply (M156 to M158)."""
+"""The composite wall: Aerospatiale's lay-up as thick as the wall, as elements and ply by ply (M156 to M158)."""
 
 from typing import ClassVar
 
