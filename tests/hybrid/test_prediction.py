@@ -23,6 +23,12 @@ def test_a_touchdown_is_predicted(gap, time):
     np.testing.assert_allclose(time + predicted, (SPEED + np.sqrt(SPEED**2 + 2.0 * FALL * gap)) / FALL, rtol=1e-12)
 
 
+def test_however_slowly_it_turns_back():
+    """0.1 m/s upwards and 1e-3 m/s² back: on the surface again after 200 s."""
+    slow = guards(contact=(0.0, 0.1, -1e-3))
+    np.testing.assert_allclose(float(next_touchdown(slow, OPEN)), 200.0, rtol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("rate", "acceleration", "active"),
     [(SPEED, FALL, OPEN), (SPEED, 0.0, OPEN), (-SPEED, FALL, OPEN), (-SPEED, 0.0, CLOSED)],

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
 from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta
 from jaxbuffer.hybrid.rungekutta.stages import SecondDerivative
@@ -62,3 +63,18 @@ def test_whether_it_is_wanted_is_asked_of_the_state(which):
     of_state = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] > 0.1) & (rate[0] < 0.0))
     beside = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] < 0.1) | (rate[0] > 0.0))
     assert np.all(of_state.second != 0.0) and not np.any(beside.second)
+
+
+def test_the_estimated_error_is_hairers():
+    """As SciPy estimates it of the same step."""
+    length, start = 5e-2, np.array([0.3, 2.0])
+
+    def rates(time, state):
+        return np.array([state[1], -(FREQUENCY**2) * state[0] + np.cos(DRIVE * time)])
+
+    theirs = DOP853(rates, 0.2, start, 1.0, first_step=length, max_step=length, rtol=1.0, atol=1e9)
+    theirs.step()
+    estimate = np.abs(theirs._estimate_error(theirs.K, length))
+    ours = step(ExplicitRungeKutta(), 0, length, wanted=False)
+    assert np.min(estimate) > 1e-9
+    np.testing.assert_allclose(np.abs(ours.error[:, 0]), estimate, rtol=1e-6)

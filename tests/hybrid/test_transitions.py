@@ -9,12 +9,28 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from hybrid.ball import CONTACT, DURATION, END, IMPACT_STEP, JUMP, LENGTH, PEAK, RATE_PEAK, guards, running, task, trial
+from hybrid.ball import (
+    CONTACT,
+    DURATION,
+    END,
+    IMPACT_STEP,
+    JUMP,
+    LENGTH,
+    PEAK,
+    RATE_PEAK,
+    Ball,
+    guards,
+    running,
+    task,
+    trial,
+)
 from jaxbuffer.hybrid import Kind, Status
 from jaxbuffer.hybrid.events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket
 from jaxbuffer.hybrid.loop import loop
 from jaxbuffer.hybrid.loop.decision import decide
 from jaxbuffer.hybrid.loop.phase import LOOKING_BACK, TRANSITIONS, Outcome, Phase
+from jaxbuffer.hybrid.loop.state import initial_state
+from jaxbuffer.hybrid.loop.task import Task
 from jaxbuffer.hybrid.rungekutta.controller import StepSizes
 
 PAGE = Path(__file__).parents[2] / "docs" / "loop.md"
@@ -204,6 +220,20 @@ def test_the_page_has_the_same_table():
     assert {(Phase[phase], Outcome[outcome]): Phase[following] for phase, outcome, following in rows} == {
         (phase, outcome): following for phase in Phase for outcome, following in TRANSITIONS[phase].items()
     }
+
+
+def test_the_first_step_is_that_of_the_state_and_of_no_tangent():
+    """A fifth of the height, which is 1 m and does not depend on the floor's stiffness."""
+
+    class Sized(Ball):
+        def impact_step(self, state):
+            return 0.2 * state[0]
+
+    case = Task.of(Sized, WITH_TANGENTS.tangents, jnp.asarray(DURATION), WITH_TANGENTS.options)
+    state = initial_state(case)
+    share = case.options.tolerance.first_step(2)
+    assert 0.0 < float(share) < 5.0
+    np.testing.assert_allclose(float(state.contact_step), 0.2 * float(share), rtol=1e-15)
 
 
 def test_a_touchdown_is_recorded():

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer import SliderCrank, SliderCrankScenario, replace
+from jaxbuffer import InputError, SliderCrank, SliderCrankScenario, replace
 from jaxbuffer.mechanisms.slider_crank import SLIDER_CRANK
+from jaxbuffer.mechanisms.slider_crank.design import check_fit
 from jaxbuffer.mechanisms.slider_crank.system import (
     depth,
     driven_torque,
@@ -16,6 +17,7 @@ from jaxbuffer.mechanisms.slider_crank.system import (
     flanks,
     ideal_motion,
     slider_acceleration,
+    slider_crank,
 )
 from jaxbuffer.plane import Vector
 
@@ -34,6 +36,24 @@ def test_a_rod_with_a_section_is_a_uniform_bar():
 def test_a_rod_without_one_has_the_given_numbers():
     rod = replace(SliderCrank(), {"rod.mass": 0.5, "rod.inertia": 3e-4}).rod
     assert (float(rod.body.mass), float(rod.body.inertia)) == (0.5, 3e-4)
+
+
+def test_a_rod_that_is_no_longer_than_its_crank_is_refused():
+    for crank, refused in ((0.2, True), (0.1, True), (0.09, False)):
+        design = replace(SliderCrank(), {"crank.length": crank, "rod.length": 0.1})
+        if refused:
+            with pytest.raises(InputError, match=r"rod\.length must be above crank\.length"):
+                check_fit(design, SliderCrankScenario())
+        else:
+            check_fit(design, SliderCrankScenario())
+
+
+def test_a_round_bush_is_seen_along_a_unit_tangent():
+    """And what the drives put in stands after nine coordinates, nine velocities and three losses."""
+    design = replace(SliderCrank(), {"piston_pin.joint": "clearance", "crank_pin.joint": "clearance"})
+    mechanism = slider_crank(design, SliderCrankScenario())
+    assert [float(contact.pair.side) for contact in mechanism.contacts] == [1.0, 1.0]
+    assert mechanism.drive_work == 9 + 9 + 3
 
 
 def test_it_turns_at_5000_revolutions_a_minute():

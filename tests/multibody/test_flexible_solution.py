@@ -126,3 +126,19 @@ def test_springs_of_orthogonal_modes_are_the_modes():
     for k, spring in enumerate(body.springs(0)):
         assert spring.blocks[0][3:] == tuple(float(j == k) for j in range(4))
         assert (spring.stiffness, spring.damping) == (body.modes.stiffness[k, k], body.modes.damping[k, k])
+
+
+def test_a_rigid_bodys_inverse_masses_beside_a_flexible_one():
+    """1/m, 1/m and 1/J of 4 kg and 0.5 kg m²; the other's stand in for blocks and need only be numbers."""
+    inverse = np.asarray(System((Body(4.0, 0.5), random_body(0, 3))).inverse_masses)
+    np.testing.assert_allclose(inverse[:3], [0.25, 0.25, 2.0], rtol=1e-15)
+    assert np.all(np.isfinite(inverse))
+
+
+def test_the_kinetic_energy_of_a_flexible_body_that_moves_without_turning_or_bending():
+    """Half its mass times 5² m²/s²."""
+    body = random_body(0, 3)
+    speeds = jnp.zeros(6).at[0].set(3.0).at[1].set(-4.0)
+    frame = System((body,)).kinematics(jnp.zeros(6), speeds).frame(0)
+    found = body.kinetic_energy(frame, jnp.zeros(3), jnp.zeros(3))
+    np.testing.assert_allclose(found, 12.5 * float(body.mass), rtol=1e-14)

@@ -87,3 +87,9 @@ def test_swapping_the_ground_and_a_body_leaves_reactions_on_the_body_alone(joint
     jacobian = system.constraints(Kinematics(q, v)).jacobian
     assert np.all(np.asarray(jacobian[:, :3]) == 0.0)
     assert np.any(np.asarray(jacobian[:, 3:]) != 0.0)
+
+
+@pytest.mark.parametrize("kind", [Revolute, FixedAngle, PointOnLine, Prismatic, Weld])
+def test_points_left_out_are_the_origins_of_the_bodies(kind):
+    joint = kind(0, 1)
+    assert (joint.first_point, joint.second_point) == ((0.0, 0.0), (0.0, 0.0))

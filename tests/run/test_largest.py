@@ -89,6 +89,13 @@ def test_the_largest_of_all_entries():
     assert {name: float(value) for name, value in top.others.items()} == {"height": 7.0, "rate": 1.0}
 
 
+def test_another_observable_may_be_largest_while_another_contact_pushes_more():
+    entries = [(Kind.PEAK, 0, 2.0, (6.0, 5.0, 2.0)), (Kind.PEAK, 1, 3.0, (4.0, 5.0, 7.0))]
+    top = maxima(Toy(), logged(entries), start())
+    assert (float(top.peak_force), float(top.peak_time), int(top.peak_contact)) == (6.0, 2.0, 0)
+    assert float(top.others["height"]) == 7.0
+
+
 def test_a_value_at_the_start_counts_and_unused_entries_do_not():
     """Below zero too: unused entries hold zeros."""
     entries = [(kind, which, time, (a, b, height - 20.0)) for kind, which, time, (a, b, height) in ENTRIES]
@@ -157,8 +164,9 @@ def test_without_contacts_there_is_no_force():
 @pytest.mark.parametrize(("first", "scale"), [(1.0, 8.0), (30.0, 32.0), (-30.0, 28.0)])
 def test_what_a_motion_conserves(first, scale):
     """Energy over the larger of its first value and the system's scale; momentum over the system's; the last entry
-    is the end."""
+    is the end. A tangent in the log takes no part."""
     before, log = (first, 0.5, 2.0), logged(ENTRIES)
+    log = dataclasses.replace(log, rows=jnp.concatenate([log.rows, 100.0 + log.rows], axis=1))
     drift = jnp.where(jnp.arange(log.kind.shape[0]) < 4, jnp.array([1e-9, 3e-9, 2e-9, 0.0] + [0.0] * 8), 7.0)
     end, found = balance(Toy(), start(before), log, drift)
     total = before[0] + before[2]

@@ -1,0 +1,34 @@
+"""The path of a solve by diffrax between its points, and where its events begin, on points written by hand."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from hybrid.ball import Ball
+from jaxbuffer.hybrid import Kind, Status
+from jaxbuffer.hybrid.locate_events import Path, locate_events
+
+TIMES = np.array([0.0, 0.1, 0.3])  # s
+
+
+def thrown(time):
+    """A ball under gravity alone, from 1 m upwards at 2 m/s."""
+    return np.stack([1.0 + 2.0 * time - 5.0 * time**2, 2.0 - 10.0 * time, 0.0 * time], axis=-1)
+
+
+def path(states):
+    return Path(jnp.append(TIMES, jnp.inf), jnp.concatenate([states, jnp.full((1, 3), jnp.inf)]), jnp.asarray(2))
+
+
+def test_a_parabola_is_followed_exactly():
+    found = path(thrown(TIMES))
+    for time in (0.0, 0.04, 0.1, 0.22, 0.3):
+        np.testing.assert_allclose(found.at(Ball(1e4), jnp.asarray(time)), thrown(np.array(time)), atol=1e-14)
+
+
+def test_a_start_in_contact_is_the_first_event():
+    states = thrown(TIMES)
+    states[0] = -0.01, -1.0, 0.5
+    log, _ = locate_events(Ball(1e4), path(states), jnp.ones(1), 4, jnp.asarray(int(Status.TIMEOUT)))
+    assert (int(log.kind[0]), float(log.time[0])) == (Kind.TOUCHDOWN, 0.0)
+    np.testing.assert_array_equal(log.rows[0, 0], states[0])
+    np.testing.assert_allclose(log.values[0], [100.0, 90.0], rtol=1e-14)
