@@ -7,7 +7,7 @@ import os
 import sys
 from pathlib import Path
 
-STUDIES = ("speeds", "misalignment", "pareto", "tip", "robust", "bending", "bar", "slider_crank")
+STUDIES = ("speeds", "misalignment", "pareto", "tip", "robust", "bending", "bar", "slider_crank", "tank")
 
 
 def main(arguments: list[str] | None = None) -> int:

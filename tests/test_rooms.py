@@ -17,6 +17,9 @@ ROOMS = (
     *("errors", "files", "tables", "progress", "version", "_types", "fields", "labelled", "plane", "multibody"),
     *(
         "contact",
+        "composites",
+        "shock",
+        "structures",
         "compiling",
         "cluster",
         "hybrid",

@@ -5,6 +5,7 @@ Each breakage replaces one method or function before anything is traced; `broken
 
 from .breakage import Breakage
 from .flexible_breakages import FLEXIBLE
+from .structure_breakages import STRUCTURE
 
 JOINTS = "tests/multibody/test_joints.py"
 MECHANISMS = "tests/multibody/test_motion.py::test_slider_crank_follows_its_kinematics_and_keeps_its_energy"
@@ -535,4 +536,5 @@ BREAKAGES = (
         "own force", "an own quantity's derivative by the largest contact force lost", _lose_force_in_chain, (CHAINED,)
     ),
     *FLEXIBLE,
+    *STRUCTURE,
 )

@@ -12,7 +12,10 @@ from typing import Any
 from .breakages import BREAKAGES, Breakage
 
 ROOT = Path(__file__).parent.parent
-TESTS = ("tests/properties", "tests/hybrid", "tests/verification", "tests/multibody", "tests/mechanisms")
+TESTS = (
+    *("tests/properties", "tests/hybrid", "tests/verification", "tests/multibody", "tests/mechanisms"),
+    *("tests/structures", "tests/composites", "tests/shock"),
+)
 LIMIT = 900  # s for the checks of one breakage
 
 

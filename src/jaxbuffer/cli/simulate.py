@@ -32,6 +32,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
       capture.png, .svg  contact force, gap, stroke, hinge angle, energies over time
       motion.png, .svg   the mechanism at a few telling times, contact forces as arrows
       motion.json, force.json  the same and the force over time, for the page of jaxbuffer report
+      fields.png, .svg  stress, strain and pressure on the mesh, of a mechanism that has one; with meshio installed
+                    fields.vtu, fields_end.vtu too
       capture.txt   the summary
       capture.nc    all of it as labelled arrays (netCDF), for xarray or jb.load
 
@@ -49,8 +51,10 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
-    if run.history is not None and (kept := run.history.time.size) < int(run.accepted):
-        note(f"the history holds the first {kept} steps only")
+    from ..run.simulate import HISTORY_STEPS
+
+    if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
+        note(f"the history holds the first {HISTORY_STEPS} steps only")
     told = trusted(run, closer) if asked_for(trust) else None
     from ..output.results import run_files
 

@@ -20,6 +20,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "slider_crank": (
         *("SliderCrank", "SliderCrankScenario", "journal_path", "published_slider_crank", "turn_statistics"),
     ),
+    "tank_drop": ("TankDrop", "TankDropScenario"),
 }
 
 

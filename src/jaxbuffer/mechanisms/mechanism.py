@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..fields import Part, all_of, paths, unit
 from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
-from .picture import Panel
+from .picture import Meshed, Panel
 from .quantity import Catalogue
 from .run import Run, Solved, plain_run
 from .summary import plain_summary
@@ -62,6 +62,28 @@ class Floor:
     softeners: tuple[str, ...]
 
 
+@dataclasses.dataclass(frozen=True)
+class Stepping:
+    """How a mechanism is stepped through time that is no hybrid system.
+
+    ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
+    ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
+    ``rows``: how many rows of its history a run has filled; ``difference_tolerance``: rtol of the runs that differences
+    are taken of; ``tight``: rtol at which a tuned design is judged.
+    """
+
+    step: Callable[..., Any]
+    read: Callable[[Any, Any, Any], Run]
+    rows: Callable[[Any], int]
+    difference_tolerance: float
+    tight: float
+
+
+def no_hybrid_system(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
+    """Raise `InputError`: the mechanism is stepped otherwise."""
+    raise InputError(f"{type(design).__name__} is not a system of equations of motion between events")
+
+
 def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
     """Whether every number is in its declared range, for numbers known only inside compiled code."""
     return all_of([*design.in_range(), *scenario.in_range()])
@@ -95,6 +117,7 @@ class Mechanism:
 
     What has a plain default:
 
+    - ``stepping``: how it is stepped through time if it is no hybrid system (then ``system`` is `no_hybrid_system`);
     - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
       of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
     - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
@@ -102,8 +125,9 @@ class Mechanism:
       cannot be known, so that the command line tells how many of them are (`jb.horizon`);
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
-      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run; ``drawing``: what a
-      design looks like, from it and its bodies' names; ``record``: tables of numbers that a run's record has besides,
+      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
+      ``meshes``: its elements at a few telling instants; ``drawing``: what a design looks like, from it and its bodies'
+      names; ``record``: tables of numbers that a run's record has besides,
       by name; ``notes``: lines below a table of a run's sensitivities;
     - ``leaves_out``: what the model leaves out, a line each, and where it is told;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
@@ -121,6 +145,7 @@ class Mechanism:
     scenario: type[Part]
     system: Callable[..., ContactSystem]
     quantities: Catalogue
+    stepping: Stepping | None = None
     outcomes: type[RunOutcome] = Simulated
     ends: tuple[str, ...] = ("failed_penetration",)
     time_is_up: str = "finished"
@@ -138,6 +163,7 @@ class Mechanism:
     notes: Callable[[Any], list[str]] = lambda run: []
     diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
     panels: Callable[[Any], list[Panel]] = lambda run: []
+    meshes: Callable[[Any], list[Meshed]] = lambda run: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
     names: Callable[[Any], Names] = lambda design: Names()

@@ -1,5 +1,6 @@
 """What to draw of a run over time, as data: the drawing itself is output's."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -35,3 +36,18 @@ class Panel(NamedTuple):
     stacked: bool = False
     path: str = ""
     whole: bool = False
+
+
+class Meshed(NamedTuple):
+    """A mesh at an instant, and what its cells have.
+
+    - ``title``: of the instant; ``name``: of its file.
+    - ``nodes``: (nodes, 2) where they are then [m]; ``cells``: (cells, 4) their nodes.
+    - ``values``: by name with unit, a number for each cell, NaN where it has none.
+    """
+
+    title: str
+    name: str
+    nodes: np.ndarray
+    cells: np.ndarray
+    values: Mapping[str, np.ndarray]

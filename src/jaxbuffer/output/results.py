@@ -25,6 +25,7 @@ def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust
     ``trust``: how far its numbers can be trusted.
     """
     from ..labelled.netcdf import SUFFIX, content
+    from .field_files import field_files
     from .figures import run_figure
     from .force_record import force_record
     from .motion import motion_figure
@@ -42,6 +43,7 @@ def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust
         **both(name, lambda: run_figure(run)),
         **both("motion", lambda: motion_figure(run)),
         f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
+        **field_files(run),
     }
 
 

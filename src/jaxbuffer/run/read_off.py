@@ -21,9 +21,11 @@ from .request import Parameters
 from .survey import survey
 
 
-def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Result) -> Run:
+def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Any) -> Run:
     """The run, from what time stepping found."""
     mechanism = mechanism_of(parameters[0])
+    if mechanism.stepping is not None:
+        return mechanism.stepping.read(parameters, duration, result)
     system = mechanism.system(*parameters)
     return mechanism.run(system, _read_off(mechanism, system, parameters, duration, result, options))
 

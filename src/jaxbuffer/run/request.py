@@ -11,7 +11,7 @@ from .._types import Scalar
 from ..compiling.programs import Static
 from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
-from ..hybrid import Diffrax, Options, Result, Solver, Tolerance, solve_at_fixed_times
+from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.system import ContactSystem
@@ -103,12 +103,16 @@ def stepped(
     options: Options,
     unchecked: Static = UNCHECKED,
     wanted: Bool[Array, ""] | bool = True,
-) -> Result:
-    """What time stepping finds of a run.
+) -> Any:
+    """What time stepping finds of a run: a `Result`, or what the mechanism's own `Stepping` has.
 
     ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails without a step.
     """
     mechanism = mechanism_of(parameters[0])
+    if mechanism.stepping is not None:
+        may = wanted & allowed_of(mechanism, parameters, duration, tolerances)
+        options = dataclasses.replace(options, tolerance=Tolerance(*tolerances))
+        return mechanism.stepping.step(parameters, duration, options, may, backwards=unchecked.value)
     allowed = wanted & allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
     options = with_tolerances(options, parameters, tolerances)
     return solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)

@@ -99,7 +99,9 @@ def simulate(
             _refuse_arrays(design, scenario, one)
     run = _simulate(*given, UNCHECKED if traced else CHECKED)
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
-        run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, min(int(run.accepted), HISTORY_STEPS)))
+        stepping = mechanism.stepping
+        rows = stepping.rows(run) if stepping is not None else min(int(run.accepted), HISTORY_STEPS)
+        run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
     return run
 
 

@@ -65,7 +65,9 @@ class TightSolve(NamedTuple):
         The peak force is that of the same impact throughout, so that a swap of peaks is no part of a difference; where
         the impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
         """
-        return self.seen(simulate(*self.inputs(values), self.duration, rtol=CHECK_TOLERANCE, solver=self.solver))
+        stepping = mechanism_of(self.design).stepping
+        rtol = CHECK_TOLERANCE if stepping is None else stepping.difference_tolerance
+        return self.seen(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
 
     def seen(self, run: Run) -> np.ndarray:
         """All quantities of a run, NaN where they can't be compared."""

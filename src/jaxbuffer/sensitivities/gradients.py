@@ -17,7 +17,7 @@ from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.read_off import run_of
-from ..run.request import DEFAULT_TOLERANCE, Request, allowed_of, request, with_tolerances
+from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, allowed_of, request, stepped, with_tolerances
 
 
 class Gradients(eqx.Module):
@@ -70,8 +70,11 @@ def _moved(inputs: Inputs, values: list[Array], asked: Static, solver: Solver | 
     return request(*moved, duration, solver, (rtol, rtol))
 
 
-def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result:
-    """What time stepping finds, with a tangent for each address."""
+def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result | None:
+    """What time stepping finds, with a tangent for each address; nothing of a mechanism with its own `Stepping`, which
+    is differentiated as a whole."""
+    if mechanism_of(inputs[0]).stepping is not None:
+        return None
     separate = [values[k] for k in range(len(asked.value))]
     parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)
     mechanism = mechanism_of(inputs[0])
@@ -86,13 +89,14 @@ def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, 
 
 @after(_stepped, seconds=20.0)
 def _gradients(
-    inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result
+    inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result | None
 ) -> Gradients:
     catalogue = mechanism_of(inputs[0]).quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        parameters, duration, _, options = _moved(inputs, values, asked, solver)
-        run = run_of(parameters, duration, options, differentiable(result, values))
+        parameters, duration, _, options = given = _moved(inputs, values, asked, solver)
+        found = stepped(*given, CHECKED) if result is None else differentiable(result, values)
+        run = run_of(parameters, duration, options, found)
         results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
         return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
 

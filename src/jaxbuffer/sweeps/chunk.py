@@ -77,6 +77,8 @@ def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver
     def one(chunk: Chunk, wanted: Array) -> Result:
         return stepped(*_request(chunk, rtol, stabilisation, solver), wanted=wanted)
 
+    if mechanism_of(chunk[0]).stepping is not None:  # lanes of a loop over many nodes would wait for the slowest
+        return jax.lax.map(lambda run: one(*run), (chunk, wanted))
     return jax.vmap(one)(chunk, wanted)
 
 

@@ -193,9 +193,10 @@ def _measured(wanted: Wanted, duration: Any, rtol: float, slopes: bool, job: tup
 
 
 def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Every impact's peak [N] and its slopes. The last slot is free: of a run with more impacts than are listed it
-    takes the largest, if that is not listed."""
-    peaks, slopes = np.array(run.impacts.peak_force), np.array(slopes)
+    """Every impact's peak [N] and its slopes, at least `PEAKS` of them, the rest zero. The last slot is free: of a run
+    with more impacts than are listed it takes the largest, if that is not listed."""
+    more = max(PEAKS - len(slopes), 0)
+    peaks, slopes = np.pad(run.impacts.peak_force, (0, more)), np.pad(slopes, ((0, more), (0, 0)))
     unlisted = int(run.peak_impact) < 0
     peaks[-1], slopes[-1] = (float(run.peak_force), top_slope) if unlisted else (0.0, 0.0)
     return peaks, slopes

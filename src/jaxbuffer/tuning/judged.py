@@ -14,7 +14,7 @@ from .settings import Settings
 from .store import Record
 from .tuned import Tuned
 
-TIGHT = 1e-9  # rtol at which the result is judged
+TIGHT = 1e-9  # rtol at which the result is judged, where the mechanism does not say otherwise
 
 
 def judged(
@@ -35,7 +35,8 @@ def judged(
     ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
-    before, after = evaluator([first, scaled], rtol=TIGHT)
+    stepping = problem.mechanism.stepping
+    before, after = evaluator([first, scaled], rtol=TIGHT if stepping is None else stepping.tight)
     return Tuned(
         problem=problem,
         settings=settings,

@@ -1,0 +1,155 @@
+"""Elements a second: our explicit dynamics beside a loop in numba of the same: ``python -m benchmarks.elements``.
+
+A cantilever of square elements, plastic after von Mises, swings under its weight. Ours and numba's on one thread take
+turns and are timed by processor time, several threads by the clock; the shortest counts. Memory is what XLA reports of
+the compiled run; the gradient is that of the tip's displacement by Young's modulus.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .ours import jax  # configures, before any computation of JAX's
+from .peers.elements import Peer
+from .variables import in_turns
+
+jnp = jax.numpy
+
+SIZES = ((25, 2), (100, 2), (250, 4), (500, 10), (1000, 20))  # elements along and across
+BLOCKS = 4  # of steps in a run, at least
+UPDATES = 4e5  # element updates a run, at least
+GRADIENT = ((25, 2), (100, 2), (250, 4))
+SIDE, YOUNG, POISSON, DENSITY, YIELD, HARDENING = 0.01, 1e9, 0.4, 950.0, 25e6, 40e6
+GRAVITY = 2e4  # m/s²: some elements yield soon
+
+
+class Problem(NamedTuple):
+    """One size: positions, corners, inverse masses, the step and how many blocks of steps to take."""
+
+    positions: np.ndarray
+    corners: np.ndarray
+    inverse: np.ndarray
+    step: float
+    blocks: int
+
+
+def problem(along: int, across: int) -> Problem:
+    """The cantilever, held at its left end."""
+    x, y = np.meshgrid(SIDE * np.arange(along + 1.0), SIDE * np.arange(across + 1.0), indexing="ij")
+    node = np.arange(x.size).reshape(x.shape)
+    cells = [node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]]
+    corners = np.stack(cells, axis=-1).reshape(-1, 4)
+    mass = np.zeros(x.size)
+    np.add.at(mass, corners.ravel(), 0.25 * DENSITY * SIDE**2)
+    inverse = np.repeat(1.0 / mass[:, None], 2, axis=1)
+    inverse[node[0]] = 0.0
+    lame = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
+    fastest = np.sqrt((lame + YOUNG / (1.0 + POISSON)) / DENSITY)
+    blocks = max(BLOCKS, int(UPDATES / (50 * along * across)))
+    return Problem(np.stack([x.ravel(), y.ravel()], axis=1), corners, inverse, 0.5 * SIDE / fastest, blocks)
+
+
+def system_of(given: Problem, young: Any) -> Any:
+    """Ours."""
+    from jaxbuffer.structures import Plane, Plastic, Quads, System
+
+    material = Plastic(DENSITY, young, POISSON, YIELD, HARDENING, 1e9)
+    quads = Quads.of(jnp.asarray(given.positions), given.corners)
+    return System(
+        jnp.asarray(given.positions),
+        jnp.asarray(given.inverse),
+        (Plane(quads, material),),
+        gravity=jnp.asarray([0.0, -GRAVITY]),
+    )
+
+
+def moved(given: Problem, young: Any, blocks: Any, backwards: bool = False) -> Any:
+    """Displacements (nodes, 2) after so many blocks."""
+    from jaxbuffer.structures import march
+
+    system = system_of(given, young)
+    state, _ = march(
+        system, system.start(), given.step, blocks, lambda seen, *_: seen, jnp.zeros(()), backwards=backwards
+    )
+    return state.displacement
+
+
+def ours(given: Problem) -> tuple[Callable[[], Any], float]:
+    """A compiled run, and the memory it takes beside its arguments [B]."""
+    compiled = jax.jit(partial(moved, given)).lower(YOUNG, given.blocks).compile()
+    memory = compiled.memory_analysis().temp_size_in_bytes
+    return lambda: np.asarray(compiled(YOUNG, given.blocks)), memory
+
+
+def theirs(given: Problem, threads: int) -> Callable[[], Any]:
+    """The same in numba, on one thread or several."""
+    peer = Peer(given.positions, given.corners, given.inverse, (YOUNG, POISSON, YIELD, HARDENING), GRAVITY, threads)
+    return lambda: peer.run(given.step, 50 * given.blocks)
+
+
+def gradient(given: Problem) -> tuple[Callable[[], Any], Callable[[], Any], float]:
+    """A run, its gradient, and the memory of the latter [B]."""
+    tip = lambda young, backwards: moved(given, young, given.blocks, backwards)[-1, 1]  # noqa: E731
+    plain = jax.jit(lambda young: tip(young, False)).lower(YOUNG).compile()
+    pulled = jax.jit(jax.value_and_grad(lambda young: tip(young, True))).lower(YOUNG).compile()
+    return (
+        lambda: np.asarray(plain(YOUNG)),
+        lambda: np.asarray(pulled(YOUNG)[1]),
+        pulled.memory_analysis().temp_size_in_bytes,
+    )
+
+
+def by_the_clock(call: Callable[[], Any], rounds: int) -> float:
+    """The shortest time [s] of a call that keeps several threads busy."""
+    times = []
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.elements", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rounds", type=int, default=9, metavar="N")
+    parser.add_argument("--sizes", type=int, default=len(SIZES), metavar="N", help="only the N smallest meshes")
+    asked = parser.parse_args(arguments)
+    cores = len(os.sched_getaffinity(0))
+    print(f"element updates a second, in millions; numba on 1 and on {cores} threads")
+    print("elements      ours   numba 1   numba " + f"{cores}   ours/numba 1   memory [MB]   apart [-]")
+    for size in SIZES[: asked.sizes]:
+        given = problem(*size)
+        run, memory = ours(given)
+        calls = {"ours": run, "one": theirs(given, 1), "all": theirs(given, cores)}
+        end = {name: call() for name, call in calls.items()}
+        apart = max(np.abs(end[name] - end["ours"]).max() for name in ("one", "all")) / np.abs(end["ours"]).max()
+        best = in_turns({name: calls[name] for name in ("ours", "one")}, asked.rounds)
+        best["all"] = by_the_clock(calls["all"], asked.rounds)
+        rate = {name: 50e-6 * given.blocks * len(given.corners) / seconds for name, seconds in best.items()}
+        print(
+            f"{len(given.corners):>8}{rate['ours']:>10.2f}{rate['one']:>10.2f}{rate['all']:>10.2f}"
+            f"{rate['ours'] / rate['one']:>15.2f}{1e-6 * memory:>14.2f}{apart:>12.1e}"
+        )
+    print("elements   steps   run [ms]   gradient [runs]   memory [MB]")
+    for size in GRADIENT[: asked.sizes]:
+        given = problem(*size)._replace(blocks=40)
+        run, pulled, memory = gradient(given)
+        best = in_turns({"run": run, "gradient": pulled}, asked.rounds)
+        print(
+            f"{len(given.corners):>8}{50 * given.blocks:>8}{1e3 * best['run']:>11.1f}"
+            f"{best['gradient'] / best['run']:>18.2f}{1e-6 * memory:>14.2f}"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,200 @@
+"""The drop onto a tank: its design and its scenario."""
+
+from typing import ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool
+
+from ..._types import Scalar
+from ...errors import InputError, check_type, concrete
+from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...structures.contact import METHODS
+from .laminate import Composite
+
+ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
+THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
+
+
+class Wall(Part):
+    """The tank's wall: its thickness in six zones, the same on the left and on the right, with tapers between them.
+
+    ``bottom``, ``lower_corner``, ``lower_side``, ``upper_side``, ``upper_corner``, ``top``: thicknesses.
+    """
+
+    section: ClassVar[str] = "wall"
+    bottom: Scalar = number(0.005, "m", **THICKNESS)
+    lower_corner: Scalar = number(0.005, "m", **THICKNESS)
+    lower_side: Scalar = number(0.005, "m", **THICKNESS)
+    upper_side: Scalar = number(0.005, "m", **THICKNESS)
+    upper_corner: Scalar = number(0.005, "m", **THICKNESS)
+    top: Scalar = number(0.005, "m", **THICKNESS)
+
+
+class Tank(Part):
+    """The tank's outside, a rectangle with round corners, and its length along which nothing changes.
+
+    ``width``, ``height``, ``corner_radius``, ``length``.
+    """
+
+    section: ClassVar[str] = "tank"
+    width: Scalar = number(0.6, "m", **POSITIVE)
+    height: Scalar = number(0.3, "m", **POSITIVE)
+    corner_radius: Scalar = number(0.04, "m", **POSITIVE)
+    length: Scalar = number(0.7, "m", **POSITIVE)
+
+    def check_together(self) -> None:
+        radius, height, width = (concrete(x) for x in (self.corner_radius, self.height, self.width))
+        if radius is None or height is None or width is None:
+            return
+        if (2.0 * radius >= height).any() or (2.0 * radius >= width).any():
+            raise InputError(
+                f"tank.corner_radius = {float(radius.flat[0]):g} m: twice of it must be less than tank.height ="
+                f" {float(height.flat[0]):g} m and tank.width = {float(width.flat[0]):g} m"
+            )
+
+
+class TankMaterial(Part):
+    """What the wall is made of: high-density polyethylene unless said otherwise.
+
+    ``kind``: "plastic", which the rest describes, or "composite", which `Composite` does; ``density``;
+    ``young_modulus``; ``poisson_ratio``; ``yield_stress``; ``hardening``: its rise over equivalent plastic strain;
+    ``failure_strain``: the equivalent plastic strain at which an element is deleted.
+    """
+
+    section: ClassVar[str] = "material"
+    kind: str = choice("plastic", "plastic", "composite")
+    density: Scalar = number(950.0, "kg/m³", **POSITIVE)
+    young_modulus: Scalar = number(1.0e9, "Pa", **POSITIVE)
+    poisson_ratio: Scalar = number(0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True)
+    yield_stress: Scalar = number(25e6, "Pa", **POSITIVE)
+    hardening: Scalar = number(40e6, "Pa", **NON_NEGATIVE)
+    failure_strain: Scalar = number(0.6, "-", **POSITIVE)
+
+
+class Contents(Part):
+    """What the tank holds.
+
+    ``kind``: "liquid" or "none"; ``density``; ``sound_speed`` in it.
+    """
+
+    section: ClassVar[str] = "contents"
+    kind: str = choice("liquid", "liquid", "none")
+    density: Scalar = number(740.0, "kg/m³", **POSITIVE)
+    sound_speed: Scalar = number(1150.0, "m/s", **POSITIVE)
+
+
+class Cushion(Part):
+    """The layer under the slider: what is a buffer here.
+
+    ``thickness``; ``stiffness`` and ``damping`` of an area. It is solid where less than a fifth of it is left.
+    """
+
+    section: ClassVar[str] = "cushion"
+    thickness: Scalar = number(0.15, "m", **POSITIVE)
+    stiffness: Scalar = number(4e6, "Pa/m", **NON_NEGATIVE)
+    damping: Scalar = number(1e4, "Pa s/m", **NON_NEGATIVE)
+
+
+class Slider(Part):
+    """What falls, rigid and wider than the tank.
+
+    ``mass``.
+    """
+
+    section: ClassVar[str] = "slider"
+    mass: Scalar = number(348.0, "kg", **POSITIVE)
+
+
+class Support(Part):
+    """The contact between the tank and the rigid baffle it rests on.
+
+    ``method``: how its force is found; ``stiffness``: of a penalty, for a node and a metre of length.
+    """
+
+    section: ClassVar[str] = "support"
+    method: str = choice("defence node", *METHODS)
+    stiffness: Scalar = number(1e8, "N/m²", **POSITIVE)
+
+
+class Mesh(Part):
+    """How finely the section is divided.
+
+    ``refinement``: 1 for elements of some 20 mm along the wall and one across it, 2 for twice as many either way.
+    """
+
+    section: ClassVar[str] = "mesh"
+    refinement: int = whole(1, 1)
+
+
+class TankDrop(Part):
+    """The whole mechanism: plane strain in the tank's cross-section, of which one half is computed.
+
+    Seed 003 prints no dimension and no material: the defaults are assumed.
+
+    - ``tank``, ``wall``, ``material``: the tank; ``composite``: its wall's plies, if they are its material.
+    - ``contents``: what it holds.
+    - ``cushion``, ``slider``: what falls on it.
+    - ``support``: how it rests.
+    - ``mesh``: how finely it is divided.
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:**
+
+    >>> thick = jb.replace(jb.TankDrop(), {"wall.top": "8 mm", "cushion.thickness": 0.2})
+    >>> f"{1e3 * float(thick.wall.top):.0f} mm"
+    '8 mm'
+    """
+
+    tank: Tank = Tank()
+    wall: Wall = Wall()
+    material: TankMaterial = TankMaterial()
+    composite: Composite = Composite()
+    contents: Contents = Contents()
+    cushion: Cushion = Cushion()
+    slider: Slider = Slider()
+    support: Support = Support()
+    mesh: Mesh = Mesh()
+
+
+class TankDropScenario(Part):
+    """How the slider falls, from rest, onto the tank that stands still.
+
+    - ``height``: through which it falls before the cushion touches [m].
+    - ``fill``: height of the liquid over the inner height [-].
+    - ``gravity``: [m/s²].
+
+    **Raises:** `InputError` where a number is out of its range.
+
+    **Example:** the seed's slider arrives with 6964 J.
+
+    >>> drop = jb.TankDropScenario()
+    >>> f"{float(jb.TankDrop().slider.mass * drop.gravity * drop.height):.0f} J"
+    '6964 J'
+    """
+
+    section: ClassVar[str] = "scenario"
+    height: Scalar = number(2.04, "m", **POSITIVE)
+    fill: Scalar = number(0.8, "-", low=0.25, high=0.95)
+    gravity: Scalar = number(9.81, "m/s²", **POSITIVE)
+
+
+def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
+    """Raise `InputError` where a wall is as thick as its corner is round."""
+    check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
+    radius = concrete(design.tank.corner_radius)
+    for zone in ZONES:
+        thickness = concrete(getattr(design.wall, zone))
+        if thickness is not None and radius is not None and (thickness >= radius).any():
+            raise InputError(
+                f"wall.{zone} = {float(thickness.flat[0]):g} m must be less than tank.corner_radius ="
+                f" {float(radius.flat[0]):g} m"
+            )
+
+
+def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
+    """The same of numbers known only inside compiled code, each in its range besides."""
+    radius = jnp.asarray(design.tank.corner_radius, float)
+    thin = [getattr(design.wall, zone) < radius for zone in ZONES]
+    round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]
+    return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough])

@@ -1,0 +1,39 @@
+"""What the drop onto a tank looks like."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from ..drawing import GROUND, Band, Drawing, Named, Outline, Spot, as_they_are, box
+from .design import TankDrop
+from .section import BOTTOM, CORNER, DRY, WET
+
+SLIDER = 0  # its body
+HIGH = 0.5  # of the tank's height: how high the slider is drawn
+
+
+def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
+    """The wall as it bends, both halves, the slider with its cushion, and the baffle."""
+    wide, tall = 0.6 * float(design.tank.width), float(design.tank.height)
+    soft = float(design.cushion.thickness)
+    columns = design.mesh.refinement * (BOTTOM + CORNER + WET + DRY) + 1
+    right = tuple(range(1, columns + 1))
+    left = tuple(range(columns + 1, 2 * columns + 1))
+    thickness = float(np.mean([float(getattr(design.wall, zone)) for zone in ("bottom", "lower_side", "top")]))
+    shapes = (
+        Outline(GROUND, box(-1.2 * wide, 1.2 * wide, -0.06 * tall, 0.0), part="baffle"),
+        Band(right, thickness, "tank"),
+        Band(left, thickness),
+        Outline(SLIDER, box(-wide, wide, -soft, 0.0), part="cushion"),
+        Outline(SLIDER, box(-wide, wide, 0.0, HIGH * tall), part="slider"),
+    )
+    return Drawing(shapes, (), (Named(Spot(SLIDER, 0.0, 0.5 * HIGH * tall), "slider"),), frames=frames)
+
+
+def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
+    """The slider, and the wall's columns on the right and on the left."""
+    x, y = (np.asarray(history.others[name]) for name in ("wall_x", "wall_y"))
+    angle = np.arctan2(np.gradient(y, axis=1), np.gradient(x, axis=1))
+    halves = np.stack([x, y, angle], axis=-1), np.stack([-x, y, np.pi - angle], axis=-1)
+    return np.concatenate([as_they_are(history), *halves], axis=1)

@@ -1,0 +1,84 @@
+"""The composite wall: Aerospatiale's lay-up as thick as the wall, as elements and ply by ply (M156 to M158)."""
+
+from typing import ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._types import Scalar, stacked
+from ...composites import CRITERIA, Laminate, Ply, Strength
+from ...fields import POSITIVE, Part, choice, number
+from ...structures import Orthotropic, at_faces
+
+HALF = (45.0, -45.0, 0.0, 90.0, 0.0, 90.0, 45.0, -45.0, 0.0, 90.0)  # °, from either face inwards
+ANGLES = (*HALF, *HALF[::-1])  # from the direction along the wall
+
+
+class Composite(Part):
+    """The plies of a composite wall, carbon fibres in epoxy (T300/BSL914) unless said otherwise.
+
+    ``density``; ``along``, ``across``: Young's moduli along and across the fibres; ``shear``, ``poisson``: in the ply's
+    plane; then its strengths; ``criterion``: by which a ply fails.
+    """
+
+    section: ClassVar[str] = "composite"
+    density: Scalar = number(1580.0, "kg/m³", **POSITIVE)
+    along: Scalar = number(130e9, "Pa", **POSITIVE)
+    across: Scalar = number(4.65e9, "Pa", **POSITIVE)
+    shear: Scalar = number(4.65e9, "Pa", **POSITIVE)
+    poisson: Scalar = number(0.35, "-", low=0.0, high=1.0, high_open=True)
+    along_tension: Scalar = number(1200e6, "Pa", **POSITIVE)
+    along_compression: Scalar = number(1000e6, "Pa", **POSITIVE)
+    across_tension: Scalar = number(50e6, "Pa", **POSITIVE)
+    across_compression: Scalar = number(120e6, "Pa", **POSITIVE)
+    shear_strength: Scalar = number(75e6, "Pa", **POSITIVE)
+    criterion: str = choice("tsai-hill", *CRITERIA)
+
+    @property
+    def laminate(self) -> Laminate:
+        """A metre thick: strains and stresses depend on the share of the thickness alone."""
+        return Laminate(Ply(self.along, self.across, self.shear, self.poisson, 1.0 / len(ANGLES)), ANGLES)
+
+    @property
+    def strength(self) -> Strength:
+        """Of a ply."""
+        return Strength(
+            self.along_tension,
+            self.along_compression,
+            self.across_tension,
+            self.across_compression,
+            self.shear_strength,
+        )
+
+
+def equivalent(composite: Composite) -> Orthotropic:
+    """The wall's elements: in their plane as stiff as the laminate's membrane, across as a ply across its fibres."""
+    compliance = jnp.linalg.inv(composite.laminate.stiffness().a)
+    along_wall, along_tank = 1.0 / compliance[0, 0], 1.0 / compliance[1, 1]
+    contraction = -compliance[0, 1] * along_wall
+    return Orthotropic(
+        composite.density,
+        stacked([along_wall, composite.across, along_tank]),
+        stacked([composite.poisson, contraction, composite.poisson * composite.across / along_tank]),
+        composite.shear,
+    )
+
+
+def least_reserve(
+    composite: Composite, across: int, stress: Float[Array, "elements 4 4"], material: Orthotropic
+) -> Float[Array, ""]:
+    """The least reserve factor of any ply [-].
+
+    **Arguments:** ``across``: how many elements the wall is thick; ``stress``: at their integration points [Pa], of
+    their ``material``.
+
+    Between the faces the strain along the wall is linear: that of the middle, and what bending adds.
+    """
+    strain = at_faces(material.strain_along(stress)).reshape(-1, across, 4)
+    outer, inner = strain[:, -1, :2], strain[:, 0, 3:1:-1]
+    middle, change = 0.5 * (outer + inner), inner - outer
+    along, none = jnp.array([1.0, 0.0, 0.0]), jnp.zeros(3)
+    laminate = composite.laminate
+    of_middle, of_change = laminate.stresses(along, none), laminate.stresses(none, along)
+    plies = jnp.tensordot(middle, of_middle, axes=0) + jnp.tensordot(change, of_change, axes=0)
+    return jnp.min(CRITERIA[composite.criterion](plies, composite.strength))

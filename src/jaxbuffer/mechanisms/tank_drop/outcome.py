@@ -1,0 +1,18 @@
+"""How a drop onto a tank ends."""
+
+from ..outcome import INPUT, NOT_FINITE, PENETRATION, STEP_SIZE, RunOutcome
+
+STEPS = "failed: more steps than max_steps; raise it, or take a coarser mesh or a shorter duration"
+
+
+class TankOutcome(RunOutcome):
+    """Outcomes of a drop onto a tank."""
+
+    whole = 0, "whole: no element of the wall was deleted until the duration was over"
+    holed = 1, "holed: the wall strained beyond its failure strain, and elements were deleted"
+    crushed = 2, "crushed: the top came down onto the bottom, where the computation ends"
+    failed_steps = 3, STEPS
+    failed_step_size = 4, STEP_SIZE
+    failed_not_finite = 5, NOT_FINITE
+    failed_penetration = 6, PENETRATION
+    failed_input = 7, INPUT

@@ -1,0 +1,55 @@
+"""What to draw of a drop onto a tank over time."""
+
+from typing import Any
+
+import numpy as np
+
+from ..picture import Curve, Level, Panel
+
+
+def panels(run: Any) -> list[Panel]:
+    """Motion, pressures, stress with the yield stress, plastic strain, energy, of a run with a history."""
+    seen, design = run.history, run.design
+    composite = design.material.kind == "composite"
+    others = {name: np.asarray(values) for name, values in seen.others.items()}
+    travel = np.asarray(seen.position)[0, 0, 1] - np.asarray(seen.position)[:, 0, 1]
+    found = [
+        Panel(
+            f"Deflection of the top, largest {1e3 * float(run.deflection):.4g} mm",
+            "downwards [mm]",
+            (Curve("top", 1e3 * others["deflection"]), Curve("slider", 1e3 * travel, dashed=True)),
+            whole=True,
+        ),
+        Panel(
+            f"Stress after von Mises, largest {1e-6 * float(run.peak_stress):.4g} MPa",
+            "stress [MPa]",
+            (Curve("largest in the wall", 1e-6 * others["peak_stress"]),),
+            () if composite else (Level("yield stress", 1e-6 * float(design.material.yield_stress)),),
+            whole=True,
+        ),
+    ]
+    if "highest_pressure" in others:
+        found.append(
+            Panel(
+                "Pressure of the liquid on the wall",
+                "over the atmosphere's [kPa]",
+                (
+                    Curve("highest", 1e-3 * others["highest_pressure"]),
+                    Curve("lowest", 1e-3 * others["lowest_pressure"]),
+                ),
+                whole=True,
+            )
+        )
+    if float(run.plastic_strain) > 0.0:
+        found.append(
+            Panel(
+                f"Equivalent plastic strain, largest {float(run.plastic_strain):.4g}",
+                "strain [-]",
+                (Curve("largest in the wall", others["peak_plastic_strain"]),),
+                (Level("failure", float(design.material.failure_strain), limit=True),),
+                whole=True,
+            )
+        )
+    energy = {name: np.asarray(getattr(seen.energy, name)) for name in seen.energy.names if name != "total"}
+    curves = tuple(Curve(name, values) for name, values in energy.items() if np.any(values))
+    return [*found, Panel("Energy", "energy [J]", curves, whole=True)]

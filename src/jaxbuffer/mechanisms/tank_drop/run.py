@@ -1,0 +1,199 @@
+"""The run of a drop onto a tank."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from ..._types import Scalar
+from ..energy import Balance, Energy
+from ..history import History
+from ..run import Impacts, Run
+from .assembly import Assembled, assembled
+from .design import TankDrop, TankDropScenario
+from .outcome import TankOutcome
+from .section import wall_area
+from .stepping import SMOOTH, Dropped, Row
+
+
+class TankRun(Run):
+    """A drop onto a tank. Print it for a summary. Forces, masses and energies are those of the whole tank.
+
+    Besides what every `Run` has:
+
+    - ``impulse``: of the contact force on the slider [N s].
+    - ``momentum``: by which the slider was slowed down, its weight's share included [N s].
+    - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``; followed
+      in straight lines from the integration points, so that it passes the yield stress where only the faces yield.
+    - ``smooth_stress``: the smooth maximum of the stress: above the mean of its area and time, by up to
+      ``smooth_bias`` below the largest [Pa].
+    - ``plastic_strain``: largest equivalent plastic strain at the end [-]; ``plastic_work`` [J]; ``deleted``: elements.
+    - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider [m].
+    - ``compression``: largest, of the cushion over its thickness [-].
+    - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
+    - ``rebound_speed``: of the slider at the end, upwards [m/s].
+    - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
+    - ``wall_mass``: [kg]; ``step``: of the time stepping [s].
+    """
+
+    impulse: Float[Array, ""]
+    momentum: Float[Array, ""]
+    peak_stress: Float[Array, ""]
+    stress_element: Int[Array, ""]
+    smooth_stress: Float[Array, ""]
+    smooth_bias: Float[Array, ""]
+    plastic_strain: Float[Array, ""]
+    plastic_work: Float[Array, ""]
+    deleted: Int[Array, ""]
+    deflection: Float[Array, ""]
+    travel: Float[Array, ""]
+    compression: Float[Array, ""]
+    highest_pressure: Float[Array, ""]
+    lowest_pressure: Float[Array, ""]
+    rebound_speed: Float[Array, ""]
+    reserve: Float[Array, ""]
+    wall_mass: Float[Array, ""]
+    step: Float[Array, ""]
+
+
+def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, found: Dropped) -> TankRun:
+    """The run, from what was stepped."""
+    design, scenario, stabilisation = parameters
+    parts = assembled(design, scenario)
+    seen, state, factor = found.seen, found.state, parts.factor
+    code = _code(found)
+    known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
+    force = factor * seen.force * known
+    (history,), wall, limit = state.histories, parts.wall, parts.strength
+    gone = jnp.all(parts.material.failed(history), axis=1)
+    energy = _energy(factor, seen.energies)
+    before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
+    after = state.velocity[parts.slider, 1]
+    end = jnp.where(found.crushed, state.time, duration)
+    momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
+    impulse = factor * seen.impulse
+    area = jnp.sum(wall.quads.area)
+    scale = limit / SMOOTH
+    mean = jnp.log(jnp.maximum(seen.sharpened, 1e-300) / (area * end))
+    initial = 0.5 * design.slider.mass * before**2
+    touched = jnp.where(seen.force > 0.0, 1, 0)
+    return TankRun(
+        design=design,
+        scenario=scenario,
+        code=code,
+        peak_force=force,
+        peak_time=seen.force_time * known,
+        peak_contact=jnp.asarray(0),
+        peak_impact=touched - 1,
+        maxima={},
+        penetration=seen.compression * known,
+        end_time=end * known,
+        contact_time=seen.in_contact * known,
+        impact_count=touched,
+        impacts=Impacts(
+            jnp.zeros(1),
+            jnp.where(touched > 0, jnp.zeros(1, int), -1),
+            -before[None] * known,
+            force[None],
+            jnp.where(seen.released < end - 2.0 * found.step, seen.released, jnp.nan)[None],
+            touched,
+        ),
+        energy=energy,
+        balance=Balance(
+            factor * seen.off / initial * known,
+            jnp.abs(impulse - momentum) / jnp.abs(design.slider.mass * before) * known,
+            jnp.asarray(jnp.nan),
+            jnp.zeros(()),
+        ),
+        history=None if seen.rows is None else history_of(parts, seen.rows),
+        attempts=found.steps,
+        accepted=found.steps,
+        stabilisation=jnp.asarray(stabilisation, float),
+        _located=None,  # type: ignore[arg-type] # no event is located
+        impulse=impulse * known,
+        momentum=momentum * known,
+        peak_stress=seen.stress * known,
+        stress_element=seen.stress_element,
+        smooth_stress=(limit + scale * mean) * known,
+        smooth_bias=scale * jnp.log(area * end / (jnp.min(wall.quads.area) * found.step)),
+        plastic_strain=jnp.max(history.equivalent) * known,
+        plastic_work=factor * seen.energies.plastic * known,
+        deleted=jnp.sum(gone),
+        deflection=seen.deflection * known,
+        travel=seen.travel * known,
+        compression=seen.compression / design.cushion.thickness * known,
+        highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
+        lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
+        rebound_speed=after * known,
+        reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
+        wall_mass=factor * parts.material.density * wall_area(design),
+        step=found.step,
+    )
+
+
+def _code(found: Dropped) -> Int[Array, ""]:
+    finite = jnp.all(jnp.isfinite(found.state.displacement)) & jnp.isfinite(found.seen.stress)
+    gone = jnp.any(jnp.isfinite(found.state.released) & (found.state.released > 0.0))
+    code = jnp.where(gone, int(TankOutcome.holed), int(TankOutcome.whole))
+    code = jnp.where(found.crushed, int(TankOutcome.crushed), code)
+    code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
+    code = jnp.where(found.too_many, int(TankOutcome.failed_steps), code)
+    return jnp.where(found.allowed, code, int(TankOutcome.failed_input))
+
+
+def _energy(factor: Scalar, energies: Any) -> Energy:
+    """Of the whole tank and the slider [J]."""
+    whole = {name: factor * value for name, value in energies._asdict().items()}
+    lost = {"plastic": whole.pop("plastic"), "deleted": whole.pop("released"), "contact": whole.pop("contact")}
+    return Energy(stored={"elastic": whole.pop("stored"), **whole}, lost=lost)
+
+
+def history_of(parts: Assembled, rows: Row) -> History:
+    """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
+    "wall_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic strain of its elements, and the
+    liquid's ``pressure`` [Pa]."""
+    system, section, factor = parts.system, parts.section, parts.factor
+    count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
+    at = system.positions[None] + rows.displacement
+    slider = at[:, parts.slider, 1]
+    middle = 0.5 * (at[:, section.inner] + at[:, section.outer])
+    (cushion,) = system.layers
+    compression = jax.vmap(lambda x: jnp.max(cushion.compression(x)))(at)
+    others = {
+        "deflection": -rows.displacement[:, section.outer[-1], 1],
+        "support_force": factor * rows.support,
+        "peak_stress": jnp.max(rows.stress, axis=1),
+        "peak_plastic_strain": jnp.max(rows.plastic_strain, axis=1),
+        "wall_x": middle[..., 0],
+        "wall_y": middle[..., 1],
+        "stress": rows.stress,
+        "plastic_strain": rows.plastic_strain,
+        "displacement": rows.displacement,
+    }
+    if system.liquid is not None:
+        assert system.static_pressure is not None
+        wet = (rows.pressure + system.static_pressure[None])[:, system.liquid.wet]
+        others |= {"highest_pressure": jnp.max(wet, axis=1), "lowest_pressure": jnp.min(wet, axis=1)}
+        others["pressure"] = rows.pressure + system.static_pressure[None]
+    whole = jax.tree.map(lambda x: factor * x, rows.energies)
+    return History(
+        time=rows.time,
+        position=jnp.stack([zero, slider, zero], axis=1)[:, None],
+        velocity=jnp.stack([zero, rows.speed, zero], axis=1)[:, None],
+        multipliers=jnp.zeros((count, 0)),
+        gap=-compression[:, None],
+        approach_speed=-rows.speed[:, None],
+        slip=zero[:, None],
+        contact_force=factor * rows.force[:, None],
+        friction_force=zero[:, None],
+        others=others,
+        energy=_energy(1.0, whole),
+    )
+
+
+def rows_of(run: TankRun) -> int:
+    """How many rows of its history a run has filled."""
+    assert run.history is not None
+    return 1 + int(np.count_nonzero(np.asarray(run.history.time) > 0.0))

@@ -1,0 +1,155 @@
+"""The tank's cross-section as a mesh: wall and liquid, whose nodes move smoothly with every dimension and the fill."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._types import Scalar, stacked
+from .design import ZONES, TankDrop
+
+TAPER = 0.02  # m, over which the thickness goes from one zone's to the next one's
+BOTTOM, CORNER, WET, DRY = 13, 4, 10, 16  # elements along the wall: flat bottom, corner, up to the level, from there on
+
+
+class Section(NamedTuple):
+    """Half of the cross-section, to the right of its middle.
+
+    - ``positions``: (nodes, 2) of the wall [m]: column by column along it, from the inside out.
+    - ``corners``: (elements, 4) their nodes.
+    - ``inner``, ``outer``: (columns,) the nodes on either face.
+    - ``zone``: of the columns' numbers: how many stand on the flat bottom, and up to the level.
+    - ``corner``: the column at the lower right corner of the liquid's block.
+    - ``liquid``: (liquid nodes, 2) [m], ``liquid_corners``; ``wet``: the liquid's nodes along the wall, from the middle
+      of the bottom to the level; ``free``: those on its surface.
+    """
+
+    positions: Float[Array, "nodes 2"]
+    corners: np.ndarray
+    inner: np.ndarray
+    outer: np.ndarray
+    flat: int
+    level: int
+    corner: int
+    liquid: Float[Array, "liquid 2"]
+    liquid_corners: np.ndarray
+    wet: np.ndarray
+    free: np.ndarray
+
+
+def section(design: TankDrop, fill: Scalar) -> Section:
+    """The mesh. ``fill``: height of the liquid over the inner height [-]."""
+    fine = design.mesh.refinement
+    counts = [fine * count for count in (BOTTOM, CORNER, WET, DRY)]
+    ends = _lengths(design)
+    marks = [0.0, ends[0], ends[1], _level(design, fill), ends[-1]]
+    along = jnp.concatenate(
+        [
+            a + (b - a) * np.linspace(0.0, 1.0, n, endpoint=False)
+            for a, b, n in zip(marks, marks[1:], counts, strict=False)
+        ]
+        + [stacked([ends[-1]])]
+    )
+    face, normal = _outside(design, along)
+    thickness = thickness_at(design, along)
+    shares = np.linspace(1.0, 0.0, fine + 1)
+    positions = (face[:, None] - (thickness[:, None] * shares[None])[..., None] * normal[:, None]).reshape(-1, 2)
+    columns, across = sum(counts) + 1, fine + 1
+    node = np.arange(columns * across).reshape(columns, across)
+    corners = np.stack([node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]], axis=-1).reshape(-1, 4)
+    level = sum(counts[:3])
+    corner = counts[0] + counts[1] // 2
+    grid, liquid_node = liquid_mesh(positions[node[: level + 1, 0]], corner)
+    bottom, right = liquid_node[:, 0], liquid_node[-1, :]
+    cells = [liquid_node[:-1, :-1], liquid_node[1:, :-1], liquid_node[1:, 1:], liquid_node[:-1, 1:]]
+    return Section(
+        positions,
+        _lengthwise(corners),
+        node[:, 0],
+        node[:, -1],
+        counts[0],
+        level,
+        corner,
+        grid,
+        np.stack(cells, axis=-1).reshape(-1, 4),
+        np.concatenate([bottom, right[1:]]),
+        liquid_node[:, -1],
+    )
+
+
+def _lengthwise(corners: np.ndarray) -> np.ndarray:
+    """Corners in such an order that an element's first own axis goes along the wall, from one column to the next."""
+    inner_here, outer_here, outer_next, inner_next = (corners[:, k] for k in range(4))
+    return np.stack([outer_here, outer_next, inner_next, inner_here], axis=1)
+
+
+def liquid_mesh(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, "liquid 2"], np.ndarray]:
+    """The liquid's nodes between the wall, the middle and the surface, by transfinite interpolation; the block's lower
+    right corner is the wall's column ``corner``."""
+    bottom, right = edge[: corner + 1], edge[corner:]
+    xi = (np.arange(corner + 1) / corner)[:, None, None]
+    eta = (np.arange(len(right)) / (len(right) - 1))[None, :, None]
+    height = right[:, 1]
+    left = jnp.stack([jnp.zeros_like(height), bottom[0, 1] + eta[0, :, 0] * (height[-1] - bottom[0, 1])], axis=1)
+    top = jnp.stack([xi[:, 0, 0] * right[-1, 0], jnp.full(corner + 1, 1.0) * height[-1]], axis=1)
+    sides = (1.0 - xi) * left[None] + xi * right[None]
+    ends = (1.0 - eta) * bottom[:, None] + eta * top[:, None]
+    corner_at = lambda points, k: points[k][None, None]  # noqa: E731
+    knots = (1.0 - xi) * ((1.0 - eta) * corner_at(left, 0) + eta * corner_at(left, -1)) + xi * (
+        (1.0 - eta) * corner_at(right, 0) + eta * corner_at(right, -1)
+    )
+    grid = sides + ends - knots
+    return grid.reshape(-1, 2), np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
+
+
+def _lengths(design: TankDrop) -> list[Scalar]:
+    """Where along the outside, from the middle of the bottom, its straight parts and corners end [m]."""
+    width, height, radius = design.tank.width, design.tank.height, design.tank.corner_radius
+    flat, arc, side = 0.5 * width - radius, 0.5 * np.pi * radius, height - 2.0 * radius
+    return [flat, flat + arc, flat + arc + side, flat + 2.0 * arc + side, 2.0 * flat + 2.0 * arc + side]
+
+
+def _level(design: TankDrop, fill: Scalar) -> Float[Array, ""]:
+    """Where along the outside the inner wall is as high as the liquid [m]."""
+    height, radius, wall = design.tank.height, design.tank.corner_radius, design.wall
+    level = wall.bottom + fill * (height - wall.bottom - wall.top)
+    ends = _lengths(design)
+    on_side = ends[1] + (level - radius)
+    inner = radius - wall.upper_corner
+    sine = jnp.clip((level - (height - radius)) / inner, 0.0, 1.0 - 1e-6)
+    in_corner = ends[2] + radius * jnp.arcsin(sine)
+    return jnp.where(level < height - radius, on_side, in_corner)
+
+
+def _outside(design: TankDrop, along: Float[Array, " columns"]) -> tuple[Array, Array]:
+    """Positions (columns, 2) [m] and outward normals of the outside."""
+    height, radius = design.tank.height, design.tank.corner_radius
+    ends = _lengths(design)
+    quarter = 0.5 * np.pi
+    turned = jnp.clip((along - ends[0]) / radius, 0.0, quarter) + jnp.clip((along - ends[2]) / radius, 0.0, quarter)
+    normal = jnp.stack([jnp.sin(turned), -jnp.cos(turned)], axis=1)
+    x = jnp.minimum(along, ends[0]) - jnp.maximum(along - ends[3], 0.0)
+    y = jnp.clip(along - ends[1], 0.0, height - 2.0 * radius)
+    return jnp.stack([x, radius + y], axis=1) + radius * normal, normal
+
+
+def thickness_at(design: TankDrop, along: Float[Array, " columns"]) -> Float[Array, " columns"]:
+    """The wall's thickness [m], linear over the tapers where zones meet (M168)."""
+    ends = _lengths(design)
+    meet = [ends[0], ends[1], 0.5 * (ends[1] + ends[2]), ends[2], ends[3]]
+    values = [getattr(design.wall, zone) for zone in ZONES]
+    total = jnp.full(along.shape, 1.0) * values[0]
+    for at, before, after in zip(meet, values, values[1:], strict=False):
+        total = total + (after - before) * jnp.clip((along - at) / TAPER + 0.5, 0.0, 1.0)
+    return total
+
+
+def wall_area(design: TankDrop) -> Float[Array, ""]:
+    """Of half of the wall's cross-section [m²], by its middle surface."""
+    ends = _lengths(design)
+    along = jnp.linspace(0.0, 1.0, 2001) * ends[-1]
+    thickness = thickness_at(design, along)
+    curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))
+    strip = thickness * jnp.where(curved, 1.0 - 0.5 * thickness / design.tank.corner_radius, 1.0)
+    return jnp.trapezoid(strip, along)

@@ -1,0 +1,216 @@
+"""The drop onto a tank in time: what is seen of it step by step (M126, M169)."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..._types import Scalar
+from ...hybrid import Options
+from ...structures import Orthotropic, State, at_faces, march, mises
+from ...structures.central_differences import BLOCK
+from ...structures.system import SAFETY, Energies, Instant
+from .assembly import Assembled, assembled, falling
+from .design import TankDrop, TankDropScenario
+from .laminate import least_reserve
+
+TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
+TIGHT = 0.25 * TOLERANCE  # steps half as long
+GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a design leave them alone
+CRUSHED = 0.95  # of the inner height: how far the top may come down
+SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
+ROWS = 800  # of a history, evenly spread over the duration
+
+
+class Row(NamedTuple):
+    """What a history keeps of an instant.
+
+    - ``time``: [s].
+    - ``displacement``: (nodes, 2) [m]; ``speed``: of the slider, upwards [m/s].
+    - ``force``: on the slider, ``support``: on the baffle, of half a section and a metre of length [N].
+    - ``pressure``: (liquid,) beyond the static one [Pa].
+    - ``stress``: (elements,) after von Mises [Pa]; ``plastic_strain``: (elements,) [-].
+    - ``energies``: as `Energies`.
+    """
+
+    time: Float[Array, ""]
+    displacement: Float[Array, "nodes 2"]
+    speed: Float[Array, ""]
+    force: Float[Array, ""]
+    support: Float[Array, ""]
+    pressure: Float[Array, " liquid"]
+    stress: Float[Array, " elements"]
+    plastic_strain: Float[Array, " elements"]
+    energies: Energies
+
+
+class Seen(NamedTuple):
+    """What is known of a run so far, of half a section and a metre of length.
+
+    - ``force``: largest on the slider [N]; ``force_time``: of that [s]; ``impulse``: [N s].
+    - ``released``: when the force was last above zero [s]; ``in_contact``: for how long it was [s].
+    - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where.
+    - ``sharpened``: the integral over wall and time whose logarithm is the smooth maximum of the stress [m² s].
+    - ``reserve``: the least of a composite's plies [-].
+    - ``deflection``: largest, of the middle of the top downwards [m]; ``travel``: of the slider, downwards [m].
+    - ``compression``: largest, of the cushion [m].
+    - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
+    - ``first``: all energies together at the first instant; ``off``: the furthest from it later [J].
+    - ``energies``: at the last instant [J].
+    - ``rows``: a history, or None.
+    """
+
+    force: Float[Array, ""]
+    force_time: Float[Array, ""]
+    impulse: Float[Array, ""]
+    released: Float[Array, ""]
+    in_contact: Float[Array, ""]
+    stress: Float[Array, ""]
+    stress_element: Int[Array, ""]
+    sharpened: Float[Array, ""]
+    reserve: Float[Array, ""]
+    deflection: Float[Array, ""]
+    travel: Float[Array, ""]
+    compression: Float[Array, ""]
+    highest: Float[Array, ""]
+    lowest: Float[Array, ""]
+    first: Float[Array, ""]
+    off: Float[Array, ""]
+    energies: Energies
+    rows: Row | None
+
+
+class Dropped(NamedTuple):
+    """A run as it was stepped.
+
+    - ``state``: at its end; ``seen``: until then.
+    - ``steps``: asked for; ``step``: their length [s].
+    - ``crushed``: whether it ended because the top came down onto the bottom.
+    - ``too_many``: whether there were too many steps; ``allowed``: whether it was to be stepped at all.
+    """
+
+    state: State
+    seen: Seen
+    steps: Int[Array, ""]
+    step: Float[Array, ""]
+    crushed: Bool[Array, ""]
+    too_many: Bool[Array, ""]
+    allowed: Bool[Array, ""]
+
+
+def dropped(
+    parameters: tuple[TankDrop, TankDropScenario, Scalar],
+    duration: Scalar,
+    options: Options,
+    allowed: Bool[Array, ""] | bool = True,
+    *,
+    backwards: bool = False,
+) -> Dropped:
+    """Step a drop.
+
+    **Arguments:** ``parameters``: design, scenario, and a gain that means nothing here; ``duration`` [s]; ``options``:
+    of them the tolerance, the most steps and whether a history is kept; ``allowed``: whether to step at all;
+    ``backwards``: as of `march`.
+    """
+    design, scenario, _ = parameters
+    parts = assembled(design, scenario)
+    start = falling(parts, scenario)
+    share = jnp.sqrt(jnp.minimum(jnp.asarray(options.tolerance.rtol, float) / TOLERANCE, 1.0))
+    longest = jax.lax.stop_gradient(SAFETY * share * parts.system.stable_step())
+    blocks = duration / (BLOCK * longest)
+    blocks = jax.lax.stop_gradient(jnp.ceil(2.0 ** (jnp.ceil(GRADES * jnp.log2(blocks)) / GRADES)))
+    too_many = blocks * BLOCK > options.max_steps
+    step = duration / (BLOCK * blocks)
+    wanted = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
+    first = _nothing_seen(parts, start, options.keep > 0)
+
+    crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
+
+    def see(seen: Seen, instant: Instant, after: State) -> Seen:
+        return _seen(parts, design, step, duration, seen, instant)
+
+    def until(seen: Seen) -> Array:
+        return seen.deflection >= crushed
+
+    state, seen = march(parts.system, start, step, wanted, see, first, until=until, backwards=backwards)
+    return Dropped(state, seen, wanted * BLOCK, step, until(seen), too_many, jnp.asarray(allowed))
+
+
+def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
+    zero = jnp.zeros(())
+    energies = Energies(*(zero,) * 7)
+    rows = None
+    if history:
+        elements = len(parts.section.corners)
+        room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
+        rows = Row(
+            *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
+            *(room(elements), room(elements), Energies(*(room() for _ in energies))),
+        )
+    most = jnp.asarray(jnp.inf)
+    return Seen(*(zero,) * 6, jnp.asarray(0), zero, most, *(zero,) * 3, -most, most, zero, zero, energies, rows)
+
+
+def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
+    system, section = parts.system, parts.section
+    (cushion,), (found,) = instant.layers, instant.resistances
+    force = jnp.sum(cushion.normal)
+    stress = jnp.max(mises(at_faces(found.stress)), axis=1)
+    highest_stress = jnp.max(stress)
+    limit = parts.strength
+    sharpened = jnp.sum(parts.wall.quads.area * jnp.exp((stress - limit) / (limit / SMOOTH)))
+    higher, lower = seen.highest, seen.lowest
+    if system.liquid is not None:
+        assert system.static_pressure is not None
+        wet = (instant.pressure + system.static_pressure)[system.liquid.wet]
+        higher, lower = jnp.maximum(higher, jnp.max(wet)), jnp.minimum(lower, jnp.min(wet))
+    total = sum(instant.energies, jnp.zeros(()))
+    first = jnp.where(instant.time == 0.0, total, seen.first)
+    moved = system.positions + instant.displacement
+    compressed = jnp.max(system.layers[0].compression(moved))
+    return Seen(
+        jnp.maximum(seen.force, force),
+        jnp.where(force > seen.force, instant.time, seen.force_time),
+        seen.impulse + step * force,
+        jnp.where(force > 0.0, instant.time, seen.released),
+        seen.in_contact + step * (force > 0.0),
+        jnp.maximum(seen.stress, highest_stress),
+        jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
+        seen.sharpened + step * sharpened,
+        jnp.minimum(seen.reserve, _reserve(parts, design, found.stress)),
+        jnp.maximum(seen.deflection, -instant.displacement[section.outer[-1], 1]),
+        jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),
+        jnp.maximum(seen.compression, compressed),
+        higher,
+        lower,
+        first,
+        jnp.maximum(seen.off, jnp.abs(total - first)),
+        instant.energies,
+        None if seen.rows is None else _kept(parts, duration, seen.rows, instant, force, stress),
+    )
+
+
+def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
+    """Of a composite's plies now; of a plastic wall the largest stress tells it in the end."""
+    if not isinstance(parts.material, Orthotropic):
+        return jnp.asarray(jnp.inf)
+    return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
+
+
+def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
+    """The history with this instant in the row of its share of the duration: the last one there stays."""
+    (found,) = instant.resistances
+    place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
+    row = Row(
+        jnp.asarray(instant.time),
+        instant.displacement,
+        instant.velocity[parts.slider, 1],
+        force,
+        jnp.sum(instant.contacts[0].normal),
+        instant.pressure,
+        stress,
+        jnp.max(found.history.equivalent, axis=1),
+        instant.energies,
+    )
+    return jax.tree.map(lambda kept, new: kept.at[place].set(new), rows, row)

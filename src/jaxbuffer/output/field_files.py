@@ -1,0 +1,91 @@
+"""What meshes have at a few instants of a run: a figure, and VTK files where meshio is installed."""
+
+import importlib.util
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..mechanisms.picture import Meshed
+from .formats import Contents
+from .style import both, panels, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..mechanisms.run import Run
+
+WIDTH, HEIGHT = 4.6, 2.8  # inch, of a panel
+EMPTY = "#DDDDDD"  # cells that have no value
+MARGIN = 0.04  # of what is seen, about it
+
+
+def field_files(run: "Run") -> Contents:
+    """fields.png and fields.svg; with meshio a .vtu of each instant. None of a mechanism without meshes."""
+    seen = [] if run.history is None else run.mechanism.meshes(run)
+    if not seen:
+        return {}
+    drawn = both("fields", lambda: fields_figure(seen))
+    if importlib.util.find_spec("meshio") is None:
+        return drawn
+    return {**drawn, **{f"{mesh.name}.vtu": _writing(mesh) for mesh in seen}}
+
+
+@styled
+def fields_figure(seen: Sequence[Meshed]) -> "Figure":
+    """A row for each instant, a column for each value that is not the same everywhere; a column's colours mean the same
+    in all rows."""
+    names = [name for name in seen[0].values if any(_varies(mesh.values[name]) for mesh in seen)]
+    figure, grid = panels(WIDTH * len(names), HEIGHT * len(seen), len(seen), len(names))
+    everything = np.concatenate([mesh.nodes for mesh in seen])
+    for column, name in enumerate(names):
+        values = np.concatenate([mesh.values[name] for mesh in seen])
+        ends = float(np.nanmin(values)), float(np.nanmax(values))
+        for axes, mesh in zip(grid[:, column], seen, strict=True):
+            _draw(axes, mesh, name, ends)
+            _frame(axes, everything)
+    return figure
+
+
+def _varies(values: np.ndarray) -> bool:
+    return bool(np.nanmax(values) > np.nanmin(values))
+
+
+def _draw(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -> None:
+    from matplotlib.collections import PolyCollection
+
+    values, corners = mesh.values[name], mesh.nodes[mesh.cells]
+    empty = np.isnan(values)
+    axes.add_collection(PolyCollection(list(corners[empty]), facecolor=EMPTY, edgecolor="none"))
+    drawn = PolyCollection(list(corners[~empty]), array=values[~empty], edgecolor="face", linewidth=0.2)
+    drawn.set_clim(*ends)
+    axes.add_collection(drawn)
+    axes.figure.colorbar(drawn, ax=axes, label=name, orientation="horizontal", shrink=0.7, aspect=40)
+    axes.set_title(mesh.title)
+
+
+def _frame(axes: "Axes", nodes: np.ndarray) -> None:
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    room = MARGIN * (high - low)
+    axes.set(xlim=(low[0] - room[0], high[0] + room[0]), ylim=(low[1] - room[1], high[1] + room[1]))
+    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    axes.grid(False)
+
+
+def _writing(mesh: Meshed) -> Callable[[], bytes]:
+    return lambda: vtu(mesh)
+
+
+def vtu(mesh: Meshed) -> bytes:
+    """A mesh as VTK's unstructured grid."""
+    import meshio
+
+    points = np.column_stack([mesh.nodes, np.zeros(len(mesh.nodes))])
+    written = meshio.Mesh(points, [("quad", mesh.cells)], cell_data={k: [v] for k, v in mesh.values.items()})
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mesh.vtu"
+        written.write(path)
+        return path.read_bytes()

@@ -1,0 +1,149 @@
+"""Explicit time stepping by central differences (M126, M127), in blocks of steps between searches for contact."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import equinox.internal as eqxi
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .._types import Scalar
+from .contact.forces import contact_forces
+from .system import Energies, Instant, Near, State, System
+
+T = TypeVar("T")
+BLOCK = 50  # steps between two searches
+KEPT = 512  # states between blocks that a backward run goes back to, at most
+
+
+def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[State, Instant]:
+    """One step.
+
+    **Arguments:** ``system``; ``state`` at t; ``step`` [s]; ``near``: the contacts' candidates (see `System.search`).
+
+    **Returns:** the state at t + step, and what is known of t.
+    """
+    positions, inverse_mass = system.positions + state.displacement, system.inverse_mass
+    resistances = tuple(
+        group.resist(state.displacement, history)
+        for group, history in zip(system.elements, state.histories, strict=True)
+    )
+    mass = system.mass
+    weight = mass * system.gravity[None]
+    constant = weight if system.load is None else weight + system.load
+    residual = constant - sum((found.forces for found in resistances), jnp.zeros_like(positions))
+    if (liquid := system.liquid) is not None:
+        whole = state.pressure if system.static_pressure is None else state.pressure + system.static_pressure
+        residual = residual + liquid.push(whole, len(positions))
+    layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
+    pressing = sum((found.nodes for found in layers), jnp.zeros_like(positions))
+    contacts = []
+    for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
+        found = contact_forces(
+            contact, positions, state.velocity, residual + pressing, inverse_mass, step, candidates, before
+        )
+        contacts.append(found)
+        pressing = pressing + found.nodes
+    acceleration = inverse_mass * (residual + pressing)
+    velocity = state.velocity + step * acceleration
+    between = 0.5 * (state.velocity + velocity)
+    work = state.contact_work - step * jnp.sum(pressing * between)
+    pressure, rate, impulse = state.pressure, state.pressure_rate, state.impulse
+    if liquid is not None:
+        rate = rate + step * liquid.acceleration(pressure, acceleration)
+        impulse = impulse + step * pressure
+        pressure = pressure + step * rate
+    energies = Energies(
+        kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
+        stored=sum((found.stored for found in resistances), jnp.zeros(())),
+        plastic=sum((found.plastic for found in resistances), jnp.zeros(())),
+        contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
+        liquid=jnp.zeros(()) if liquid is None else _liquid_energy(system, state, impulse),
+        potential=-jnp.sum(constant * state.displacement),
+        released=state.released,
+    )
+    instant = Instant(
+        state.time,
+        state.displacement,
+        between,
+        acceleration,
+        resistances,
+        tuple(contacts),
+        layers,
+        state.pressure,
+        energies,
+    )
+    after = State(
+        state.time + step,
+        state.displacement + step * velocity,
+        velocity,
+        tuple(found.history for found in resistances),
+        pressure,
+        rate,
+        impulse,
+        tuple(found.over_step for found in contacts),
+        work,
+        state.released + sum((found.released for found in resistances), jnp.zeros(())),
+    )
+    return after, instant
+
+
+def _liquid_energy(system: System, state: State, impulse: Array) -> Float[Array, ""]:
+    """Of the liquid, and of what its static pressure has done."""
+    assert system.liquid is not None
+    own = system.liquid.energy(state.pressure, state.impulse, impulse)
+    if system.static_pressure is None:
+        return own
+    return own - jnp.sum(system.liquid.push(system.static_pressure, len(system.positions)) * state.displacement)
+
+
+def march(
+    system: System,
+    start: State,
+    step: Scalar,
+    blocks: Int[Array, ""] | int,
+    see: Callable[[T, Instant, State], T],
+    seen: T,
+    *,
+    until: Callable[[T], Bool[Array, ""]] = lambda seen: jnp.asarray(False),
+    block: int = BLOCK,
+    backwards: bool = False,
+) -> tuple[State, T]:
+    """Many steps.
+
+    **Arguments:**
+
+    - ``system``, ``start``: what moves, and from where.
+    - ``step``: [s], below `System.stable_step`.
+    - ``blocks``: how many blocks of steps.
+    - ``see``: (what is seen so far, an instant, the state after it) → what is seen from now on; ``seen``: at first.
+    - ``until``: (what is seen) → whether that is enough; asked after each block.
+    - ``block``: steps in a block.
+    - ``backwards``: whether reverse derivatives will be asked for, and no forward ones. States are then kept between
+      blocks, all of them up to `KEPT` blocks, and steps within a block are taken again.
+
+    **Returns:** the state after the last step, and what was seen. A state that is not finite ends the loop.
+    """
+
+    def one(carry: tuple[State, T], near: Near) -> tuple[State, T]:
+        state, seen = carry
+        after, instant = advance(system, state, step, near)
+        return after, see(seen, instant, after)
+
+    def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
+        done, state, seen = carry
+        near = jax.lax.stop_gradient(system.search(state.displacement))
+        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), (state, seen), length=block)[0]
+        return done + 1, state, seen
+
+    def going(carry: tuple[Array, State, T]) -> Array:
+        done, state, seen = carry
+        return (done < blocks) & jnp.all(jnp.isfinite(state.displacement)) & ~until(seen)
+
+    first: Any = (jnp.asarray(0), start, seen)
+    if backwards:
+        _, state, seen = eqxi.while_loop(going, body, first, kind="checkpointed", checkpoints=KEPT)
+    else:
+        _, state, seen = jax.lax.while_loop(going, body, first)
+    return state, seen

@@ -1,0 +1,11 @@
+"""Contact of nodes with surfaces in explicit dynamics: search, then a force by penalty, multiplier or defence node."""
+
+from .forces import METHODS as METHODS
+from .forces import Contact as Contact
+from .forces import ContactForces as ContactForces
+from .forces import contact_forces as contact_forces
+from .layer import Layer as Layer
+from .search import candidates as candidates
+from .surfaces import Pairs as Pairs
+from .surfaces import RigidPlane as RigidPlane
+from .surfaces import Segments as Segments

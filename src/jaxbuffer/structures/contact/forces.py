@@ -1,0 +1,178 @@
+"""Contact forces of one step of central differences: penalty, Lagrange multipliers, defence node (M140 to M145)."""
+
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..._types import Scalar
+from ..incidence import added_at
+from .surfaces import Pairs, RigidPlane, Surface
+
+METHODS = ("defence node", "multiplier", "penalty")
+ROUNDS = 20  # at most, in which the multipliers' set of closed pairs settles
+
+
+class Contact(eqx.Module):
+    """Nodes that may touch a surface.
+
+    - ``slaves``: (pairs,) the nodes.
+    - ``surface``: what they touch.
+    - ``method``: one of `METHODS`. A defence node serves each pair for itself and is exact where no two pairs share a
+      node; multipliers serve all pairs together; a penalty lets nodes in.
+    - ``stiffness``: of a penalty [N/m].
+    - ``friction``: Coulomb's coefficient [-].
+    - ``averaged``: whether the force of an instant is the mean of those over the step before it and the step after it,
+      rather than one that keeps the pair closed by itself. A pair that opens is then pushed off by half of what
+      pressed it, and a bar of linear elements moves exactly at a Courant number of one; below one the force rings
+      (M144).
+    - ``published``: whether a defence node's force is distributed as Zhong does it, which turns bodies whose nodes have
+      unequal masses; else by the shape functions.
+    """
+
+    slaves: np.ndarray
+    surface: Surface
+    method: str = eqx.field(default="defence node", static=True)
+    stiffness: Scalar = 0.0
+    friction: Scalar = 0.0
+    averaged: bool = eqx.field(default=False, static=True)
+    published: bool = eqx.field(default=False, static=True)
+
+
+class ContactForces(NamedTuple):
+    """What a contact adds in one step.
+
+    - ``nodes``: (nodes, 2) forces [N].
+    - ``normal``: (pairs,) normal forces, never negative [N].
+    - ``over_step``: (pairs,) the same over the step that follows [N].
+    - ``stored``: elastic energy of a penalty [J].
+    """
+
+    nodes: Float[Array, "nodes 2"]
+    normal: Float[Array, " pairs"]
+    over_step: Float[Array, " pairs"]
+    stored: Float[Array, ""]
+
+
+def contact_forces(
+    contact: Contact,
+    positions: Float[Array, "nodes 2"],
+    velocity: Float[Array, "nodes 2"],
+    residual: Float[Array, "nodes 2"],
+    inverse_mass: Float[Array, "nodes 2"],
+    step: Scalar,
+    near: Any = None,
+    before: Float[Array, " pairs"] | None = None,
+) -> ContactForces:
+    """The forces of one contact.
+
+    **Arguments:** ``positions`` [m]; ``velocity``: half a step before [m/s]; ``residual``: all other forces [N];
+    ``inverse_mass``: of each direction, 0 where a node is held [1/kg]; ``step`` [s]; ``near``: of segments the
+    candidates (see `candidates`); ``before``: normal forces over the step before [N].
+    """
+    pairs = contact.surface.pairs(contact.slaves, positions, near)
+    free = velocity + step * inverse_mass * residual  # half a step later, without contact
+    closing = -(pairs.gap / step + pairs.along(contact.slaves, free, pairs.normal))  # speed by which pairs overlap then
+    weights = _distribution(contact, pairs, inverse_mass)
+    yielding = _yielding(contact.slaves, pairs, weights, inverse_mass)
+    if contact.method == "penalty":
+        over_step = normal = jnp.where(pairs.found, contact.stiffness * jnp.maximum(-pairs.gap, 0.0), 0.0)
+    else:
+        matrix = _coupling(contact.slaves, pairs, inverse_mass) if contact.method == "multiplier" else None
+        over_step = normal = _closing_forces(matrix, yielding, closing / step, pairs.found)
+        if contact.averaged and before is not None:
+            answered = yielding * before if matrix is None else matrix @ before
+            over_step = _closing_forces(matrix, yielding, 2.0 * closing / step - answered, pairs.found)
+            normal = 0.5 * (before + over_step)
+    along = jnp.stack([-pairs.normal[:, 1], pairs.normal[:, 0]], axis=1)
+    force = normal[:, None] * pairs.normal
+    if not (isinstance(contact.friction, float) and contact.friction == 0.0):
+        stop = -pairs.along(contact.slaves, free, along) / (step * yielding)
+        most = contact.friction * normal
+        force = force + jnp.clip(stop, -most, most)[:, None] * along
+    stored = jnp.sum(jnp.where(pairs.found, 0.5 * normal * jnp.maximum(-pairs.gap, 0.0), 0.0))
+    return ContactForces(
+        _on_nodes(contact, pairs, weights, force, len(positions)),
+        normal,
+        over_step,
+        stored if contact.method == "penalty" else jnp.zeros(()),
+    )
+
+
+def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:
+    """How a force is handed to the surface's nodes: by φ (M141), or as published, by φ m/(φ̄ M) with φ̄ = Σφ² and
+    M = Σφ m/φ̄ (M142)."""
+    if not contact.published:
+        return pairs.weights
+    inverse = _along(inverse_mass[pairs.nodes], pairs.normal[:, None])
+    mass = jnp.where(inverse > 0.0, 1.0 / jnp.where(inverse > 0.0, inverse, 1.0), 0.0)
+    shared = pairs.weights * mass
+    return shared / jnp.maximum(jnp.sum(shared, axis=1, keepdims=True), 1e-300)
+
+
+def _along(vectors: Array, normal: Array) -> Array:
+    """The diagonal matrix along a normal: nᵀ M⁻¹ n."""
+    return jnp.sum(vectors * normal * normal, axis=-1)
+
+
+def _yielding(slaves: np.ndarray, pairs: Pairs, weights: Array, inverse_mass: Array) -> Float[Array, " pairs"]:
+    """(pairs,) relative acceleration of node and foot for a force of one [1/kg]."""
+    own = _along(inverse_mass[slaves], pairs.normal)
+    foot = jnp.sum(pairs.weights * weights * _along(inverse_mass[pairs.nodes], pairs.normal[:, None]), axis=1)
+    return own + foot
+
+
+def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs pairs"]:
+    """W = G M⁻¹ Gᵀ (M143): the relative acceleration of each pair for a force of one in each [1/kg]."""
+    nodes = jnp.concatenate([jnp.asarray(slaves)[:, None], pairs.nodes], axis=1)
+    factors = jnp.concatenate([jnp.ones((len(slaves), 1)), -pairs.weights], axis=1)
+    rows = factors[..., None] * pairs.normal[:, None]  # (pairs, 3, 2)
+    same = nodes[:, None, :, None] == nodes[None, :, None, :]
+    return jnp.einsum("iac,jbc,iac,ijab->ij", rows, rows, inverse_mass[nodes], same.astype(float))
+
+
+def _closing_forces(
+    matrix: Float[Array, "pairs pairs"] | None, yielding: Array, wanted: Float[Array, " pairs"], found: Array
+) -> Float[Array, " pairs"]:
+    """The forces f ≥ 0 with W f ≥ ``wanted`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or diagonal,
+    ``yielding``, where each pair is served for itself.
+
+    With a matrix the set of closed pairs is settled first (a primal-dual active set); the equations of that set are
+    then solved once, with derivatives.
+    """
+    if matrix is None:
+        return jnp.where(found, jnp.maximum(wanted, 0.0) / yielding, 0.0)
+    closed = _closed(jax.lax.stop_gradient(matrix), jax.lax.stop_gradient(wanted), found)
+    return jnp.maximum(_held(matrix, wanted, closed), 0.0)
+
+
+def _held(matrix: Array, wanted: Array, closed: Array) -> Float[Array, " pairs"]:
+    """The forces that give the ``closed`` pairs what is ``wanted``, zero on the others."""
+    both = closed[:, None] & closed[None]
+    return jnp.linalg.solve(
+        jnp.where(both, matrix, 0.0) + jnp.diag(jnp.where(closed, 0.0, 1.0)), jnp.where(closed, wanted, 0.0)
+    )
+
+
+def _closed(matrix: Array, wanted: Array, found: Array) -> Bool[Array, " pairs"]:
+    """Which pairs press."""
+
+    def settle(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        closed, _, rounds = state
+        force = _held(matrix, wanted, closed)
+        again = (force - (matrix @ force - wanted) / jnp.diagonal(matrix) > 0.0) & found
+        return again, jnp.any(again != closed), rounds + 1
+
+    going = lambda state: state[1] & (state[2] < ROUNDS)  # noqa: E731
+    first = (wanted > 0.0) & found
+    return jax.lax.while_loop(going, settle, (first, jnp.any(first), jnp.asarray(0)))[0]
+
+
+def _on_nodes(contact: Contact, pairs: Pairs, weights: Array, force: Array, nodes: int) -> Float[Array, "nodes 2"]:
+    if isinstance(contact.surface, RigidPlane):
+        return contact.surface.on_nodes(contact.slaves, force, nodes)
+    total = added_at(contact.slaves, force, nodes)
+    return total.at[pairs.nodes].add(-weights[..., None] * force[:, None])

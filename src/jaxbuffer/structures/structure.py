@@ -1,0 +1,144 @@
+"""A structure of elements: its lumped masses, and the forces with which it resists."""
+
+from typing import NamedTuple, Protocol
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from .bars import Bars
+from .materials import History, Material, Stressed
+from .quads import Quads, nodal_forces
+
+
+class Resistance(NamedTuple):
+    """What elements answer to displacements.
+
+    - ``forces``: (nodes, 2) with which they resist [N].
+    - ``history``: what their points remember from now on.
+    - ``stress``: (elements, points, 4) σ11, σ22, σ12, σ33 in own axes [Pa].
+    - ``stored``, ``plastic``: elastic energy and plastic work so far [J]; ``released``: elastic energy of elements that
+      carry nothing from now on [J].
+    """
+
+    forces: Float[Array, "nodes 2"]
+    history: History
+    stress: Float[Array, "elements points 4"]
+    stored: Float[Array, ""]
+    plastic: Float[Array, ""]
+    released: Float[Array, ""]
+
+
+class Elements(Protocol):
+    """A group of elements of one kind and one material."""
+
+    def start(self) -> History:
+        """What they remember at first."""
+
+    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+        """Their answer."""
+
+    def mass(self) -> Float[Array, " nodes"]:
+        """(nodes,) lumped [kg]."""
+
+    def fastest(self) -> Float[Array, " elements"]:
+        """(elements,) the highest natural frequency of each, free [rad/s]."""
+
+
+class Plane(eqx.Module):
+    """Four-node elements of one material, a metre deep.
+
+    - ``quads``: the elements.
+    - ``material``: theirs.
+    """
+
+    quads: Quads
+    material: Material
+
+    def start(self) -> History:
+        return History.none(*self.quads.weight.shape)
+
+    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+        """An element whose points have all failed is deleted: it carries nothing and remembers no more."""
+        here = self.quads.incidence.to_corners(displacement)
+        alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
+
+        def stress_of(strain: Array) -> tuple[Array, Stressed]:
+            found = self.material.answer(strain, history)
+            return alive[:, None, None] * found.stress[..., :3], found
+
+        forces, found = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
+        since = History(
+            *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(found.history, history, strict=True))
+        )
+        lost = alive * jnp.all(self.material.failed(since), axis=1)
+        energy = jnp.sum(self.quads.weight * found.stored, axis=1)
+        return Resistance(
+            self.quads.incidence.to_nodes(forces),
+            since,
+            alive[:, None, None] * found.stress,
+            jnp.sum(alive * energy),
+            jnp.sum(self.quads.weight * self.material.plastic_work(since)),
+            jnp.sum(lost * energy),
+        )
+
+    def mass(self) -> Float[Array, " nodes"]:
+        return self.quads.lumped_mass(self.material.density)
+
+    def stiffness(self, displacement: Float[Array, "nodes 2"]) -> Float[Array, "elements 8 8"]:
+        """Of each element as it is before it yields [N/m]: forces at its corners from their displacements."""
+        history, coupling = self.start(), self.material.coupling()
+        here = self.quads.incidence.to_corners(displacement)
+
+        def forces(u: Array) -> Array:
+            return nodal_forces(
+                self.quads, u, coupling, lambda e: (self.material.answer(e, history).stress[..., :3], 0)
+            )[0]
+
+        def column(direction: Array) -> Array:
+            return jax.jvp(forces, (here,), (jnp.broadcast_to(direction[None], here.shape),))[1]
+
+        columns = jax.vmap(column)(jnp.eye(8).reshape(8, 4, 2))
+        return jnp.moveaxis(columns, 0, -1).reshape(-1, 8, 8)
+
+    def fastest(self) -> Float[Array, " elements"]:
+        still = jnp.zeros((len(self.quads.incidence.places), 2))
+        quarter = 0.25 * self.material.density * self.quads.area
+        return jnp.sqrt(jnp.linalg.eigvalsh(self.stiffness(still))[:, -1] / quarter)
+
+
+class Rods(eqx.Module):
+    """Bars of one elastic material.
+
+    - ``bars``: the elements.
+    - ``young``, ``density``: E [Pa], [kg/m³].
+    """
+
+    bars: Bars
+    young: Scalar
+    density: Scalar
+
+    def start(self) -> History:
+        return History.none(self.bars.length.shape[0], 1)
+
+    def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
+        strain = self.bars.strains(self.bars.incidence.to_corners(displacement))
+        stress = self.young * strain
+        stored = 0.5 * jnp.sum(stress * strain * self.bars.length) * self.bars.section
+        along = jnp.zeros((*stress.shape, 1, 4)).at[:, 0, 0].set(stress)
+        return Resistance(
+            self.bars.incidence.to_nodes(self.bars.forces(stress)), history, along, stored, *(jnp.zeros(()),) * 2
+        )
+
+    def mass(self) -> Float[Array, " nodes"]:
+        return self.bars.lumped_mass(self.density)
+
+    def fastest(self) -> Float[Array, " elements"]:
+        return 2.0 * jnp.sqrt(self.young / self.density) / self.bars.length
+
+
+def _beside(alive: Array, values: Array) -> Array:
+    """One number an element, in the shape of its points' numbers."""
+    return alive.reshape(-1, *[1] * (values.ndim - 1))

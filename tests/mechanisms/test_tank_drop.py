@@ -1,0 +1,121 @@
+"""The drop onto a tank: conservation, rest, limits, outcomes, meshes, steps, supports, and derivatives."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import jaxbuffer as jb
+from jaxbuffer.mechanisms.tank_drop.assembly import assembled, at_rest
+from jaxbuffer.structures import march
+
+GENTLE = jb.TankDropScenario(height=0.1)
+DURATION = 0.02  # s: until after the largest force of a gentle drop
+GRAVITY = 9.81
+
+
+def dropped(changes=None, scenario=GENTLE, duration=DURATION, **options):
+    return jb.simulate(jb.replace(jb.TankDrop(), changes or {}), scenario, duration=duration, **options)
+
+
+@pytest.fixture(scope="module")
+def gentle():
+    return dropped()
+
+
+def test_a_gentle_drop_keeps_energy_and_momentum(gentle):
+    """Energy by all terms together; the slider's momentum, from its speed, by the force's impulse, summed up."""
+    assert gentle.outcome.name == "whole"
+    assert float(gentle.balance.energy) < 1e-5
+    mass, before = 348.0, np.sqrt(2.0 * GRAVITY * 0.1)
+    lost = mass * (float(gentle.rebound_speed) + before + GRAVITY * DURATION)
+    assert float(gentle.impulse) == pytest.approx(lost, rel=1e-3)
+
+
+def test_half_the_step_gives_the_same(gentle):
+    """A tenth of the tolerance is a third of the step. A run sees no further than one step before its end."""
+    fine = dropped(rtol=1e-7)
+    assert int(fine.accepted) > 3 * int(gentle.accepted)
+    for name, within in {"peak_force": 1e-3, "deflection": 2e-4, "peak_stress": 2e-3, "travel": 1e-4}.items():
+        assert float(getattr(gentle, name)) == pytest.approx(float(getattr(fine, name)), rel=within), name
+
+
+def test_a_high_drop_crushes_the_tank():
+    """It ends where the top has come down by 95 % of the inner height."""
+    found = dropped(scenario=jb.TankDropScenario(), duration=0.08)
+    assert found.outcome.name == "crushed"
+    assert 0.95 * 0.29 <= float(found.deflection) < 0.97 * 0.29
+    assert float(found.plastic_work) > 10.0 and float(found.end_time) < 0.08
+    assert float(found.balance.energy) < 0.01
+
+
+def test_a_brittle_wall_is_holed():
+    found = dropped({"material.yield_stress": 3e6, "material.failure_strain": 1e-4}, jb.TankDropScenario(height=0.5))
+    assert found.outcome.name == "holed" and int(found.deleted) > 0
+    assert float(found.energy.deleted) > 0.0
+    assert float(found.balance.energy) < 0.01
+
+
+def test_without_an_impact_nothing_moves():
+    """The slider is held up: wall and liquid stay where they are, and the baffle carries the weight of both."""
+    design = jb.TankDrop()
+    parts = assembled(design, GENTLE)
+    start, system = at_rest(parts), parts.system
+    held = system.inverse_mass.at[parts.slider].set(0.0)
+    still = eqx.tree_at(lambda s: s.inverse_mass, system, held)
+
+    def see(seen, instant, after):
+        moved = jnp.max(jnp.abs(instant.displacement - start.displacement))
+        return jnp.maximum(seen[0], moved), jnp.sum(instant.contacts[0].normal), jnp.max(jnp.abs(instant.pressure))
+
+    step = 0.8 * float(system.stable_step())
+    _, (moved, support, pressure) = jax.jit(lambda: march(still, start, step, 40, see, (jnp.zeros(()),) * 3))()
+    assert float(moved) < 1e-9 and float(pressure) < 0.1  # m, Pa
+    edge = np.asarray(parts.section.positions)[np.asarray(parts.section.inner[: parts.section.level + 1])]
+    x, y = np.concatenate([edge, [[0.0, edge[-1, 1]]]]).T
+    area = 0.5 * abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+    weight = GRAVITY * (740.0 * area + 0.5 * float(design.wall_mass) / 0.7)
+    assert float(support) == pytest.approx(weight, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_an_empty_rigid_tank_is_a_mass_on_a_cushion():
+    """A thick, stiff wall without contents: the slider on springs and dampers over the outline, by scipy."""
+    stiff = {f"wall.{zone}": 0.02 for zone in ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner")}
+    stiff |= {"wall.top": 0.02, "material.young_modulus": 2e10, "contents.kind": "none", "cushion.stiffness": 1e7}
+    found = dropped({**stiff, "material.yield_stress": 1e12, "mesh.refinement": 2}, duration=0.016)
+    x = (np.arange(3000) + 0.5) / 3000 * 0.3
+    drop = np.where(x > 0.26, 0.04 - np.sqrt(np.maximum(0.04**2 - (x - 0.26) ** 2, 0.0)), 0.0)
+
+    def force(depth, speed):
+        pressed = np.maximum(depth - drop, 0.0)
+        return 0.7 * 2.0 * 0.3 * np.mean((1e7 * pressed + 1e4 * speed) * (pressed > 0.0))
+
+    speed = np.sqrt(2.0 * GRAVITY * 0.1)
+    course = solve_ivp(
+        lambda t, y: [y[1], GRAVITY - force(*y) / 348.0], [0.0, 0.016], [0.0, speed], max_step=2e-5, rtol=1e-8
+    )
+    peak = max(force(*y) for y in course.y.T)
+    assert float(found.peak_force) == pytest.approx(peak, rel=0.01)
+    assert float(found.travel) == pytest.approx(course.y[0].max(), rel=0.01)
+    assert float(found.highest_pressure) == 0.0
+
+
+@pytest.mark.slow
+def test_three_supports_give_the_same(gentle):
+    for method in ("multiplier", "penalty"):
+        other = dropped({"support.method": method})
+        for name, within in {"peak_force": 5e-3, "deflection": 1e-3, "peak_stress": 5e-3, "travel": 1e-4}.items():
+            assert float(getattr(other, name)) == pytest.approx(float(getattr(gentle, name)), rel=within), name
+
+
+@pytest.mark.slow
+def test_three_meshes_converge():
+    """Of an empty tank; the force's first peak, of the corner, is the last to settle."""
+    coarse, middle, fine = (dropped({"contents.kind": "none", "mesh.refinement": k}) for k in (1, 2, 3))
+    for name, within in {"deflection": 5e-3, "travel": 1e-3, "impulse": 1e-2, "peak_force": 0.04}.items():
+        values = [float(getattr(run, name)) for run in (coarse, middle, fine)]
+        assert values[0] == pytest.approx(values[2], rel=within), name
+        assert values[1] == pytest.approx(values[2], rel=within), name

@@ -1,0 +1,59 @@
+"""The mesh of a tank that is drawn: both halves, and a liquid that goes with the wall."""
+
+import numpy as np
+
+import jaxbuffer as jb
+from jaxbuffer.mechanisms.picture import Meshed
+from jaxbuffer.mechanisms.tank_drop.assembly import assembled
+from jaxbuffer.mechanisms.tank_drop.meshes import meshes
+
+MOVED = 0.01  # m, upwards and all alike
+
+
+class Kept:
+    """A run of two instants, the first with the largest stress and the wall moved."""
+
+    def __init__(self) -> None:
+        self.design, self.scenario = jb.TankDrop(), jb.TankDropScenario(fill=0.5)
+        parts = assembled(self.design, self.scenario)
+        moved = np.zeros((2, len(parts.system.positions), 2))
+        moved[0, :, 1] = MOVED
+        elements, liquid = len(parts.section.corners), len(parts.section.liquid)
+        self.parts, self.history = parts, self
+        self.time = np.array([0.0, 1e-3])
+        self.others = {
+            "displacement": moved,
+            "peak_stress": np.array([2e6, 1e6]),
+            "stress": np.full((2, elements), 2e6),
+            "plastic_strain": np.zeros((2, elements)),
+            "pressure": np.full((2, liquid), 3e3),
+        }
+
+
+def areas(mesh: Meshed) -> np.ndarray:
+    x, y = np.moveaxis(mesh.nodes[mesh.cells], -1, 0)
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+
+
+def test_both_halves_make_the_whole_section():
+    run = Kept()
+    worst, last = meshes(run)
+    assert (worst.title, last.title) == ("largest stress, 0 ms", "end, 1 ms")
+    of_wall = ~np.isnan(worst.values["stress after von Mises [MPa]"])
+    wall = float(run.design.wall_mass) / 950.0 / 0.7  # m², by the middle surface
+    ring = np.pi * (0.04**2 - 0.035**2)  # of all corners; chords across up to 39° take off up to 7.5 % of it
+    inside = (0.6 - 0.01) * (0.3 - 0.01)  # less its corners
+    level = 0.5 * (0.3 - 0.01)
+    for mesh in (worst, last):
+        area = areas(mesh)
+        assert np.all(area > 0.0)
+        assert wall - 0.075 * ring < area[of_wall].sum() < wall
+        corners = 2.0 * (1.0 - 0.25 * np.pi) * 0.035**2  # of two corners, whose inner radius is 35 mm
+        assert np.isclose(area[~of_wall].sum(), inside * level / 0.29 - corners, rtol=2e-3)
+
+
+def test_the_liquid_goes_with_the_wall():
+    worst, last = meshes(Kept())
+    assert np.allclose(worst.nodes - last.nodes, [0.0, MOVED], atol=1e-12)
+    assert np.nanmax(worst.values["stress after von Mises [MPa]"]) == 2.0
+    assert np.nanmax(worst.values["pressure of the liquid [kPa]"]) == 3.0
