@@ -26,7 +26,8 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     best = rows[int(np.argmin(rows[:, -1]))]
     with Evaluator(problem, slopes=False, client=client) as evaluator:
         start, gradients, without = evaluator([problem.start(), found.after.scaled, best[: len(problem.variables)]])
-        real = Evaluator(with_sound(problem, SOUND), slopes=False, client=client)([found.after.scaled])[0]
+    with Evaluator(with_sound(problem, SOUND), slopes=False, client=client) as evaluator:
+        (real,) = evaluator([found.after.scaled])
     told = [
         [name, *(float(x) for x in problem.values(one.scaled)), *worst(problem, one), excess(problem, one)]
         for name, one in (("start", start), ("tuned", gradients), ("CMA-ES", without), (f"tuned, {SOUND:g} m/s", real))

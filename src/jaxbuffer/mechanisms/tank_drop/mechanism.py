@@ -29,6 +29,12 @@ def warnings(run: TankRun) -> list[str]:
     """What a run's numbers lie beyond."""
     design = run.design
     lines = []
+    yields = design.material.kind == "plastic" and float(run.reserve) < 1.0
+    if yields and design.mesh.refinement == 1:
+        lines.append(
+            "the wall's faces pass the yield stress: with one element across it, yielding in bending begins too late;"
+            " take mesh.refinement = 2 or more"
+        )
     if float(run.compression) > 0.8:
         lines.append(f"the cushion is solid: {100.0 * float(run.compression):.3g} % of its thickness are used up")
     if design.contents.kind == "liquid":

@@ -100,6 +100,7 @@ QUANTITIES: dict[str, Quantity] = {
         "rebound speed",
         signed=True,
         swept=True,
+        tuned=True,
     ),
     "contact_time": CONTACT_TIME,
     "end_time": END_TIME,
