@@ -6,6 +6,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.laminate import Composite, equivalent, least_reserve
+from jaxbuffer.mechanisms.tank_drop.section import wall_mass
 from jaxbuffer.structures import Plane, Quads
 from jaxbuffer.structures.materials import History
 
@@ -98,4 +99,4 @@ def test_unknown_criteria_and_kinds_are_refused():
 
 def test_its_density_makes_the_mass():
     plastic, composite = jb.TankDrop(), jb.replace(jb.TankDrop(), {"material.kind": "composite"})
-    assert float(composite.wall_mass) / float(plastic.wall_mass) == pytest.approx(1580.0 / 950.0)
+    assert float(wall_mass(composite)) / float(wall_mass(plastic)) == pytest.approx(1580.0 / 950.0)

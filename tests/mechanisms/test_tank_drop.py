@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.assembly import assembled, at_rest
+from jaxbuffer.mechanisms.tank_drop.section import wall_mass
 from jaxbuffer.structures import march
 
 GENTLE = jb.TankDropScenario(height=0.1)
@@ -78,7 +79,7 @@ def test_without_an_impact_nothing_moves():
     edge = np.asarray(parts.section.positions)[np.asarray(parts.section.inner[: parts.section.level + 1])]
     x, y = np.concatenate([edge, [[0.0, edge[-1, 1]]]]).T
     area = 0.5 * abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
-    weight = GRAVITY * (740.0 * area + 0.5 * float(design.wall_mass) / 0.7)
+    weight = GRAVITY * (740.0 * area + 0.5 * float(wall_mass(design)) / 0.7)
     assert float(support) == pytest.approx(weight, rel=2e-3)
 
 

@@ -14,7 +14,7 @@ from ..run import Impacts, Run
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome
-from .section import wall_area
+from .section import wall_mass
 from .stepping import SMOOTH, Dropped, Row
 
 
@@ -128,7 +128,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
         reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
-        wall_mass=factor * parts.material.density * wall_area(design),
+        wall_mass=wall_mass(design),
         step=found.step,
     )
 

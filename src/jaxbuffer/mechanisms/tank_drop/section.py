@@ -153,3 +153,9 @@ def wall_area(design: TankDrop) -> Float[Array, ""]:
     curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))
     strip = thickness * jnp.where(curved, 1.0 - 0.5 * thickness / design.tank.corner_radius, 1.0)
     return jnp.trapezoid(strip, along)
+
+
+def wall_mass(design: TankDrop) -> Float[Array, ""]:
+    """Of the whole tank's wall, without its ends [kg]."""
+    made_of = design.composite if design.material.kind == "composite" else design.material
+    return 2.0 * made_of.density * wall_area(design) * design.tank.length
