@@ -87,8 +87,8 @@ def test_without_an_impact_nothing_moves():
 def test_an_empty_rigid_tank_is_a_mass_on_a_cushion():
     """A thick, stiff wall without contents: the slider on springs and dampers over the outline, by scipy."""
     stiff = {f"wall.{zone}": 0.02 for zone in ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner")}
-    stiff |= {"wall.top": 0.02, "material.young_modulus": 2e10, "contents.kind": "none", "cushion.stiffness": 1e7}
-    found = dropped({**stiff, "material.yield_stress": 1e12, "mesh.refinement": 2}, duration=0.016)
+    stiff |= {"wall.top": 0.02, "material.young_modulus": 2e12, "contents.kind": "none", "cushion.stiffness": 1e7}
+    found = dropped({**stiff, "material.yield_stress": 1e12}, duration=0.016)
     x = (np.arange(3000) + 0.5) / 3000 * 0.3
     drop = np.where(x > 0.26, 0.04 - np.sqrt(np.maximum(0.04**2 - (x - 0.26) ** 2, 0.0)), 0.0)
 
@@ -118,7 +118,8 @@ def test_three_supports_give_the_same(gentle):
 def test_three_meshes_converge():
     """Of an empty tank; the force's first peak, of the corner, is the last to settle."""
     coarse, middle, fine = (dropped({"contents.kind": "none", "mesh.refinement": k}) for k in (1, 2, 3))
-    for name, within in {"deflection": 5e-3, "travel": 1e-3, "impulse": 1e-2, "peak_force": 0.04}.items():
+    bounds = {"deflection": (5e-3, 5e-3), "travel": (5e-4, 5e-5), "impulse": (3e-2, 5e-3), "peak_force": (2e-2, 2e-2)}
+    for name, (first, second) in bounds.items():
         values = [float(getattr(run, name)) for run in (coarse, middle, fine)]
-        assert values[0] == pytest.approx(values[2], rel=within), name
-        assert values[1] == pytest.approx(values[2], rel=within), name
+        assert values[0] == pytest.approx(values[2], rel=first), name
+        assert values[1] == pytest.approx(values[2], rel=second), name
