@@ -21,7 +21,7 @@ def test_every_study_reads(name):
     study = config(name)
     if name != "tip":  # it sweeps, and tunes nothing
         problem = study.problem()
-        tuned_numbers = {"bar": 3, "slider_crank": 3}
+        tuned_numbers = {"bar": 3, "slider_crank": 3, "tank": 8}
         assert len(problem.cases) > 1 and len(problem.variables) == tuned_numbers.get(name, 5)
 
 
