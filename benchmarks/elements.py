@@ -77,7 +77,7 @@ def moved(given: Problem, young: Any, blocks: Any, backwards: bool = False) -> A
 
     system = system_of(given, young)
     state, _ = march(
-        system, system.start(), given.step, blocks, lambda seen, *_: seen, jnp.zeros(()), backwards=backwards
+        system, system.start(), given.step, blocks, lambda seen, instant: seen, jnp.zeros(()), backwards=backwards
     )
     return state.displacement
 

@@ -69,7 +69,7 @@ def test_without_an_impact_nothing_moves():
     held = system.inverse_mass.at[parts.slider].set(0.0)
     still = eqx.tree_at(lambda s: s.inverse_mass, system, held)
 
-    def see(seen, instant, after):
+    def see(seen, instant):
         moved = jnp.max(jnp.abs(instant.displacement - start.displacement))
         return jnp.maximum(seen[0], moved), jnp.sum(instant.contacts[0].normal), jnp.max(jnp.abs(instant.pressure))
 

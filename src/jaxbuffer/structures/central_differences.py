@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 from .contact.forces import contact_forces
+from .structure import Resistance
 from .system import Energies, Instant, Near, State, System
 
 T = TypeVar("T")
@@ -48,7 +49,6 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     acceleration = inverse_mass * (residual + pressing)
     velocity = state.velocity + step * acceleration
     between = 0.5 * (state.velocity + velocity)
-    work = state.contact_work - step * jnp.sum(pressing * between)
     pressure, rate, impulse = state.pressure, state.pressure_rate, state.impulse
     if liquid is not None:
         rate = rate + step * liquid.acceleration(pressure, acceleration)
@@ -56,24 +56,15 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         pressure = pressure + step * rate
     energies = Energies(
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
-        stored=sum((found.stored for found in resistances), jnp.zeros(())),
-        plastic=sum((found.plastic for found in resistances), jnp.zeros(())),
+        stored=_sum(resistances, "stored"),
+        plastic=_sum(resistances, "plastic"),
         contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
         liquid=jnp.zeros(()) if liquid is None else _liquid_energy(system, state, impulse),
         potential=-jnp.sum(constant * state.displacement),
         released=state.released,
     )
-    instant = Instant(
-        state.time,
-        state.displacement,
-        between,
-        acceleration,
-        resistances,
-        tuple(contacts),
-        layers,
-        state.pressure,
-        energies,
-    )
+    known = state.time, state.displacement, between
+    instant = Instant(*known, resistances, tuple(contacts), layers, state.pressure, energies)
     after = State(
         state.time + step,
         state.displacement + step * velocity,
@@ -83,10 +74,15 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         rate,
         impulse,
         tuple(found.over_step for found in contacts),
-        work,
-        state.released + sum((found.released for found in resistances), jnp.zeros(())),
+        state.contact_work - step * jnp.sum(pressing * between),
+        state.released + _sum(resistances, "released"),
     )
     return after, instant
+
+
+def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:
+    """Of all groups of elements."""
+    return sum((getattr(found, name) for found in resistances), jnp.zeros(()))
 
 
 def _liquid_energy(system: System, state: State, impulse: Array) -> Float[Array, ""]:
@@ -103,11 +99,10 @@ def march(
     start: State,
     step: Scalar,
     blocks: Int[Array, ""] | int,
-    see: Callable[[T, Instant, State], T],
+    see: Callable[[T, Instant], T],
     seen: T,
     *,
     until: Callable[[T], Bool[Array, ""]] = lambda seen: jnp.asarray(False),
-    block: int = BLOCK,
     backwards: bool = False,
 ) -> tuple[State, T]:
     """Many steps.
@@ -117,9 +112,8 @@ def march(
     - ``system``, ``start``: what moves, and from where.
     - ``step``: [s], below `System.stable_step`.
     - ``blocks``: how many blocks of steps.
-    - ``see``: (what is seen so far, an instant, the state after it) → what is seen from now on; ``seen``: at first.
+    - ``see``: (what is seen so far, an instant) → what is seen from now on; ``seen``: at first.
     - ``until``: (what is seen) → whether that is enough; asked after each block.
-    - ``block``: steps in a block.
     - ``backwards``: whether reverse derivatives will be asked for, and no forward ones. States are then kept between
       blocks, all of them up to `KEPT` blocks, and steps within a block are taken again.
 
@@ -129,12 +123,12 @@ def march(
     def one(carry: tuple[State, T], near: Near) -> tuple[State, T]:
         state, seen = carry
         after, instant = advance(system, state, step, near)
-        return after, see(seen, instant, after)
+        return after, see(seen, instant)
 
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
         done, state, seen = carry
         near = jax.lax.stop_gradient(system.search(state.displacement))
-        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), (state, seen), length=block)[0]
+        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), (state, seen), length=BLOCK)[0]
         return done + 1, state, seen
 
     def going(carry: tuple[Array, State, T]) -> Array:

@@ -147,7 +147,7 @@ class Energies(NamedTuple):
 class Instant(NamedTuple):
     """What is known of an instant once its step is taken.
 
-    - ``time`` [s], ``displacement`` (nodes, 2) [m], ``velocity`` (nodes, 2) [m/s], ``acceleration`` (nodes, 2) [m/s²].
+    - ``time`` [s], ``displacement`` (nodes, 2) [m], ``velocity`` (nodes, 2) [m/s].
     - ``resistances``: of each group of elements.
     - ``contacts``, ``layers``: the forces of each.
     - ``pressure``: (liquid,) beyond the static one [Pa].
@@ -157,7 +157,6 @@ class Instant(NamedTuple):
     time: Scalar
     displacement: Float[Array, "nodes 2"]
     velocity: Float[Array, "nodes 2"]
-    acceleration: Float[Array, "nodes 2"]
     resistances: tuple[Resistance, ...]
     contacts: tuple[ContactForces, ...]
     layers: tuple[ContactForces, ...]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
 from ..._types import Scalar
 from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, State, System
@@ -179,8 +179,3 @@ def falling(parts: Assembled, scenario: TankDropScenario) -> State:
     state = at_rest(parts)
     speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
     return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))
-
-
-def potential(parts: Assembled, displacement: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-    """Of gravity alone [J/m]."""
-    return -jnp.sum(parts.system.mass * parts.system.gravity[None] * displacement)

@@ -91,7 +91,7 @@ class Cushion(Part):
 
     section: ClassVar[str] = "cushion"
     thickness: Scalar = number(0.15, "m", **POSITIVE)
-    stiffness: Scalar = number(4e6, "Pa/m", **NON_NEGATIVE)
+    stiffness: Scalar = number(4e6, "Pa/m", **POSITIVE)
     damping: Scalar = number(1e4, "Pa s/m", **NON_NEGATIVE)
 
 

@@ -77,7 +77,7 @@ QUANTITIES: dict[str, Quantity] = {
     "highest_pressure": Quantity(
         "Pa",
         lambda run: run.highest_pressure,
-        "highest pressure of the liquid on the wall",
+        "highest pressure of the liquid on the wall; it does not settle with the mesh",
         "highest pressure",
         swept=True,
         tuned=True,

@@ -27,8 +27,8 @@ class TankRun(Run):
     - ``momentum``: by which the slider was slowed down, its weight's share included [N s].
     - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``; followed
       in straight lines from the integration points, so that it passes the yield stress where only the faces yield.
-    - ``smooth_stress``: the smooth maximum of the stress: above the mean of its area and time, by up to
-      ``smooth_bias`` below the largest [Pa].
+    - ``smooth_stress``: a smooth maximum of the stress over wall and time, below the largest by ``smooth_bias`` at most
+      [Pa].
     - ``plastic_strain``: largest equivalent plastic strain at the end [-]; ``plastic_work`` [J]; ``deleted``: elements.
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider [m].
     - ``compression``: largest, of the cushion over its thickness [-].
@@ -60,67 +60,30 @@ class TankRun(Run):
 
 def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, found: Dropped) -> TankRun:
     """The run, from what was stepped."""
-    design, scenario, stabilisation = parameters
+    design, scenario, _ = parameters
     parts = assembled(design, scenario)
-    seen, state, factor = found.seen, found.state, parts.factor
-    code = _code(found)
+    seen, factor, limit = found.seen, parts.factor, parts.strength
+    (history,) = found.state.histories
+    deleted = jnp.sum(jnp.all(parts.material.failed(history), axis=1))
+    code = _code(found, deleted)
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
-    force = factor * seen.force * known
-    (history,), wall, limit = state.histories, parts.wall, parts.strength
-    gone = jnp.all(parts.material.failed(history), axis=1)
-    energy = _energy(factor, seen.energies)
-    before = -jnp.sqrt(2.0 * scenario.gravity * scenario.height)
-    after = state.velocity[parts.slider, 1]
-    end = jnp.where(found.crushed, state.time, duration)
+    before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), found.state.velocity[parts.slider, 1]
+    end = jnp.where(found.crushed, found.state.time, duration)
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
-    impulse = factor * seen.impulse
-    area = jnp.sum(wall.quads.area)
-    scale = limit / SMOOTH
+    area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
     mean = jnp.log(jnp.maximum(seen.sharpened, 1e-300) / (area * end))
-    initial = 0.5 * design.slider.mass * before**2
-    touched = jnp.where(seen.force > 0.0, 1, 0)
+    smallest = jnp.min(parts.wall.quads.area) * found.step
     return TankRun(
-        design=design,
-        scenario=scenario,
-        code=code,
-        peak_force=force,
-        peak_time=seen.force_time * known,
-        peak_contact=jnp.asarray(0),
-        peak_impact=touched - 1,
-        maxima={},
-        penetration=seen.compression * known,
-        end_time=end * known,
-        contact_time=seen.in_contact * known,
-        impact_count=touched,
-        impacts=Impacts(
-            jnp.zeros(1),
-            jnp.where(touched > 0, jnp.zeros(1, int), -1),
-            -before[None] * known,
-            force[None],
-            jnp.where(seen.released < end - 2.0 * found.step, seen.released, jnp.nan)[None],
-            touched,
-        ),
-        energy=energy,
-        balance=Balance(
-            factor * seen.off / initial * known,
-            jnp.abs(impulse - momentum) / jnp.abs(design.slider.mass * before) * known,
-            jnp.asarray(jnp.nan),
-            jnp.zeros(()),
-        ),
-        history=None if seen.rows is None else history_of(parts, seen.rows),
-        attempts=found.steps,
-        accepted=found.steps,
-        stabilisation=jnp.asarray(stabilisation, float),
-        _located=None,  # type: ignore[arg-type] # no event is located
-        impulse=impulse * known,
+        **_of_every_run(parts, parameters, found, code, known, end, momentum),
+        impulse=factor * seen.impulse * known,
         momentum=momentum * known,
         peak_stress=seen.stress * known,
         stress_element=seen.stress_element,
         smooth_stress=(limit + scale * mean) * known,
-        smooth_bias=scale * jnp.log(area * end / (jnp.min(wall.quads.area) * found.step)),
+        smooth_bias=scale * jnp.log(area * end / smallest),
         plastic_strain=jnp.max(history.equivalent) * known,
         plastic_work=factor * seen.energies.plastic * known,
-        deleted=jnp.sum(gone),
+        deleted=deleted,
         deflection=seen.deflection * known,
         travel=seen.travel * known,
         compression=seen.compression / design.cushion.thickness * known,
@@ -133,10 +96,56 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     )
 
 
-def _code(found: Dropped) -> Int[Array, ""]:
+def _of_every_run(
+    parts: Assembled, parameters: Any, found: Dropped, code: Array, known: Array, end: Array, momentum: Array
+) -> dict[str, Any]:
+    """The fields of `Run`: one impact, that of the cushion. ``known``: 1, or NaN for a failed run; ``end`` [s];
+    ``momentum``: by which the slider was slowed down [N s]."""
+    design, scenario, stabilisation = parameters
+    seen, factor = found.seen, parts.factor
+    force, speed = factor * seen.force * known, jnp.sqrt(2.0 * scenario.gravity * scenario.height)
+    touched = jnp.where(seen.force > 0.0, 1, 0)
+    impacts = Impacts(
+        time=jnp.zeros(1),
+        contact=touched[None] - 1,
+        approach_speed=speed[None] * known,
+        peak_force=force[None],
+        release_time=jnp.where(seen.released < end - 2.0 * found.step, seen.released, jnp.nan)[None],
+        count=touched,
+    )
+    balance = Balance(
+        energy=factor * seen.off / (0.5 * design.slider.mass * speed**2) * known,
+        linear_momentum=jnp.abs(factor * seen.impulse - momentum) / (design.slider.mass * speed) * known,
+        angular_momentum=jnp.asarray(jnp.nan),
+        drift=jnp.zeros(()),
+    )
+    return {
+        "design": design,
+        "scenario": scenario,
+        "code": code,
+        "peak_force": force,
+        "peak_time": seen.force_time * known,
+        "peak_contact": jnp.asarray(0),
+        "peak_impact": touched - 1,
+        "maxima": {},
+        "penetration": seen.compression * known,
+        "end_time": end * known,
+        "contact_time": seen.in_contact * known,
+        "impact_count": touched,
+        "impacts": impacts,
+        "energy": _energy(factor, seen.energies),
+        "balance": balance,
+        "history": None if seen.rows is None else history_of(parts, seen.rows),
+        "attempts": found.steps,
+        "accepted": found.steps,
+        "stabilisation": jnp.asarray(stabilisation, float),
+        "_located": None,  # no event is located
+    }
+
+
+def _code(found: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
     finite = jnp.all(jnp.isfinite(found.state.displacement)) & jnp.isfinite(found.seen.stress)
-    gone = jnp.any(jnp.isfinite(found.state.released) & (found.state.released > 0.0))
-    code = jnp.where(gone, int(TankOutcome.holed), int(TankOutcome.whole))
+    code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
     code = jnp.where(found.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
     code = jnp.where(found.too_many, int(TankOutcome.failed_steps), code)

@@ -19,7 +19,7 @@ class Section(NamedTuple):
     - ``positions``: (nodes, 2) of the wall [m]: column by column along it, from the inside out.
     - ``corners``: (elements, 4) their nodes.
     - ``inner``, ``outer``: (columns,) the nodes on either face.
-    - ``zone``: of the columns' numbers: how many stand on the flat bottom, and up to the level.
+    - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface.
     - ``corner``: the column at the lower right corner of the liquid's block.
     - ``liquid``: (liquid nodes, 2) [m], ``liquid_corners``; ``wet``: the liquid's nodes along the wall, from the middle
       of the bottom to the level; ``free``: those on its surface.

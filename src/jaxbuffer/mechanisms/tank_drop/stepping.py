@@ -85,7 +85,7 @@ class Dropped(NamedTuple):
     """A run as it was stepped.
 
     - ``state``: at its end; ``seen``: until then.
-    - ``steps``: asked for; ``step``: their length [s].
+    - ``steps``: taken; ``step``: their length [s].
     - ``crushed``: whether it ended because the top came down onto the bottom.
     - ``too_many``: whether there were too many steps; ``allowed``: whether it was to be stepped at all.
     """
@@ -127,14 +127,15 @@ def dropped(
 
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
-    def see(seen: Seen, instant: Instant, after: State) -> Seen:
+    def see(seen: Seen, instant: Instant) -> Seen:
         return _seen(parts, design, step, duration, seen, instant)
 
     def until(seen: Seen) -> Array:
         return seen.deflection >= crushed
 
     state, seen = march(parts.system, start, step, wanted, see, first, until=until, backwards=backwards)
-    return Dropped(state, seen, wanted * BLOCK, step, until(seen), too_many, jnp.asarray(allowed))
+    steps = jnp.round(state.time / step).astype(int)
+    return Dropped(state, seen, steps, step, until(seen), too_many, jnp.asarray(allowed))
 
 
 def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:

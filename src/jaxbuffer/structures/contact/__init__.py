@@ -4,6 +4,7 @@ from .forces import METHODS as METHODS
 from .forces import Contact as Contact
 from .forces import ContactForces as ContactForces
 from .forces import contact_forces as contact_forces
+from .layer import SOLID as SOLID
 from .layer import Layer as Layer
 from .search import candidates as candidates
 from .surfaces import Pairs as Pairs

@@ -48,13 +48,11 @@ class ContactForces(NamedTuple):
     - ``nodes``: (nodes, 2) forces [N].
     - ``normal``: (pairs,) normal forces, never negative [N].
     - ``over_step``: (pairs,) the same over the step that follows [N].
-    - ``stored``: elastic energy of a penalty [J].
     """
 
     nodes: Float[Array, "nodes 2"]
     normal: Float[Array, " pairs"]
     over_step: Float[Array, " pairs"]
-    stored: Float[Array, ""]
 
 
 def contact_forces(
@@ -93,13 +91,7 @@ def contact_forces(
         stop = -pairs.along(contact.slaves, free, along) / (step * yielding)
         most = contact.friction * normal
         force = force + jnp.clip(stop, -most, most)[:, None] * along
-    stored = jnp.sum(jnp.where(pairs.found, 0.5 * normal * jnp.maximum(-pairs.gap, 0.0), 0.0))
-    return ContactForces(
-        _on_nodes(contact, pairs, weights, force, len(positions)),
-        normal,
-        over_step,
-        stored if contact.method == "penalty" else jnp.zeros(()),
-    )
+    return ContactForces(_on_nodes(contact, pairs, weights, force, len(positions)), normal, over_step)
 
 
 def _distribution(contact: Contact, pairs: Pairs, inverse_mass: Array) -> Float[Array, "pairs 2"]:

@@ -46,9 +46,7 @@ class Layer(eqx.Module):
         pressure = self.stiffness * pressed + self.solid * beyond + self.damping * rate * (depth > 0.0)
         normal = self.width * jnp.maximum(pressure, 0.0) * (depth > 0.0)
         force = normal[:, None] * pairs.normal
-        total = self.plane.on_nodes(self.slaves, force, len(positions))
-        stored = 0.5 * jnp.sum(self.width * (self.stiffness * pressed**2 + self.solid * beyond**2))
-        return ContactForces(total, normal, normal, stored)
+        return ContactForces(self.plane.on_nodes(self.slaves, force, len(positions)), normal, normal)
 
     def fastest(self, inverse_mass: Float[Array, "nodes 2"]) -> Float[Array, ""]:
         """The highest natural frequency of a node on the solid layer [rad/s]."""
