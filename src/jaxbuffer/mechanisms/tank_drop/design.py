@@ -112,7 +112,7 @@ class Support(Part):
     """
 
     section: ClassVar[str] = "support"
-    method: str = choice("defence node", *METHODS)
+    method: str = choice("penalty", *METHODS)
     stiffness: Scalar = number(1e8, "N/m²", **POSITIVE)
 
 
