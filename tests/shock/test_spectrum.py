@@ -5,8 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import jaxbuffer as jb
 from jaxbuffer import InputError
-from jaxbuffer.shock import hertz_shear, largest_response, shock_spectrum
+from jaxbuffer.shock import hertz_shear, largest_response, shock_spectrum, spectrum_of_motion
 
 
 def half_sine(samples):
@@ -46,3 +47,58 @@ def test_hertzs_shear_is_largest_half_a_radius_deep():
     assert depth[shear.argmax()] == pytest.approx(2.0 / (1.3 * np.pi), rel=0.02)
     # at the surface: σz = -q0, σr = -(1 + 2ν)/2 q0
     assert shear[0] == pytest.approx(0.5 * (1.0 - 0.8), abs=1e-12)
+
+
+def stopped(duration, peak):
+    """Uneven instants, and the velocity of a half-sine of acceleration in between, steady before and after."""
+    inside = np.random.default_rng(1).uniform(0.0, duration, 400)
+    time = np.sort(np.concatenate([[-duration, 0.0, duration, 2.0 * duration], inside]))
+    phase = np.pi * np.clip(time / duration, 0.0, 1.0)
+    return time, 5.0 + peak * duration / np.pi * (1.0 - np.cos(phase))
+
+
+def test_the_spectrum_of_a_motion_is_that_of_its_pulse():
+    ratios = np.array([0.1, 0.3, 0.5, 0.81, 1.3, 2.2, 5.0])
+    time, velocity = stopped(0.011, 300.0)
+    found = spectrum_of_motion(time, velocity, ratios / 0.011, 0.0)
+    np.testing.assert_allclose(found, 300.0 * largest_response("half-sine", ratios), rtol=5e-4)
+
+
+def test_the_spectrum_of_a_motion_is_differentiable_by_the_velocity():
+    time, velocity = stopped(0.011, 300.0)
+    spectrum = lambda scale: spectrum_of_motion(time, scale * velocity, np.array([60.0]), 0.05)[0]  # noqa: E731
+    assert float(jax.grad(spectrum)(2.0)) == pytest.approx(float(spectrum(1.0)), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_tanks_slider_shakes_what_it_carries_as_its_force_says():
+    """Its acceleration is the force over the mass less gravity's: another way to the same spectrum."""
+    run = jb.simulate(jb.TankDrop(), jb.TankDropScenario(height=0.1), 0.01, history=True)
+    seen, frequencies = run.history, np.array([20.0, 50.0, 100.0])
+    even = np.linspace(0.0, float(seen.time[-1]), 20001)
+    force = np.interp(even, seen.time, seen.contact_force[:, 0])
+    exact = shock_spectrum(force / 348.0 - 9.81, even[1], frequencies, 0.05)
+    found = spectrum_of_motion(seen.time, seen.velocity[:, 0, 1], frequencies, 0.05)
+    np.testing.assert_allclose(found, exact, rtol=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("time", "velocity", "frequencies", "said"),
+    [
+        ([0.0, 2.0, 1.0], np.zeros(3), [1.0], "none before the one in front of it"),
+        ([0.0, np.nan], np.zeros(2), [1.0], "none before the one in front of it"),
+        ([0.0], np.zeros(1), [1.0], "two instants or more"),
+        ([0.0, 1.0], np.zeros(3), [1.0], r"velocity has shape \(3,\), time \(2,\); both must have one"),
+        (
+            [0.0, 1.0],
+            np.zeros(2),
+            [1.0, 0.0],
+            r"frequencies = \[1.0, 0.0\] Hz are out of range; allowed: \(0, inf\) Hz",
+        ),
+        ([0.0, 1.0], np.zeros(2), [np.inf], r"allowed: \(0, inf\) Hz"),
+        ([0.0, 1.0], np.zeros(2), [], "at least one"),
+    ],
+)
+def test_a_motion_that_is_none_is_refused(time, velocity, frequencies, said):
+    with pytest.raises(InputError, match=said):
+        spectrum_of_motion(np.array(time), velocity, frequencies)

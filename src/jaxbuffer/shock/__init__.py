@@ -6,3 +6,4 @@ from .pulses import Pulse as Pulse
 from .pulses import largest_response as largest_response
 from .pulses import response as response
 from .spectrum import shock_spectrum as shock_spectrum
+from .spectrum import spectrum_of_motion as spectrum_of_motion
