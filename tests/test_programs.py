@@ -283,6 +283,27 @@ def test_a_file_that_ended_a_process_is_replaced(tmp_path):
     assert [file.suffix for file in folder.iterdir() if "squares" in file.name] == [".program"], "no marker stays"
 
 
+SOLVED = """
+import jaxbuffer.compiling.process; jaxbuffer.compiling.process.configure(cache={folder!r})
+import numpy as np, jax.numpy as jnp
+from jaxbuffer.compiling import programs
+
+compiled = []
+solved = programs.stored(jnp.linalg.solve)
+with programs.watched(compiled.append):
+    print(float(solved(2.0 * np.eye(3), np.ones(3))[0]), any(compiled))
+"""
+
+
+@pytest.mark.slow
+def test_a_program_that_solves_equations_runs_in_another_process(tmp_path):
+    """Its LAPACK is made ready where the program is traced, and must be where it is read as well."""
+    for compiled in (True, False):
+        program = SOLVED.format(folder=str(tmp_path / "programs"))
+        done = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True, text=True, timeout=120)
+        assert (done.returncode, done.stdout.strip()) == (0, f"0.5 {compiled}"), done.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.2, 0.4, 0.6, 0.8, 0.95])
 def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp_path, share):

@@ -39,8 +39,10 @@ def taken_apart(compiled: Compiled) -> tuple[Description, bytes]:
 def put_together(description: Description, code: bytes) -> Compiled:
     """The compiled function again. XLA loads the code as it is: it must be known to be what `taken_apart` gave."""
     from jax._src.interpreters import pxla
+    from jax._src.lax.linalg import initialize_lapack
     from jax._src.lib import xla_client
 
+    initialize_lapack()  # else done where such a call is traced: code that solves equations would end the process
     arguments = [_value(shown) for shown in description["arguments"]]
     used, results = description["used"], [_value(shown) for shown in description["results"]]
     inputs = [arguments[k] for k in used]
