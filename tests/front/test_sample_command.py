@@ -47,7 +47,7 @@ def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monk
     assert computed.calls[-1][1]["trust"] is True
     words = " ".join(capsys.readouterr().out.split())
     for said in (
-        "1 of 8 captures are ill-conditioned: a bounce more or less decides",
+        "1 of 8 captures are ill-conditioned: little decides what happens",
         "1 of 8 captures have numbers that may be off by more than 1e-04 of them (see trust in sample.csv)",
         "1 of 8 captures have numbers of unknown error: a tenth of rtol is below 1e-13, the least allowed, or",
     ):

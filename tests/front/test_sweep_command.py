@@ -71,7 +71,7 @@ def test_runs_that_are_not_trusted_are_counted_and_marked(computed, capsys, monk
     assert run(["sweep", *TWO, "--trust", "off", "--output", "out", "--force"]) == 0
     assert computed.calls[-1][1]["trust"] is False
     words = " ".join(capsys.readouterr().out.split())
-    assert "1 of 6 captures are ill-conditioned: a bounce more or less decides" in words
+    assert "1 of 6 captures are ill-conditioned: little decides what happens" in words
     assert "2 of 6 captures have numbers that may be off by more than 1e-04 of them (see trust in sweep.csv)" in words
     marked = [row["trust"] for row in table((tmp_path / "out/sweep.csv").read_text())]
     assert marked == ["ill-conditioned", "check", "check", "", "trusted", "trusted"]

@@ -20,8 +20,8 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
     impact that turned it round. A second run at a tenth of the tolerance tells how far its numbers can be trusted, and
-    where a bounce more or less decides (--trust off spares it). Which parameter to change first takes derivatives:
-    jaxbuffer sensitivity does that.
+    where little decides what happens, a bounce more or less say (--trust off spares it). Which parameter to change
+    first takes derivatives: jaxbuffer sensitivity does that.
 
     Another mechanism is chosen by kind = "NAME" in CONFIG.toml; `jaxbuffer fields` lists them with their fields.
 

@@ -40,8 +40,8 @@ def sweep(
     counted and named; it does not touch the others. Ctrl-C ends the sweep and saves what was done; --resume goes on,
     also after a kill.
 
-    Each is run again at a tenth of the tolerance: those whose numbers may be off, or where a bounce more or less
-    decides, are counted, and marked in the column trust. --trust off takes half the time.
+    Each is run again at a tenth of the tolerance: those whose numbers may be off, or where little decides what
+    happens, are counted, and marked in the column trust. --trust off takes half the time.
 
     --scheduler hands the captures to the workers of a Dask cluster, which store them in DIR/sweep.zarr as they are
     found; "processes" starts some on this machine. Tables and figures are made of up to 100 000 captures, larger sweeps

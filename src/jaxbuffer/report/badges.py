@@ -14,7 +14,7 @@ UNCONFIRMED = "no other search found the same: a better design may exist"
 STOPPED = {
     "limit_of_steps": "the search stopped at its limit of steps",
     "stalled": "the search stalled",
-    "cliff": "the search stopped where one bounce more or less makes a run fail",
+    "cliff": "the search stopped where a small change makes a run fail",
 }
 
 

@@ -123,7 +123,7 @@ def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: 
     ``where`` they are marked."""
     of_all, told = f"of {runs} {mechanism.run_name}s", []
     if count := verdicts.get(VERDICTS.index("ill-conditioned")):
-        told.append(f"{count} {of_all} are ill-conditioned: a bounce more or less decides, no number is sure")
+        told.append(f"{count} {of_all} are ill-conditioned: little decides what happens, no number is sure")
     if count := verdicts.get(VERDICTS.index("check")):
         told.append(f"{count} {of_all} have numbers that may be off by more than {DOUBTFUL:.0e} of them")
     if count := verdicts.get(VERDICTS.index("unknown")):

@@ -15,7 +15,7 @@ from .why import broken_limits
 INFEASIBLE = "no feasible design found: "
 Ended = Literal["converged", "limit_of_steps", "stalled", "cliff"]
 """How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
-tolerance though more seems to be left, or where one bounce more or less makes a run fail."""
+tolerance though more seems to be left, or where a small change makes a run fail."""
 
 
 class End(NamedTuple):
@@ -75,7 +75,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
         "converged": "converged",
         "limit_of_steps": f"stopped at the limit of {settings.iterations} steps",
         "stalled": "stalled: steps gain less than the tolerance",
-        "cliff": "stopped at a cliff: ahead one bounce more or less makes a run fail",
+        "cliff": "stopped at a cliff: ahead a small change makes a run fail",
     }
     within = f", the tolerance being {100.0 * settings.tolerance:g} %" if branch.status == CONVERGED else ""
     return f"{told[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
