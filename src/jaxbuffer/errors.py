@@ -12,7 +12,12 @@ if TYPE_CHECKING:  # the command line's own errors need neither: they are import
 
 CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
 # what may be meant by a number of this unit above this size: a unit, and how many of the first one it is
-MEANT = {"rad": (0.0, "deg", math.pi / 180.0), "rad/s": (2.0, "deg/s", math.pi / 180.0), "m": (1.0, "mm", 1e-3)}
+MEANT = {
+    "rad": (0.0, "deg", math.pi / 180.0),
+    "rad/s": (2.0, "deg/s", math.pi / 180.0),
+    "m": (1.0, "mm", 1e-3),
+    "-": (2.0, "%", 0.01),
+}
 LONGEST = 60  # characters of a value that a message shows
 
 
@@ -128,7 +133,7 @@ def check_number(
 
 
 def meant(value: float, unit: str, **limits: Any) -> str:
-    """A hint at the smaller unit in which a number out of range is inside it (degrees, millimetres); "" for none."""
+    """A hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for none."""
     least, smaller, factor = MEANT.get(unit, (math.inf, "", 1.0))
     return (
         f'; "{value:g} {smaller}" if that is meant' if abs(value) > least and inside(value * factor, **limits) else ""

@@ -5,12 +5,15 @@ from bad_calls import PYTHON
 from bad_fields import CHOICES, FIELDS, of_fields
 from bad_lines import LINES
 from bad_studies import STUDIES
+from bad_tanks import CHOICES as TANK_CHOICES
+from bad_tanks import FIELDS as TANK_FIELDS
+from bad_tanks import TANKS
 
-from jaxbuffer import InputError, Scenario, table2
+from jaxbuffer import InputError, Scenario, TankDrop, TankDropScenario, table2
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import paths, unit
 
-BAD = [*of_fields(), *STUDIES, *LINES, *PYTHON]
+BAD = [*of_fields(), *STUDIES, *LINES, *PYTHON, *TANKS]
 
 
 @pytest.mark.parametrize("asked", BAD, ids=lambda asked: repr(asked)[:60].replace("\n", " "))
@@ -33,10 +36,14 @@ def test_bad_input_is_one_line_that_says_what_and_what_would_do(computed, capsys
     assert all(name == "configure" for name, _ in computed.calls), "nothing is computed"
 
 
-def test_two_hundred_bad_inputs_and_every_field():
+@pytest.mark.parametrize(
+    ("design", "scenario", "fields", "choices"),
+    [(table2(), Scenario(), FIELDS, CHOICES), (TankDrop(), TankDropScenario(), TANK_FIELDS, TANK_CHOICES)],
+    ids=["probe_cone", "tank_drop"],
+)
+def test_two_hundred_bad_inputs_and_every_field(design, scenario, fields, choices):
     assert len(BAD) >= 200
-    design, scenario = table2(), Scenario()
     numbers = {path: unit(design, path) for path in paths(design)}
     numbers |= {f"scenario.{path}": unit(scenario, path) for path in paths(scenario)}
-    assert {path for path, symbol in numbers.items() if symbol} == set(FIELDS)
-    assert {path for path, symbol in numbers.items() if not symbol} == set(CHOICES)
+    assert {path for path, symbol in numbers.items() if symbol} == set(fields)
+    assert {path for path, symbol in numbers.items() if not symbol} == set(choices)

@@ -93,7 +93,7 @@ def sobol_indices(
     >>> bool(height > 10 * stiffness)
     True
     """
-    check_number("confidence", confidence, "-", low=0.0, high=1.0, low_open=True, high_open=True)
+    check_number("confidence", confidence, "", low=0.0, high=1.0, low_open=True, high_open=True)
     check_whole("resamples", resamples, 99)
     names, axes = check_names("quantities", quantities, "peak_force"), sample.grid.axes
     how = (confidence, resamples, seed)

@@ -79,7 +79,7 @@ def check_numbers(
     found = check_names("wrt", wanted, "buffer.k_A")
     for address in found:
         value = value_at(design, scenario, address)
-        if value is None or isinstance(value, (str, bool)):
+        if value is None or isinstance(value, (str, int)):  # a number is a float; whole ones choose
             raise InputError(f"{address} = {value!r} is not a number that can be differentiated")
         check_single(address, value, "", instead)
     return found, np.array([float(value_at(design, scenario, address)) for address in found])

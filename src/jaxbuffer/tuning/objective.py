@@ -49,7 +49,7 @@ class Objective:
             unit = f"N/{_units().get(name, 'unit')}"
             check_single(f"objective.{name}", weight, unit, ONE_LIMIT, low=0.0, low_open=True)
         check_choice("objective.over", self.over, AGGREGATES)
-        check_number("objective.level", self.level, "-", low=0.0, high=1.0, high_open=True)
+        check_number("objective.level", self.level, "", low=0.0, high=1.0, high_open=True)
 
     def unit(self, catalogue: Catalogue) -> str:
         """The unit of its value: that of a single quantity with a weight of 1, else N."""
@@ -191,7 +191,7 @@ class Then:
 
     def __post_init__(self) -> None:
         check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
-        check_number("then.slack", self.slack, "-", low=0.0, high=1.0, low_open=True)
+        check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
 
 
 def _units() -> dict[str, str]:

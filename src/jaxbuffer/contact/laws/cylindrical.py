@@ -179,7 +179,7 @@ def pin_in_hole_law(
         ("modulus", modulus, "Pa"),
     ):
         check_number(field, value, unit, low=0.0, low_open=True, high_open=True)
-    check_number("restitution", restitution, "-", low=0.0, high=1.0, low_open=True)
+    check_number("restitution", restitution, "", low=0.0, high=1.0, low_open=True)
     hole, gap = concrete(bush_radius), concrete(clearance)
     if hole is not None and gap is not None and not (gap < hole).all():
         raise InputError(f"clearance = {clearance:g} m must be below the hole's radius, {bush_radius:g} m")

@@ -3,10 +3,11 @@
 from typing import ClassVar
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...errors import InputError, check_type, concrete
+from ...errors import InputError, check_entries, check_type, concrete, same_shape
 from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
 from ...structures.contact import METHODS
 from .laminate import Composite
@@ -43,13 +44,16 @@ class Tank(Part):
     length: Scalar = number(0.7, "m", **POSITIVE)
 
     def check_together(self) -> None:
-        radius, height, width = (concrete(x) for x in (self.corner_radius, self.height, self.width))
-        if radius is None or height is None or width is None:
+        known = [concrete(x) for x in (self.corner_radius, self.height, self.width)]
+        if any(x is None for x in known):  # traced
             return
-        if (2.0 * radius >= height).any() or (2.0 * radius >= width).any():
+        radius, height, width = same_shape("tank", known)
+        if (bad := 2.0 * radius >= np.minimum(height, width)).any():
+            given, tall, wide = (float(x[bad][0]) for x in (radius, height, width))
+            allowed = f"(0, {0.5 * min(tall, wide):g}) m"
             raise InputError(
-                f"tank.corner_radius = {float(radius.flat[0]):g} m: twice of it must be less than tank.height ="
-                f" {float(height.flat[0]):g} m and tank.width = {float(width.flat[0]):g} m"
+                f"tank.corner_radius = {given:g} m is out of range; allowed: {allowed}, less than half of tank.height"
+                f" = {tall:g} m and of tank.width = {wide:g} m"
             )
 
 
@@ -72,7 +76,7 @@ class TankMaterial(Part):
 
 
 class Contents(Part):
-    """What the tank holds.
+    """The liquid that the tank holds, if any.
 
     ``kind``: "liquid" or "none"; ``density``; ``sound_speed`` in it.
     """
@@ -182,14 +186,11 @@ class TankDropScenario(Part):
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
     """Raise `InputError` where a wall is as thick as its corner is round."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
-    radius = concrete(design.tank.corner_radius)
     for zone in ZONES:
-        thickness = concrete(getattr(design.wall, zone))
-        if thickness is not None and radius is not None and (thickness >= radius).any():
-            raise InputError(
-                f"wall.{zone} = {float(thickness.flat[0]):g} m must be less than tank.corner_radius ="
-                f" {float(radius.flat[0]):g} m"
-            )
+        try:
+            check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
+        except InputError as error:
+            raise InputError(f"{error}, less than tank.corner_radius") from None
 
 
 def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:

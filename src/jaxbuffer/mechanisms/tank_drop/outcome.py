@@ -2,7 +2,7 @@
 
 from ..outcome import INPUT, NOT_FINITE, PENETRATION, STEP_SIZE, RunOutcome
 
-STEPS = "failed: more steps than max_steps; raise it, or take a coarser mesh or a shorter duration"
+STEPS = "failed: more steps than max_steps (200000, more by jb.simulate); take a shorter duration or a coarser mesh"
 
 
 class TankOutcome(RunOutcome):
