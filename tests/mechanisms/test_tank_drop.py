@@ -63,7 +63,7 @@ def test_a_brittle_wall_is_holed():
 
 def test_without_an_impact_nothing_moves():
     """The slider is held up: wall and liquid stay where they are, and the baffle carries the weight of both."""
-    design = jb.TankDrop()
+    design = jb.replace(jb.TankDrop(), {"support.method": "defence node"})  # on a penalty it would sink in
     parts = assembled(design, GENTLE)
     start, system = at_rest(parts), parts.system
     held = system.inverse_mass.at[parts.slider].set(0.0)
@@ -123,3 +123,26 @@ def test_three_meshes_converge():
         values = [float(getattr(run, name)) for run in (coarse, middle, fine)]
         assert values[0] == pytest.approx(values[2], rel=first), name
         assert values[1] == pytest.approx(values[2], rel=second), name
+
+
+def test_a_history_has_a_row_for_each_share_of_the_time_that_was_stepped_and_no_others():
+    """Fewer steps than rows, and a run that ends before its duration."""
+    for found in (
+        dropped(duration=5e-4, history=True),
+        dropped(scenario=jb.TankDropScenario(), duration=0.08, history=True),
+    ):
+        time = np.asarray(found.history.time)
+        assert np.all(np.diff(time) > 0.0)
+        assert 0.99 * float(found.end_time) < time[-1] <= float(found.end_time)
+        assert 200 < len(time) <= int(found.accepted)
+
+
+def test_a_mesh_that_is_folded_is_not_computed():
+    """The liquid no higher than the corner is refused; thick walls in a flat tank fail without a step."""
+    with pytest.raises(
+        jb.InputError, match=r"scenario.fill = 0.3 is out of range; allowed: \(0.327586, 0.95\]; the liq"
+    ):
+        dropped({"tank.corner_radius": 0.1}, jb.TankDropScenario(fill=0.3))
+    flat = {"tank.height": 0.0601, "tank.corner_radius": 0.03, "wall.top": 0.0299, "wall.bottom": 0.0299}
+    found = dropped(flat, duration=1e-3)
+    assert found.outcome.name == "failed_not_finite" and np.isnan(float(found.peak_force))

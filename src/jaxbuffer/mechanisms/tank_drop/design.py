@@ -13,6 +13,7 @@ from ...structures.contact import METHODS
 from .laminate import Composite
 
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
+FILL = {"low": 0.25, "high": 0.95}
 THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
@@ -179,18 +180,26 @@ class TankDropScenario(Part):
 
     section: ClassVar[str] = "scenario"
     height: Scalar = number(2.04, "m", **POSITIVE)
-    fill: Scalar = number(0.8, "-", low=0.25, high=0.95)
+    fill: Scalar = number(0.8, "-", **FILL)
     gravity: Scalar = number(9.81, "m/s²", **POSITIVE)
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
-    """Raise `InputError` where a wall is as thick as its corner is round."""
+    """Raise `InputError` where a wall is as thick as its corner is round, or the liquid no higher than its corner."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
     for zone in ZONES:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
         except InputError as error:
             raise InputError(f"{error}, less than tank.corner_radius") from None
+    above = "; the liquid must be higher than the lower corner, tank.corner_radius"
+    check_entries("scenario.fill", scenario.fill, "-", _corner(design), FILL["high"], too_low=above, high_open=False)
+
+
+def _corner(design: TankDrop) -> Scalar:
+    """How high the lower corner reaches, as a fill [-]: the mesh needs a liquid that reaches further."""
+    bottom = design.wall.bottom
+    return (design.tank.corner_radius - bottom) / (design.tank.height - bottom - design.wall.top)
 
 
 def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
@@ -198,4 +207,5 @@ def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     radius = jnp.asarray(design.tank.corner_radius, float)
     thin = [getattr(design.wall, zone) < radius for zone in ZONES]
     round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]
-    return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough])
+    high = jnp.asarray(scenario.fill, float) > _corner(design)
+    return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough, high])

@@ -135,7 +135,7 @@ def _of_every_run(
         "impacts": impacts,
         "energy": _energy(factor, seen.energies),
         "balance": balance,
-        "history": None if seen.rows is None else history_of(parts, seen.rows),
+        "history": None if seen.rows is None else history_of(parts, _close_up(seen.rows)),
         "attempts": found.steps,
         "accepted": found.steps,
         "stabilisation": jnp.asarray(stabilisation, float),
@@ -145,6 +145,7 @@ def _of_every_run(
 
 def _code(found: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
     finite = jnp.all(jnp.isfinite(found.state.displacement)) & jnp.isfinite(found.seen.stress)
+    finite = finite & jnp.isfinite(found.step)  # a mesh that is folded has no stable step
     code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
     code = jnp.where(found.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
@@ -202,7 +203,17 @@ def history_of(parts: Assembled, rows: Row) -> History:
     )
 
 
+def _close_up(rows: Row) -> Row:
+    """The rows that were filled, the first one always, then the last of them again: a run with fewer steps than rows,
+    or one that ends early, leaves some empty."""
+    places = np.arange(rows.time.shape[0])
+    filled = (rows.time > 0.0) | (places == 0)
+    order = jnp.argsort(jnp.where(filled, places, len(places) + places))
+    chosen = order[jnp.minimum(places, jnp.sum(filled) - 1)]
+    return jax.tree.map(lambda row: row[chosen], rows)
+
+
 def rows_of(run: TankRun) -> int:
-    """How many rows of its history a run has filled."""
+    """How many rows of its history a run has filled: time rises up to there."""
     assert run.history is not None
-    return 1 + int(np.count_nonzero(np.asarray(run.history.time) > 0.0))
+    return 1 + int(np.count_nonzero(np.diff(np.asarray(run.history.time)) > 0.0))
