@@ -133,7 +133,8 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
         if detail is not None:
             named = closer(grid[k, 1], at, k) | named
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=4)
-    figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}. Arrows: contact force")
+    arrows = ". Arrows: contact force" if at.drawing.touches else ""
+    figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}{arrows}")
     return figure
 
 
