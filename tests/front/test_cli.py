@@ -476,3 +476,14 @@ def test_fields_of_every_mechanism(computed, capsys):
 def test_fields_of_no_mechanism(computed, capsys):
     assert run(["fields", "prob_cone"]) == 2
     assert "kind = 'prob_cone' is unknown" in (said := capsys.readouterr().err) and "did you mean probe_cone?" in said
+
+
+def test_a_tuned_design_is_run_as_long_as_it_was_tuned_and_says_its_objectives_unit(computed, tmp_path):
+    (tmp_path / "study.toml").write_text("[options]\nduration = 2\nrtol = 1e-5\n[problem.objective]\nstroke = 1.0\n")
+    assert run(["tune", "study.toml", "--output", "out"]) == 0
+    written = load(tmp_path / "out" / "design.toml")
+    assert (written.options.duration, written.options.rtol) == (2.0, 1e-5)
+    assert "# stroke, worst over the cases, before and after: " in (text := (tmp_path / "out/design.toml").read_text())
+    assert re.search(r"before and after: \S+ m, \S+ m\.\n", text)
+    assert run(["simulate", "out/design.toml"]) == 0
+    assert computed.asked("simulate")["duration"] == 2.0

@@ -251,12 +251,12 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits = problem.limits.lines(problem.catalogue)
+    limits, symbol = problem.limits.lines(problem.catalogue), problem.objective.unit(problem.catalogue)
     lines = [
         f"{headline(tuned.message, tuned.feasible)}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
-        f"{problem.objective}, before and after: {start:.6g} N, {end:.6g} N.",
+        f"{problem.objective}, before and after: {start:.6g} {symbol}, {end:.6g} {symbol}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"

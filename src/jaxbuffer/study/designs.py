@@ -77,9 +77,16 @@ def save_design(
 
 
 def tuned_toml(design: Part, problem: Problem, comment: str, scenarios: Iterable[Part] = ()) -> str:
-    """A design that was tuned, with the problem's limits and its ``scenarios`` (default: in the problem's order): a
-    study for the other commands, of which `simulate` takes the first."""
-    return f"{design_toml(design, tuple(scenarios) or problem.scenarios_met, comment)}\n{_limits_toml(problem)}"
+    """A tuned design, with the problem's limits, duration, tolerance and ``scenarios`` (default: in the problem's order):
+    a study for the other commands, of which `simulate` takes the first."""
+    blocks = [design_toml(design, tuple(scenarios) or problem.scenarios_met, comment), _limits_toml(problem)]
+    return "\n".join([*blocks, _options_toml(problem)])
+
+
+def _options_toml(problem: Problem) -> str:
+    """How a problem's runs are simulated, as TOML."""
+    assert problem.duration is not None
+    return f"[options]\nduration = {float(problem.duration)!r}  # s\nrtol = {float(problem.rtol)!r}\n"
 
 
 def _limits_toml(problem: Problem) -> str:
