@@ -216,6 +216,8 @@ def test_overrides_replace_fields_of_every_type():
         "smooth",
     )
     assert config.scenario.misalignment == -0.1 and config.scenarios == (config.scenario,)
+    modes = apply_overrides(Config(), {"probe.bending_modes": "3"}).design.probe.bending_modes
+    assert modes == 3 and type(modes) is int
 
 
 def test_an_overridden_scenario_field_holds_for_all_and_leaves_no_twins():
@@ -246,6 +248,7 @@ def test_an_overridden_scenario_field_holds_for_all_and_leaves_no_twins():
             r"scenario\.contact_distance = 1 m is out of range; allowed: \(0, 0\.0735\] m",
         ),
         ("contact.arms", "fixed", r"contact\.arms = 'fixed' is unknown; choose one of moving, published"),
+        ("probe.bending_modes", "2.5", r"probe\.bending_modes = 2\.5 must be a whole number of at least 2"),
         ("probe.free_tip", "perhaps", r"probe\.free_tip = 'perhaps' must be true or false"),
     ],
 )

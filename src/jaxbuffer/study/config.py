@@ -146,9 +146,9 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     """
     for path in values:
         check_address(config.design, config.scenario, path)
-    fields = {path: _literal(text) for path, text in values.items()}
-    meeting = {path.removeprefix(SCENARIO): v for path, v in fields.items() if path.startswith(SCENARIO)}
-    design = {path: value for path, value in fields.items() if not path.startswith(SCENARIO)}
+    meeting = {path.removeprefix(SCENARIO): text for path, text in values.items() if path.startswith(SCENARIO)}
+    meeting = {path: _typed(config.scenario, path, text) for path, text in meeting.items()}
+    design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
     scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
     return dataclasses.replace(
         config,
@@ -160,11 +160,10 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
 
 def apply_options(settings: T, typed: Mapping[str, str]) -> T:
     """`Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol 1e-8."""
-    values = {name: _literal(text) for name, text in typed.items()}
+    values = {name: _typed(settings, name, text) for name, text in typed.items()}
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
-            values[name] = int(value) if isinstance(value, float) and value.is_integer() else value
-            check_whole(f"--{name}", values[name], least)
+            check_whole(f"--{name}", value, least)
     return _replaced(settings, values, "--")
 
 
@@ -277,6 +276,12 @@ def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
         number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
     check_number(path, number, unit, **limits)
     return number
+
+
+def _typed(owner: eqx.Module, path: str, text: str) -> Any:
+    """What was typed for a field: "2" is a whole number where it takes such."""
+    value, known = _literal(text), metadata(owner, path)
+    return int(value) if "least" in known and isinstance(value, float) and value.is_integer() else value
 
 
 def _literal(text: str) -> bool | float | str:
