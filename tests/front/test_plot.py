@@ -1,5 +1,6 @@
 """Figures: every axis says what it shows and in which unit, and nothing outside the figure changes."""
 
+import dataclasses
 import re
 import sys
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from made_up import PULSE, made_up_capture, made_up_tuning
 
-from jaxbuffer import InputError, Outcome, Scenario
+from jaxbuffer import InputError, Limits, Outcome, Scenario
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.results import tuned_files
 from jaxbuffer.output.style import png
@@ -74,9 +75,19 @@ def test_tune_figure():
     assert labels == ["starts", "search", "infeasible", "best so far"]
     assert np.all(np.diff(objective.lines[-1].get_ydata()) <= 0.0), "the best so far"
     ticks = [text.get_text() for text in axes["Worst over the scenarios, before → after"].get_yticklabels()]
-    assert ticks[0] == "peak contact force: 400 → 320 N"
+    assert ticks[0] == "peak contact force:\n400 → 320 N"
     assert any(text.endswith("limit 25 mm") for text in ticks), "the stroke's"
     assert png(figure).startswith(b"\x89PNG")
+
+
+def test_a_lower_limit_is_held_against_the_least():
+    problem = Config(scenarios=(Scenario(), Scenario(approach_speed=0.2))).problem()
+    problem = dataclasses.replace(problem, limits=Limits(at_least={"peak_force": 150.0}))
+    shown = labelled(tune_figure(made_up_tuning(problem)))["Worst over the scenarios, before → after"]
+    assert shown.get_yticklabels()[0].get_text() == "peak contact force:\n250 → 200 N, at least 150 N"
+    before, _, after = shown.lines[:3]
+    shares = [before.get_xdata()[0], after.get_xdata()[0]]
+    np.testing.assert_allclose(shares, [250.0 / 1.5, 200.0 / 1.5])  # %, of the slower scenario
 
 
 def test_tune_figure_with_the_worst_scenario_over_time():

@@ -181,6 +181,10 @@ class Mechanism:
         """Quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
 
+    def contact_in_words(self, name: str) -> str:
+        """A contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
+        return name if name == self.contact else f"{name} {self.contact}"
+
     def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
         """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
         bending of what does not bend."""

@@ -193,7 +193,7 @@ def _curves(axes: "Axes", run: Run) -> Any:
     force = np.asarray(at_times(run, time).contact_force)
     names = run.mechanism.names(run.design).contacts
     for k, name in enumerate(names):
-        label = f"{name} {run.mechanism.contact}"
+        label = run.mechanism.contact_in_words(name)
         axes.plot(time, force[:, k], color=COLOURS[k], linewidth=0.9, label=label)
     if len(names) > 1:
         axes.legend(loc="upper left", ncols=len(names))

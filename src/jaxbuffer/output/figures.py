@@ -92,8 +92,7 @@ def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
     (unit, factor), time = FORCES[peak >= 1e4], np.asarray(seen.time)
     shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
-        kind = run.mechanism.contact
-        name = f"{contact} {kind}" if contact != kind else contact
+        name = run.mechanism.contact_in_words(contact)
         force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
     force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
     force.locator_params(axis="x", nbins=6)

@@ -37,7 +37,7 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    right = [0.4 * len(problem.variables) + 0.9, 0.25 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
+    right = [0.4 * len(problem.variables) + 0.9, 0.3 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
     left = [2.6, ROW * len(problem.cases) + 1.0] if worst else [ROW * len(problem.cases) + 1.0]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
     figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout=layout)
@@ -116,21 +116,25 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
         symbol = unit(tuned.problem.design, v.path)
         axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=7)
     axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=7)
-    axes.set_xlim(-0.03, 1.55)
+    axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
     label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "", False)
 
 
 def _limits(axes: "Axes", tuned: "Tuned") -> None:
-    """The largest of each quantity over the scenarios, in shares of its limit, or of what it was where it has none."""
+    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone, in shares of its
+    limit, or of what it was where it has none."""
     problem = tuned.problem
-    before, after = (np.max(point.quantities, axis=0) for point in (tuned.before, tuned.after))
     chosen, catalogue = _shown(tuned), problem.catalogue
     names = [problem.names[k] for k in chosen]
-    before, after = before[chosen], after[chosen]
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
-    of = np.array([allowed.get(name, first) for name, first in zip(names, before, strict=True)])
+    least = {name: limit for name, limit in problem.limits.at_least.items() if name not in allowed}
+    before, after = (
+        np.array([(np.min if problem.names[k] in least else np.max)(point.quantities[:, k]) for k in chosen])
+        for point in (tuned.before, tuned.after)
+    )
+    of = np.array([{**allowed, **least}.get(name, first) for name, first in zip(names, before, strict=True)])
     row, texts = np.arange(len(names)), []
     for (name, colour, marker), values in zip(POINTS, (before, after), strict=True):
         share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
@@ -141,8 +145,9 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
         title, symbol, factor = shown(catalogue[name])
         symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
         limit = f", limit {factor * allowed[name]:.4g}{symbol}" if name in allowed else ""
-        texts.append(f"{title}: {factor * before[k]:.4g} → {factor * after[k]:.4g}{symbol}{limit}")
-        if name in allowed:
+        limit = f", at least {factor * least[name]:.4g}{symbol}" if name in least else limit
+        texts.append(f"{title}:\n{factor * before[k]:.4g} → {factor * after[k]:.4g}{symbol}{limit}")
+        if name in allowed or name in least:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
     axes.set_yticks(row, texts, fontsize=7)
     axes.set_ylim(len(row) - 0.5, -0.5)
@@ -154,7 +159,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
 def _shown(tuned: "Tuned") -> list[int]:
     """The quantities that are limited, or not zero throughout."""
     problem = tuned.problem
-    allowed = {**problem.mechanism.always, **problem.limits.at_most}
+    allowed = {**problem.mechanism.always, **problem.limits.at_most, **problem.limits.at_least}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
     return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 

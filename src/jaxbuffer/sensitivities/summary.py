@@ -81,7 +81,7 @@ def certificate_text(certificate: "Certificate", quantities: Sequence[str], mech
     if (peaks := certificate.peaks) is not None:
         lines.append(
             f"  active peak          {peaks.force:.6g} N at {peaks.time:.6g} s,"
-            f" {mechanism.names(design).contacts[peaks.contact]} {mechanism.contact}, impact {peaks.impact + 1}"
+            f" {mechanism.contact_in_words(mechanism.names(design).contacts[peaks.contact])}, impact {peaks.impact + 1}"
         )
         if peaks.runner_up_impact < 0:
             lines.append("  runner-up            none: no other impact")

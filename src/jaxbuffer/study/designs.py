@@ -77,7 +77,7 @@ def save_design(
 
 
 def tuned_toml(design: Part, problem: Problem, comment: str, scenarios: Iterable[Part] = ()) -> str:
-    """A tuned design with the problem's limits, duration, tolerance and ``scenarios`` (default: in the problem's order):
+    """A tuned design with the problem's limits, duration, tolerance, ``scenarios`` (default: in the problem's order):
     a study for the other commands, of which `simulate` takes the first."""
     blocks = [design_toml(design, tuple(scenarios) or problem.scenarios_met, comment), _limits_toml(problem)]
     return "\n".join([*blocks, _options_toml(problem)])

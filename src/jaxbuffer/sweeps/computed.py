@@ -152,8 +152,8 @@ def _extremes(swept: Computed) -> list[str]:
 
 def _run(swept: Computed, index: int) -> str:
     found, names = swept.found, swept.found.mechanism.names(swept.design)
-    kind = found.mechanism.contact
-    contact = f"{names.contacts[int(found.columns[f'peak_{kind}'][index])]} {kind}"
+    largest = int(found.columns[f"peak_{found.mechanism.contact}"][index])
+    contact = found.mechanism.contact_in_words(names.contacts[largest])
     return (
         f"{found.peak_force[index]:.6g} N at {swept.grid.point(index)}: {contact} after"
         f" {found.peak_time[index]:.4g} s, {int(found.impact_count[index])} impacts, {found.outcomes[index].name}"
