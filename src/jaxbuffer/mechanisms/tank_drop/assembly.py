@@ -17,6 +17,7 @@ from .laminate import equivalent
 from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
+ACROSS = 4  # integration points from one side of an element to the other
 ITERATIONS = 20  # of Newton's method for the static start
 
 
@@ -47,7 +48,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
     material = _material(design)
-    wall = Plane(Quads.of(positions, seen.corners), material)
+    wall = Plane(Quads.of(positions, seen.corners, ACROSS), material)
     inverse = 1.0 / wall.mass()[:nodes]
     middle = np.concatenate([np.arange(design.mesh.refinement + 1), np.arange(nodes)[-design.mesh.refinement - 1 :]])
     inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[middle, 0].set(0.0)
