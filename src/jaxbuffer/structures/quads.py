@@ -136,7 +136,7 @@ def nodal_forces(
     """The forces with which the elements resist, at their corners, by the principle of virtual work (M133).
 
     **Arguments:** ``quads``; ``displacements``: of the corners [m]; ``coupling``: as of `Quads.strains`; ``stress_of``:
-    strains (elements, points, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and whatever else.
+    strains (elements, points, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and more.
 
     **Returns:** forces (elements, 4, 2) [N per metre of depth], and that.
     """
