@@ -12,7 +12,7 @@ from jaxbuffer.tuning.evaluation import Evaluation, Evaluator
 
 from .study import config, figure, tuned, write
 
-DESIGNS = 100  # that CMA-ES evaluates, each at the greatest height alone
+DESIGNS = 300  # that CMA-ES evaluates, each at the greatest height alone
 SOUND = 1150.0  # m/s in the liquid, to check the tuned design with
 PENALTY = 10.0  # on a limit's relative excess, in masses of the start
 

@@ -40,7 +40,8 @@ def column_frequencies(elements, free_end):
     m[0, 0], k[0, 0] = MASS, SPRING
     m[1:, 1:], k[1:, 1:] = mass[np.ix_(kept, kept)], stiffness[np.ix_(kept, kept)]
     m[1:, 0], k[0, 1:] = -DENSITY * coupling[kept], coupling[kept]
-    squared = np.sort(eig(k, m, right=False).real)
+    scale = 1.0 / np.sqrt(np.diagonal(k))  # metres beside pascals would cost half of the digits
+    squared = np.sort(eig(scale[:, None] * k * scale, scale[:, None] * m * scale, right=False).real)
     return np.sqrt(np.maximum(squared, 0.0)) / (2.0 * np.pi)
 
 

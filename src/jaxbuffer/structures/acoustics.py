@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
 from .incidence import Incidence, added_at
-from .mapping import SHAPES, Mapping
+from .mapping import Mapping, Rule
 
 
 class Liquid(NamedTuple):
@@ -78,9 +78,10 @@ def element_matrices(
     **Arguments:** ``positions`` [m]; ``corners``: (elements, 4), counter-clockwise; ``sound_speed``: c [m/s].
     """
     at = jnp.asarray(positions, float)[corners]
-    weight, _, gradient = Mapping.of(at)
+    rule = Rule.of()
+    weight, _, gradient = Mapping.of(at, rule)
     stiffness = jnp.einsum("ep,epci,epdi->ecd", weight, gradient, gradient)
-    mass = jnp.einsum("ep,pc,pd->ecd", weight, SHAPES, SHAPES) / sound_speed**2
+    mass = jnp.einsum("ep,pc,pd->ecd", weight, rule.shapes, rule.shapes) / sound_speed**2
     return stiffness, mass
 
 

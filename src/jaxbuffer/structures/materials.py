@@ -64,6 +64,11 @@ class Material(eqx.Module):
         """What yielding has taken so far [J/m³]."""
         return jnp.zeros(history.equivalent.shape)
 
+    def flowed_across(self, history: History) -> Float[Array, "*points 2"] | None:
+        """By how much own axis 1, and 2, is strained by what has flowed so far, where no stress acts along it and the
+        other axis is held [-]; None where nothing flows."""
+        return None
+
     def failed(self, history: History) -> Bool[Array, " *points"]:
         """Which points carry nothing any more."""
         return jnp.zeros(history.equivalent.shape, bool)
@@ -211,6 +216,10 @@ class Plastic(Material):
 
     def plastic_work(self, history: History) -> Float[Array, " *points"]:
         return (self.yield_stress + 0.5 * self.hardening * history.equivalent) * history.equivalent
+
+    def flowed_across(self, history: History) -> Float[Array, "*points 2"]:
+        across = history.plastic[..., :2]
+        return jnp.broadcast_to(1.0 - self.coupling(), across.shape) * across
 
     def failed(self, history: History) -> Bool[Array, " *points"]:
         return history.equivalent >= self.failure_strain

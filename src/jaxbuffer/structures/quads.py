@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from .incidence import Incidence
-from .mapping import POINTS, SIGNS, Mapping
+from .mapping import SIGNS, Mapping, Rule
 from .strain import logarithmic
 
 HOURGLASS = SIGNS[:, 0] * SIGNS[:, 1]  # ξη at the corners
@@ -26,31 +26,37 @@ class Quads(NamedTuple):
     - ``axes``: (elements, 2, 2) the own axes as rows [-].
     - ``gradient``: (elements, 4, 2) the mean of ∂N/∂X in own axes [1/m].
     - ``hourglass``: (elements, 4) γ: how much of ξη is in the corners' displacements [-].
-    - ``hourglass_gradient``: (elements, 4, 2) ∂(ξη)/∂X at the integration points [1/m].
-    - ``weight``: (elements, 4) area of each integration point [m²].
+    - ``hourglass_gradient``: (elements, points, 2) ∂(ξη)/∂X at the integration points [1/m].
+    - ``weight``: (elements, points) area of each integration point [m²].
     """
 
     incidence: Incidence
     axes: Float[Array, "elements 2 2"]
     gradient: Float[Array, "elements 4 2"]
     hourglass: Float[Array, "elements 4"]
-    hourglass_gradient: Float[Array, "elements 4 2"]
-    weight: Float[Array, "elements 4"]
+    hourglass_gradient: Float[Array, "elements points 2"]
+    weight: Float[Array, "elements points"]
 
     @staticmethod
-    def of(positions: Float[Array, "nodes 2"], corners: np.ndarray) -> "Quads":
-        """From the nodes' positions [m] and the corners' nodes (elements, 4); differentiable by the positions."""
+    def of(positions: Float[Array, "nodes 2"], corners: np.ndarray, across: int = 2) -> "Quads":
+        """From the nodes' positions [m] and the corners' nodes (elements, 4); differentiable by the positions.
+
+        ``across``: integration points from side 1-2 to side 3-4. Two are enough where nothing yields; four see a wall
+        of one element yield from its faces inwards, and carry 1.62 times the moment at which that begins when all of it
+        has (exactly: 1.5; two: 1.73 times, and it begins only then).
+        """
+        rule = Rule.of(across)
         incidence = Incidence.of(corners, len(positions))
         at = incidence.to_corners(jnp.asarray(positions, float))
         along = at[:, 1] + at[:, 2] - at[:, 0] - at[:, 3]
         first = along / jnp.linalg.norm(along, axis=1, keepdims=True)
         axes = jnp.stack([first, jnp.stack([-first[:, 1], first[:, 0]], axis=1)], axis=1)
         own = jnp.einsum("eij,ecj->eci", axes, at)
-        weight, inverse, at_points = Mapping.of(own)
+        weight, inverse, at_points = Mapping.of(own, rule)
         gradient = jnp.einsum("ep,epci->eci", weight, at_points) / jnp.sum(weight, axis=1)[:, None, None]
         linear = jnp.einsum("c,eci->ei", HOURGLASS, own)
         hourglass = 0.25 * (HOURGLASS[None] - jnp.einsum("ei,eci->ec", linear, gradient))
-        turned = jnp.einsum("pk,epki->epi", POINTS[:, ::-1], inverse)  # ∂(ξη)/∂(ξ, η) = (η, ξ)
+        turned = jnp.einsum("pk,epki->epi", rule.points[:, ::-1], inverse)  # ∂(ξη)/∂(ξ, η) = (η, ξ)
         return Quads(incidence, axes, gradient, hourglass, turned, weight)
 
     @property
@@ -60,7 +66,7 @@ class Quads(NamedTuple):
 
     def strains(
         self, displacements: Float[Array, "elements 4 2"], coupling: Float[Array, " 2"]
-    ) -> Float[Array, "elements 4 3"]:
+    ) -> Float[Array, "elements points 3"]:
         """Logarithmic strains (ε11, ε22, γ12) at the integration points, in own axes.
 
         The mean deformation gradient gives the constant part. In bending the element stretches along its length as it
@@ -78,13 +84,23 @@ class Quads(NamedTuple):
         c22 = metric[:, 1, 1, None] + stretch[..., 1] - coupling[0] * stretch[..., 0]
         return logarithmic(c11, c22, jnp.broadcast_to(metric[:, 0, 1, None], c11.shape))
 
+    def across(self, strain: Float[Array, "elements points 2"]) -> Float[Array, "elements points 3"]:
+        """What varies of (ε11, ε22) along the own axis of each, as a strain; its mean over an element is zero."""
+        by_axis = strain.reshape(len(strain), -1, 2, 2)  # element, along axis 2, along axis 1, component
+        weight = self.weight.reshape(by_axis.shape[:3])
+        columns = jnp.sum(weight * by_axis[..., 0], axis=1, keepdims=True) / jnp.sum(weight, axis=1, keepdims=True)
+        layers = jnp.sum(weight * by_axis[..., 1], axis=2, keepdims=True) / jnp.sum(weight, axis=2, keepdims=True)
+        both = [jnp.broadcast_to(part, weight.shape).reshape(self.weight.shape) for part in (columns, layers)]
+        varying = [part - (jnp.sum(self.weight * part, axis=1) / self.area)[:, None] for part in both]
+        return jnp.stack([*varying, jnp.zeros_like(self.weight)], axis=-1)
+
     def lumped_mass(self, density: Scalar) -> Float[Array, " nodes"]:
         """(nodes,) a quarter of each element's mass at each of its corners [kg] (M129). ``density``: [kg/m³], one or
         one an element; times one metre of depth."""
         quarter = jnp.broadcast_to(0.25 * density * self.area, self.area.shape)
         return self.incidence.to_nodes(jnp.repeat(quarter[:, None], 4, axis=1))
 
-    def in_own_axes(self, stress: Float[Array, "elements 4 3"]) -> Float[Array, "elements 4 3"]:
+    def in_own_axes(self, stress: Float[Array, "elements points 3"]) -> Float[Array, "elements points 3"]:
         """The stresses (σ11, σ22, σ12), given in own axes, in those of the plane: σxx, σyy, σxy."""
         c, s = self.axes[:, 0, 0, None], self.axes[:, 0, 1, None]
         s11, s22, s12 = stress[..., 0], stress[..., 1], stress[..., 2]
@@ -98,11 +114,14 @@ class Quads(NamedTuple):
         )
 
 
-def at_faces(values: Float[Array, "elements 4 *rest"]) -> Float[Array, "elements 4 *rest"]:
-    """What the integration points have, followed in straight lines across the element to its sides 1-2 and 3-4: on the
-    faces of a wall that is one element thick."""
-    here, there = values, values[:, [3, 2, 1, 0]]
-    return 0.5 * (here + there) + 0.5 * np.sqrt(3.0) * (here - there)
+def at_faces(values: Float[Array, "elements points *rest"]) -> Float[Array, "elements 4 *rest"]:
+    """What there is on the faces of a wall that is one element thick: two values on the side 1-2, then two on 3-4. More
+    than two points across have some there; what two have is followed in straight lines."""
+    first, last = values[:, :2], values[:, -2:]
+    if values.shape[1] == 4:
+        mean, half = 0.5 * (first + last), 0.5 * np.sqrt(3.0) * (last - first)
+        first, last = mean - half, mean + half
+    return jnp.concatenate([first, last], axis=1)
 
 
 T = TypeVar("T")
@@ -117,7 +136,7 @@ def nodal_forces(
     """The forces with which the elements resist, at their corners, by the principle of virtual work (M133).
 
     **Arguments:** ``quads``; ``displacements``: of the corners [m]; ``coupling``: as of `Quads.strains`; ``stress_of``:
-    strains (elements, 4, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and whatever else.
+    strains (elements, points, 3) → stresses (σ11, σ22, σ12) [Pa], conjugate to the logarithmic strain, and more.
 
     **Returns:** forces (elements, 4, 2) [N per metre of depth], and that.
     """

@@ -64,8 +64,10 @@ class Plane(eqx.Module):
         """An element whose points have all failed is deleted: it carries nothing and remembers no more."""
         here = self.quads.incidence.to_corners(displacement)
         alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
+        flowed = self.material.flowed_across(history)
 
         def stress_of(strain: Array) -> tuple[Array, Stressed]:
+            strain = strain if flowed is None else strain + self.quads.across(flowed)
             found = self.material.answer(strain, history)
             return alive[:, None, None] * found.stress[..., :3], found
 

@@ -17,6 +17,7 @@ from .laminate import equivalent
 from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
+ACROSS = 4  # integration points from one side of an element to the other
 ITERATIONS = 20  # of Newton's method for the static start
 
 
@@ -47,7 +48,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
     material = _material(design)
-    wall = Plane(Quads.of(positions, seen.corners), material)
+    wall = Plane(Quads.of(positions, seen.corners, ACROSS), material)
     inverse = 1.0 / wall.mass()[:nodes]
     middle = np.concatenate([np.arange(design.mesh.refinement + 1), np.arange(nodes)[-design.mesh.refinement - 1 :]])
     inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[middle, 0].set(0.0)
@@ -132,8 +133,8 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
 
 def at_rest(parts: Assembled) -> State:
     """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
-    presses on it; the slider where the cushion would just touch the tank undeformed. Newton's method finds it;
-    derivatives are those of the equilibrium."""
+    presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
+    undeformed. Newton's method finds it; derivatives are those of the equilibrium."""
     system, seen = parts.system, parts.section
     start = system.start()
     nodes = parts.slider
@@ -147,7 +148,7 @@ def at_rest(parts: Assembled) -> State:
     if system.liquid is not None:
         assert system.static_pressure is not None
         load = load + system.liquid.push(system.static_pressure, nodes + 2)
-    wall, (history,) = parts.wall, start.histories
+    wall, (history,), (contact,) = parts.wall, start.histories, system.contacts
 
     def displaced(moves: Array) -> Array:
         return jnp.zeros(free.size).at[places].set(moves).reshape(free.shape)
@@ -165,6 +166,10 @@ def at_rest(parts: Assembled) -> State:
         )
         matrix, left = whole[np.ix_(places, places)], unbalanced(moves)
         held = jnp.zeros(len(places), bool).at[bottom].set(stands)
+        if contact.method == "penalty":
+            bed = jnp.where(held, contact.stiffness, 0.0)
+            after = moves - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * moves)
+            return after, after[bottom] < 0.0
         change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(len(places)), matrix), -jnp.where(held, moves, left))
         after, pressed = moves + change, (left + matrix @ change)[bottom]
         return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)

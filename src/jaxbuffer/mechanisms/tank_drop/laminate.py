@@ -65,7 +65,7 @@ def equivalent(composite: Composite) -> Orthotropic:
 
 
 def least_reserve(
-    composite: Composite, across: int, stress: Float[Array, "elements 4 4"], material: Orthotropic
+    composite: Composite, across: int, stress: Float[Array, "elements points 4"], material: Orthotropic
 ) -> Float[Array, ""]:
     """The least reserve factor of any ply [-].
 
@@ -75,7 +75,7 @@ def least_reserve(
     Between the faces the strain along the wall is linear: that of the middle, and what bending adds.
     """
     strain = at_faces(material.strain_along(stress)).reshape(-1, across, 4)
-    outer, inner = strain[:, -1, :2], strain[:, 0, 3:1:-1]
+    outer, inner = strain[:, -1, :2], strain[:, 0, 2:]
     middle, change = 0.5 * (outer + inner), inner - outer
     along, none = jnp.array([1.0, 0.0, 0.0]), jnp.zeros(3)
     laminate = composite.laminate
