@@ -18,7 +18,7 @@ from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
 ACROSS = 4  # integration points from one side of an element to the other
-ITERATIONS = 20  # of Newton's method for the static start
+ITERATIONS = 20  # of Newton's method for the static start, and one for each node that may leave the baffle
 
 
 class Assembled(NamedTuple):
@@ -175,7 +175,7 @@ def at_rest(parts: Assembled) -> State:
         return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
 
     nowhere = jnp.zeros(len(places)), jnp.ones(len(bottom), bool)
-    found, stands = jax.lax.fori_loop(0, ITERATIONS, lambda _, at: newton(*at), nowhere)
+    found, stands = jax.lax.fori_loop(0, ITERATIONS + len(bottom), lambda _, at: newton(*at), nowhere)
     return start._replace(displacement=displaced(newton(jax.lax.stop_gradient(found), stands)[0]))
 
 
