@@ -133,8 +133,8 @@ def test_three_supports_give_the_same(gentle):
 
 @pytest.mark.slow
 def test_three_meshes_converge():
-    """Of an empty tank on defence nodes (a penalty, given for a node, grows with the mesh); the first peak of force, when
-    the cushion meets node after node, scatters by 1 to 2 % (3063, 3103, 3040, 3064 N at refinements 1 to 4)."""
+    """Of an empty tank on defence nodes (a penalty, given for a node, grows with the mesh). The first peak of the force,
+    where the cushion meets node after node, scatters: 3063, 3103, 3040, 3064 N at refinements 1 to 4."""
     changes = {"contents.kind": "none", "support.method": "defence node"}
     coarse, middle, fine = (dropped(changes | {"mesh.refinement": k}) for k in (1, 2, 4))
     bounds = {"deflection": (5e-3, 5e-3), "travel": (5e-4, 5e-5), "impulse": (3e-2, 5e-3), "peak_force": (2e-2, 2e-2)}
