@@ -133,7 +133,7 @@ def test_three_supports_give_the_same(gentle):
 
 @pytest.mark.slow
 def test_three_meshes_converge():
-    """Of an empty tank on defence nodes (a penalty, given for a node, grows with the mesh). The first peak of the force,
+    """Of an empty tank on defence nodes (a penalty, given for a node, grows with the mesh). Its first peak of force,
     where the cushion meets node after node, scatters: 3063, 3103, 3040, 3064 N at refinements 1 to 4."""
     changes = {"contents.kind": "none", "support.method": "defence node"}
     coarse, middle, fine = (dropped(changes | {"mesh.refinement": k}) for k in (1, 2, 4))
