@@ -81,7 +81,7 @@ def test_moments_are_those_of_fibres(poisson, hardening):
         rule = Rule.of(across)
         moments = bent(poisson, hardening, across)[0]
         np.testing.assert_allclose(
-            moments, fibres(poisson, hardening, rule.points[::2, 1], rule.weights[::2]), rtol=0.01
+            moments, fibres(poisson, hardening, rule.points[::2, 1], rule.weights[::2]), rtol=0.006
         )
         off[across] = np.abs(moments / exact - 1.0).max()
     assert off[4] < 0.16 and off[8] < 0.032 and off[16] < 0.01
@@ -89,9 +89,7 @@ def test_moments_are_those_of_fibres(poisson, hardening):
 
 def test_the_fully_plastic_moment():
     """Without hardening, of a material that keeps its volume, in closed form: what checks the fibres."""
-    curvature = np.maximum(CURVATURES, 1.0)
-    exact = np.minimum(CURVATURES, 1.0) * (1.5 - 0.5 / curvature**2)
-    exact = np.where(CURVATURES < 1.0, CURVATURES, exact)
+    exact = np.where(CURVATURES < 1.0, CURVATURES, 1.5 - 0.5 / CURVATURES**2)
     np.testing.assert_allclose(fibres(0.4999, 0.0, *many()) / first_yield(0.4999)[1], exact, rtol=2e-3)
 
 

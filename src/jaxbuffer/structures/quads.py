@@ -84,15 +84,15 @@ class Quads(NamedTuple):
         c22 = metric[:, 1, 1, None] + stretch[..., 1] - coupling[0] * stretch[..., 0]
         return logarithmic(c11, c22, jnp.broadcast_to(metric[:, 0, 1, None], c11.shape))
 
-    def across(self, strain: Float[Array, "elements points 2"]) -> Float[Array, "elements points 3"]:
+    def varying(self, strain: Float[Array, "elements points 2"]) -> Float[Array, "elements points 3"]:
         """What varies of (ε11, ε22) along the own axis of each, as a strain; its mean over an element is zero."""
         by_axis = strain.reshape(len(strain), -1, 2, 2)  # element, along axis 2, along axis 1, component
         weight = self.weight.reshape(by_axis.shape[:3])
         columns = jnp.sum(weight * by_axis[..., 0], axis=1, keepdims=True) / jnp.sum(weight, axis=1, keepdims=True)
         layers = jnp.sum(weight * by_axis[..., 1], axis=2, keepdims=True) / jnp.sum(weight, axis=2, keepdims=True)
         both = [jnp.broadcast_to(part, weight.shape).reshape(self.weight.shape) for part in (columns, layers)]
-        varying = [part - (jnp.sum(self.weight * part, axis=1) / self.area)[:, None] for part in both]
-        return jnp.stack([*varying, jnp.zeros_like(self.weight)], axis=-1)
+        apart = [part - (jnp.sum(self.weight * part, axis=1) / self.area)[:, None] for part in both]
+        return jnp.stack([*apart, jnp.zeros_like(self.weight)], axis=-1)
 
     def lumped_mass(self, density: Scalar) -> Float[Array, " nodes"]:
         """(nodes,) a quarter of each element's mass at each of its corners [kg] (M129). ``density``: [kg/m³], one or

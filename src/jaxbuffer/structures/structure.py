@@ -67,7 +67,7 @@ class Plane(eqx.Module):
         flowed = self.material.flowed_across(history)
 
         def stress_of(strain: Array) -> tuple[Array, Stressed]:
-            strain = strain if flowed is None else strain + self.quads.across(flowed)
+            strain = strain if flowed is None else strain + self.quads.varying(flowed)
             found = self.material.answer(strain, history)
             return alive[:, None, None] * found.stress[..., :3], found
 

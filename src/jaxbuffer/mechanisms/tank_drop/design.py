@@ -113,7 +113,7 @@ class Slider(Part):
 class Support(Part):
     """The contact between the tank and the rigid baffle it rests on.
 
-    ``method``: how its force is found; ``stiffness``: of a penalty, for a node and a metre of length.
+    ``method``: how its force is found; ``stiffness``: of a penalty, for a node and a metre of length, on any mesh.
     """
 
     section: ClassVar[str] = "support"

@@ -25,8 +25,7 @@ class TankRun(Run):
 
     - ``impulse``: of the contact force on the slider [N s].
     - ``momentum``: by which the slider was slowed down, its weight's share included [N s].
-    - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``; followed
-      in straight lines from the integration points, so that it passes the yield stress where only the faces yield.
+    - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``.
     - ``smooth_stress``: a smooth maximum of the stress over wall and time, below the largest by ``smooth_bias`` at most
       [Pa].
     - ``plastic_strain``: largest equivalent plastic strain at the end [-]; ``plastic_work`` [J]; ``deleted``: elements.
