@@ -185,12 +185,14 @@ def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) 
         raise InputError(f"{path} has shape {array.shape}, but it must be one number: {instead}")
 
 
-def check_whole(path: str, value: Any, least: int) -> None:
-    """Raise `InputError` unless ``value`` is a whole number of at least ``least``."""
+def check_whole(path: str, value: Any, least: int, most: int | None = None) -> None:
+    """Raise `InputError` unless ``value`` is a whole number of at least ``least`` and at most ``most``, if given."""
     import numpy as np
 
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(f"{path} = {shown(value)} must be a whole number of at least {least}")
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not whole or value < least or (most is not None and value > most):
+        allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise InputError(f"{path} = {shown(value)} must be a whole number {allowed}")
 
 
 def check_flag(path: str, value: Any) -> None:

@@ -133,11 +133,11 @@ def test_three_supports_give_the_same(gentle):
 
 @pytest.mark.slow
 def test_three_meshes_converge():
-    """Of an empty tank on defence nodes (a penalty, given for a node, grows with the mesh). Its first peak of force,
-    where the cushion meets node after node, scatters: 3063, 3103, 3040, 3064 N at refinements 1 to 4."""
-    changes = {"contents.kind": "none", "support.method": "defence node"}
+    """Of an empty tank. Its first peak of force, where the cushion meets node after node, scatters: 3064, 3108, 3039,
+    3061 N at refinements 1 to 4."""
+    changes = {"contents.kind": "none"}
     coarse, middle, fine = (dropped(changes | {"mesh.refinement": k}) for k in (1, 2, 4))
-    bounds = {"deflection": (5e-3, 5e-3), "travel": (5e-4, 5e-5), "impulse": (3e-2, 5e-3), "peak_force": (2e-2, 2e-2)}
+    bounds = {"deflection": (2e-3, 2e-3), "travel": (5e-4, 5e-5), "impulse": (3e-2, 6e-3), "peak_force": (2e-2, 2e-2)}
     for name, (first, second) in bounds.items():
         values = [float(getattr(run, name)) for run in (coarse, middle, fine)]
         assert values[0] == pytest.approx(values[2], rel=first), name

@@ -26,6 +26,24 @@ def quantities(values):
     return jnp.stack([getattr(run, name) for name in QUANTITIES])
 
 
+def test_the_smooth_stress_is_within_its_bias_of_the_largest_also_far_beyond_the_yield_stress():
+    """A wall that hardens as steeply as it is stiff: its stress passes forty yield stresses."""
+    design = jb.replace(jb.TankDrop(), {"material.yield_stress": 4e4, "material.hardening": 1e9})
+
+    def smooth(thickness):
+        changed = jb.replace(design, {"wall.top": thickness})
+        run = jb.simulate(changed, jb.TankDropScenario(height=0.1), duration=DURATION)
+        return run.smooth_stress, run
+
+    (stress, run), slope = jax.value_and_grad(smooth, has_aux=True)(0.005)
+    largest = float(run.peak_stress)
+    assert largest > 40 * 4e4
+    assert largest - float(run.smooth_bias) <= float(stress) <= largest
+    small = 1e-9  # m
+    difference = (float(smooth(0.005 + small)[0]) - float(smooth(0.005 - small)[0])) / (2.0 * small)
+    assert float(slope) == pytest.approx(difference, rel=1e-3)
+
+
 def test_on_a_penalty_support_derivatives_are_those_of_differences():
     """To 2e-4 of each: all quantities by thicknesses, cushion and fill."""
     compiled, ones = jax.jit(quantities), np.ones(len(VARIABLES))

@@ -8,7 +8,8 @@ from scipy.linalg import eig, eigh
 from test_quads import grid
 
 from jaxbuffer.structures import Liquid, System
-from jaxbuffer.structures.acoustics import boundary_areas, element_matrices
+from jaxbuffer.structures.acoustics import element_matrices
+from jaxbuffer.structures.boundary import boundary_areas
 from jaxbuffer.structures.central_differences import advance
 from jaxbuffer.structures.incidence import Incidence
 from jaxbuffer.structures.sloshing import in_cylinder, in_rectangle

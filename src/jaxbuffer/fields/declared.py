@@ -25,9 +25,9 @@ def number(default: float | None, unit: str, **limits: Any) -> Any:
     return eqx.field(default=default, converter=convert, metadata={"unit": unit, "limits": limits})
 
 
-def whole(default: int, least: int) -> Any:
-    """A static field that takes whole numbers from ``least`` up."""
-    return eqx.field(default=default, static=True, metadata={"least": least})
+def whole(default: int, least: int, most: int | None = None) -> Any:
+    """A static field that takes whole numbers from ``least`` up, or from there to ``most``."""
+    return eqx.field(default=default, static=True, metadata={"least": least, "most": most})
 
 
 def choice(default: str, *options: str) -> Any:
@@ -63,7 +63,7 @@ class Part(eqx.Module):
             elif "flag" in field.metadata:
                 check_flag(path, value)
             elif "least" in field.metadata:
-                check_whole(path, value, field.metadata["least"])
+                check_whole(path, value, field.metadata["least"], field.metadata["most"])
             elif "unit" in field.metadata:
                 if value is not None or field.default is not None:
                     symbol, limits = field.metadata["unit"], field.metadata["limits"]

@@ -29,7 +29,10 @@ def _declared(part: Part, path: str) -> tuple[str, str, str]:
         return "", default, ", ".join(known["choices"])
     if "limits" in known:
         return known["unit"], default, _range(known["limits"])
-    return "", default, f"whole numbers from {known['least']}" if "least" in known else "true, false"
+    if "least" in known:
+        upto = "" if known["most"] is None else f" to {known['most']}"
+        return "", default, f"whole numbers from {known['least']}{upto}"
+    return "", default, "true, false"
 
 
 def _number(value: Any) -> str:

@@ -83,7 +83,7 @@ class System(eqx.Module):
         added = [layer.fastest(self.inverse_mass) ** 2 for layer in self.layers]
         for contact in self.contacts:
             if contact.method == "penalty":
-                added.append(contact.stiffness * self._yielding(contact))
+                added.append(self._penalties(contact))
         if self.liquid is not None:
             wet = self.liquid
             coupled = self.liquid.density * jnp.sum(wet.outward**2 * self.inverse_mass[wet.wall], axis=1)
@@ -92,15 +92,16 @@ class System(eqx.Module):
             fastest = jnp.maximum(fastest, wet.fastest() ** 2)
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
-    def _yielding(self, contact: Contact) -> Float[Array, ""]:
-        """How a pair of a contact yields to a force of one, at most [1/kg]: all nodes press on a rigid plane together,
-        two at most on a segment."""
+    def _penalties(self, contact: Contact) -> Float[Array, ""]:
+        """What a contact's penalties add to the square of a frequency, at most [1/s²]: all nodes press on a rigid plane
+        together, two at most on a segment."""
         surface = contact.surface
+        stiffness = jnp.broadcast_to(jnp.asarray(contact.stiffness, float), (len(contact.slaves),))
         if isinstance(surface, Segments):
-            others = 2.0 * jnp.max(self.inverse_mass[surface.ends])
+            others = 2.0 * jnp.max(stiffness) * jnp.max(self.inverse_mass[surface.ends])
         else:
-            others = len(contact.slaves) * jnp.max(self.inverse_mass[surface.node])
-        return jnp.max(self.inverse_mass[contact.slaves]) + others
+            others = jnp.sum(stiffness) * jnp.max(self.inverse_mass[surface.node])
+        return jnp.max(stiffness[:, None] * self.inverse_mass[contact.slaves]) + others
 
 
 class State(NamedTuple):

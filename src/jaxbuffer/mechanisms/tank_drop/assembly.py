@@ -9,7 +9,8 @@ from jaxtyping import Array
 
 from ..._types import Scalar
 from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, State, System
-from ...structures.acoustics import boundary_areas, element_matrices
+from ...structures.acoustics import element_matrices
+from ...structures.boundary import boundary_areas
 from ...structures.contact import Contact, Layer, RigidPlane
 from ...structures.incidence import Incidence
 from .design import TankDrop, TankDropScenario
@@ -94,15 +95,14 @@ def _strength(design: TankDrop) -> Scalar:
 def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:
     """The outside, up to the level, on the baffle."""
     slaves = seen.outer[: seen.level]
-    return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness)
+    strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
+    return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
 def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
     """The cushion over the outside from the level on."""
     slaves = seen.outer[seen.level :]
-    x = seen.positions[slaves, 0]
-    half = 0.5 * jnp.abs(x[1:] - x[:-1])
-    width = jnp.zeros_like(x).at[:-1].add(half).at[1:].add(half)
+    width = jnp.abs(boundary_areas(seen.positions[slaves])[:, 1])
     soft = design.cushion
     return Layer(
         slaves,
@@ -165,11 +165,12 @@ def at_rest(parts: Assembled) -> State:
             jnp.zeros((free.size, free.size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displaced(moves)))
         )
         matrix, left = whole[np.ix_(places, places)], unbalanced(moves)
-        held = jnp.zeros(len(places), bool).at[bottom].set(stands)
         if contact.method == "penalty":
-            bed = jnp.where(held, contact.stiffness, 0.0)
+            stiffness = jnp.asarray(contact.stiffness)[: len(bottom)]
+            bed = jnp.zeros(len(places)).at[bottom].set(jnp.where(stands, stiffness, 0.0))
             after = moves - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * moves)
             return after, after[bottom] < 0.0
+        held = jnp.zeros(len(places), bool).at[bottom].set(stands)
         change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(len(places)), matrix), -jnp.where(held, moves, left))
         after, pressed = moves + change, (left + matrix @ change)[bottom]
         return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)

@@ -113,22 +113,23 @@ class Slider(Part):
 class Support(Part):
     """The contact between the tank and the rigid baffle it rests on.
 
-    ``method``: how its force is found; ``stiffness``: of a penalty, for a node and a metre of length, on any mesh.
+    ``method``: how its force is found; ``stiffness``: of a penalty, for an area.
     """
 
     section: ClassVar[str] = "support"
     method: str = choice("penalty", *METHODS)
-    stiffness: Scalar = number(1e8, "N/m²", **POSITIVE)
+    stiffness: Scalar = number(5e9, "Pa/m", **POSITIVE)
 
 
 class Mesh(Part):
     """How finely the section is divided.
 
-    ``refinement``: 1 for elements of some 20 mm along the wall and one across it, 2 for twice as many either way.
+    ``refinement``: 1 for elements of some 20 mm along the wall and one across it, 2 for twice as many
+    either way, up to 8.
     """
 
     section: ClassVar[str] = "mesh"
-    refinement: int = whole(1, 1)
+    refinement: int = whole(1, 1, 8)
 
 
 class TankDrop(Part):

@@ -70,7 +70,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     end = jnp.where(found.crushed, found.state.time, duration)
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
-    mean = jnp.log(jnp.maximum(seen.sharpened, 1e-300) / (area * end))
+    mean = seen.sharpened - jnp.log(area * end)
     smallest = jnp.min(parts.wall.quads.area) * found.step
     return TankRun(
         **_of_every_run(parts, parameters, found, code, known, end, momentum),

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+from jax.scipy.special import logsumexp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..._types import Scalar
@@ -51,7 +52,7 @@ class Seen(NamedTuple):
     - ``force``: largest on the slider [N]; ``force_time``: of that [s]; ``impulse``: [N s].
     - ``released``: when the force was last above zero [s]; ``in_contact``: for how long it was [s].
     - ``stress``: largest after von Mises on the wall's faces [Pa]; ``stress_element``: where.
-    - ``sharpened``: the integral over wall and time whose logarithm is the smooth maximum of the stress [m² s].
+    - ``sharpened``: logarithm of the integral over wall and time that is the smooth maximum of the stress [ln m² s].
     - ``reserve``: the least of a composite's plies [-].
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel``: of the slider, downwards [m].
     - ``compression``: largest, of the cushion [m].
@@ -150,7 +151,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
             *(room(elements), room(elements), Energies(*(room() for _ in energies))),
         )
     most = jnp.asarray(jnp.inf)
-    return Seen(*(zero,) * 6, jnp.asarray(0), zero, most, *(zero,) * 3, -most, most, zero, zero, energies, rows)
+    return Seen(*(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, -most, most, zero, zero, energies, rows)
 
 
 def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
@@ -160,7 +161,7 @@ def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, se
     stress = jnp.max(mises(at_faces(found.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.strength
-    sharpened = jnp.sum(parts.wall.quads.area * jnp.exp((stress - limit) / (limit / SMOOTH)))
+    sharpened = logsumexp((stress - limit) / (limit / SMOOTH), b=step * parts.wall.quads.area)
     higher, lower = seen.highest, seen.lowest
     if system.liquid is not None:
         assert system.static_pressure is not None
@@ -178,7 +179,7 @@ def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, se
         seen.in_contact + step * (force > 0.0),
         jnp.maximum(seen.stress, highest_stress),
         jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
-        seen.sharpened + step * sharpened,
+        jnp.logaddexp(seen.sharpened, sharpened),
         jnp.minimum(seen.reserve, _reserve(parts, design, found.stress)),
         jnp.maximum(seen.deflection, -instant.displacement[section.outer[-1], 1]),
         jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),

@@ -23,7 +23,7 @@ class Contact(eqx.Module):
     - ``surface``: what they touch.
     - ``method``: one of `METHODS`. A defence node serves each pair for itself and is exact where no two pairs share a
       node; multipliers serve all pairs together; a penalty lets nodes in.
-    - ``stiffness``: of a penalty [N/m].
+    - ``stiffness``: of a penalty, one for all pairs or (pairs,) [N/m].
     - ``friction``: Coulomb's coefficient [-].
     - ``averaged``: whether the force of an instant is the mean of those over the step before it and the step after it,
       rather than one that keeps the pair closed by itself. A pair that opens is then pushed off by half of what
@@ -36,7 +36,7 @@ class Contact(eqx.Module):
     slaves: np.ndarray
     surface: Surface
     method: str = eqx.field(default="defence node", static=True)
-    stiffness: Scalar = 0.0
+    stiffness: Scalar | Float[Array, " pairs"] = 0.0
     friction: Scalar = 0.0
     averaged: bool = eqx.field(default=False, static=True)
     published: bool = eqx.field(default=False, static=True)
