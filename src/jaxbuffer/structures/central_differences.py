@@ -125,10 +125,12 @@ def march(
         after, instant = advance(system, state, step, near)
         return after, see(seen, instant)
 
+    again = jax.checkpoint(one) if backwards else one
+
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
         done, state, seen = carry
         near = jax.lax.stop_gradient(system.search(state.displacement))
-        state, seen = jax.lax.scan(lambda c, _: (one(c, near), None), (state, seen), length=BLOCK)[0]
+        state, seen = jax.lax.scan(lambda c, _: (again(c, near), None), (state, seen), length=BLOCK)[0]
         return done + 1, state, seen
 
     def going(carry: tuple[Array, State, T]) -> Array:
