@@ -35,7 +35,7 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "slider.mass": (-348, ABOVE, "kg"),
     "support.stiffness": (0, ABOVE, "Pa/m"),
     "scenario.height": (math.inf, ABOVE, "m"),
-    "scenario.fill": (0.2, "[0.25, 0.95]", ""),
+    "scenario.fill": (0.1, "[0.15, 0.95]", ""),
     "scenario.gravity": (0, ABOVE, "m/s²"),
 }
 CHOICES = {
@@ -95,9 +95,9 @@ TOGETHER = [
 ]
 WORDS = [
     _study("[wall]\ntop = 12", 'wall.top = 12 m is out of range; allowed: (0, 0.03] m; "12 mm" if that is meant'),
-    _study("[scenario]\nfill = 60", 'allowed: [0.25, 0.95]; "60 %" if that is meant'),
-    _study("[scenario]\nfill = '96 %'", "scenario.fill = 0.96 is out of range; allowed: [0.25, 0.95]"),
-    _study("[scenario]\nfill = nan", "scenario.fill = nan is out of range; allowed: [0.25, 0.95]"),
+    _study("[scenario]\nfill = 60", 'allowed: [0.15, 0.95]; "60 %" if that is meant'),
+    _study("[scenario]\nfill = '96 %'", "scenario.fill = 0.96 is out of range; allowed: [0.15, 0.95]"),
+    _study("[scenario]\nfill = nan", "scenario.fill = nan is out of range; allowed: [0.15, 0.95]"),
     _study("[cushion]\nstiffness = '4 N/m'", "'4 N/m': N/m is a stiffness, expected a number in Pa/m"),
     _study("[mesh]\nrefinement = 0", "mesh.refinement = 0 must be a whole number from 1 to 8"),
     _study("[mesh]\nrefinement = 9", "mesh.refinement = 9 must be a whole number from 1 to 8"),
@@ -123,7 +123,7 @@ WORDS = [
     line("sensitivity study.toml --wrt wall.tip", "wall.tip is unknown; did you mean wall.top?", study=KIND),
     line("sensitivity study.toml --wrt mesh.refinement", "1 is not a number that can be differentiated", study=KIND),
     line("sensitivity study.toml --of peak_stres", "peak_stres is unknown; did you mean peak_stress?", study=KIND),
-    line("sweep study.toml --over scenario.fill=0:1:5", "fill = 0 is out of range; allowed: [0.25, 0.95]", study=KIND),
+    line("sweep study.toml --over scenario.fill=0:1:5", "fill = 0 is out of range; allowed: [0.15, 0.95]", study=KIND),
     line("simulate study.toml --height 0.3", "No such option: --height; did you mean --scenario.height?", study=KIND),
 ]
 TANKS = [*of_fields(), *TOGETHER, *WORDS]

@@ -36,6 +36,12 @@ def test_a_run_without_meshes_has_no_such_files():
     assert field_files.field_files(Plain()) == {}
 
 
+def test_what_a_missing_package_leaves_out_is_said(monkeypatch):
+    monkeypatch.setattr(field_files, "_meshio", lambda: False)
+    assert "pip install 'jaxbuffer[mesh]'" in field_files.left_out({"fields.png": bytes})
+    assert field_files.left_out({"capture.png": bytes}) == ""
+
+
 def test_vtk_has_the_cells_and_their_values(tmp_path):
     meshio = pytest.importorskip("meshio")
     (tmp_path / "mesh.vtu").write_bytes(vtu(MESH))

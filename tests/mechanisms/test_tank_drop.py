@@ -8,8 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
-from jaxbuffer.mechanisms.tank_drop.assembly import assembled, at_rest
+from jaxbuffer.mechanisms.tank_drop.assembly import assembled
 from jaxbuffer.mechanisms.tank_drop.section import wall_mass
+from jaxbuffer.mechanisms.tank_drop.start import at_rest
 from jaxbuffer.structures import march
 
 GENTLE = jb.TankDropScenario(height=0.1)

@@ -7,6 +7,8 @@ from jaxbuffer.mechanisms.picture import Meshed
 from jaxbuffer.mechanisms.tank_drop.assembly import assembled
 from jaxbuffer.mechanisms.tank_drop.meshes import meshes
 from jaxbuffer.mechanisms.tank_drop.section import wall_mass
+from jaxbuffer.output.animation import Stage
+from jaxbuffer.output.motion import scene
 
 MOVED = 0.01  # m, upwards and all alike
 
@@ -51,6 +53,24 @@ def test_both_halves_make_the_whole_section():
         assert wall - 0.075 * ring < area[of_wall].sum() < wall
         corners = 2.0 * (1.0 - 0.25 * np.pi) * 0.035**2  # of two corners, whose inner radius is 35 mm
         assert np.isclose(area[~of_wall].sum(), inside * level / 0.29 - corners, rtol=2e-3)
+
+
+def test_at_times_it_is_drawn_in_the_nearest_rows():
+    first, second = meshes(Kept(), times=[4e-4, 6e-4])
+    assert (first.title, second.title) == ("0 ms", "1 ms")
+    assert np.allclose(first.nodes - second.nodes, [0.0, MOVED], atol=1e-12)
+
+
+def test_an_animation_colours_each_frame_by_the_stress_then():
+    run = jb.simulate(jb.TankDrop(), jb.TankDropScenario(height=0.1), 2e-3, history=True)
+    stage = Stage(scene(run, np.array([0.0, 2e-3])))
+    for k in (0, 1):
+        stage.show(k, 1.0)
+        (cells,) = (each for each in stage.whole.collections if each.get_array() is not None)
+        row = int(np.argmin(np.abs(np.asarray(run.history.time) - stage.at.times[k])))
+        stress = 1e-6 * np.asarray(run.history.others["stress"])[row]
+        assert np.array_equal(cells.get_array(), np.concatenate([stress, stress]))
+        assert cells.get_clim()[1] >= stress.max()
 
 
 def test_the_liquid_goes_with_the_wall():

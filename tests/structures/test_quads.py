@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from jaxbuffer.errors import InputError
 from jaxbuffer.structures import Elastic, Orthotropic, Plane, Quads
 
 SQUARE = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
@@ -130,3 +131,10 @@ def test_the_element_bounds_the_frequency_of_the_assembly():
     highest = np.sqrt(eigh(stiffness_of(group, len(positions)), np.diag(mass), eigvals_only=True)[-1])
     assert highest <= float(group.fastest().max()) * (1.0 + 1e-12)
     assert highest > 0.7 * float(group.fastest().max())
+
+
+def test_clockwise_corners_are_refused():
+    corners = np.array([[0, 1, 2, 3], [0, 3, 2, 1]])
+    square = jnp.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    with pytest.raises(InputError, match="corners of element 1 are not counter-clockwise"):
+        Quads.of(square, corners)

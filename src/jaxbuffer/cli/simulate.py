@@ -56,9 +56,12 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")
     told = trusted(run, closer) if asked_for(trust) else None
+    from ..output.field_files import left_out
     from ..output.results import run_files
 
     contents = run_files(run, request.made(study), limits, told)
+    if request.output is not None and (missing := left_out(contents)):
+        note(missing)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
     return keeps_limits(limits, run)
 

@@ -126,9 +126,9 @@ class Mechanism:
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
       ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
-      ``meshes``: its elements at a few telling instants; ``drawing``: what a design looks like, from it and its bodies'
-      names; ``record``: tables of numbers that a run's record has besides,
-      by name; ``notes``: lines below a table of a run's sensitivities;
+      ``meshes``: its elements at some times of a run, or at a few telling ones; ``drawing``: what a design looks like,
+      from it and its bodies' names; ``record``: tables of numbers that a run's record has besides, by name; ``notes``:
+      lines below a table of a run's sensitivities;
     - ``leaves_out``: what the model leaves out, a line each, and where it is told;
     - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
       peak forces [N] and penetrations [m];
@@ -163,7 +163,7 @@ class Mechanism:
     notes: Callable[[Any], list[str]] = lambda run: []
     diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
     panels: Callable[[Any], list[Panel]] = lambda run: []
-    meshes: Callable[[Any], list[Meshed]] = lambda run: []
+    meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
     drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
     names: Callable[[Any], Names] = lambda design: Names()

@@ -13,6 +13,7 @@ from ..errors import InputError, check_choice, check_type
 from ..files import write
 from ..mechanisms.run import Run
 from ..run.instants import at_times
+from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
 from .pulses import pulses
 from .style import COLOURS, STYLE, require_matplotlib
@@ -27,6 +28,7 @@ IMPACTS = 3  # how many of them
 ROOM = 0.5  # of an impact's duration, before and after it
 STILL = 10  # frames at the end
 DOTS_PER_INCH = 90
+BAR = 1.0  # inch, for the meaning of colours
 Report = Callable[[int, int], None]
 
 
@@ -152,7 +154,8 @@ class Stage:
         self.at, detail = at, at.drawing.detail
         (wide, high) = at.views[0, 1] - at.views[0, 0]
         row = float(np.clip(5.2 * high / wide, 1.8, 3.4))  # inch
-        width = 6.6 if detail is None else 6.7 + row
+        self.meshes = at.run.mechanism.meshes(at.run, at.times)
+        width = (6.6 if detail is None else 6.7 + row) + (BAR if self.meshes else 0.0)
         tall = row + 2.9
         self.figure: Figure = Figure(figsize=(width, tall))
         low, top = 2.2 / tall, row / tall
@@ -161,14 +164,28 @@ class Stage:
         if detail is not None:
             self.detail = self.figure.add_axes((6.55 / width, low, row / width, top))
         self.force = self.figure.add_axes((0.7 / width, 0.45 / tall, 1.0 - 0.85 / width, 1.05 / tall))
+        if self.meshes:
+            self._explain_colours(self.figure.add_axes((1.0 - 0.9 * BAR / width, low, 0.12 / width, top)))
         run = at.run
         self.figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}", y=1.0 - 0.1 / tall)
         self.cursor = _curves(self.force, run)
+
+    def _explain_colours(self, axes: "Axes") -> None:
+        """Cells are coloured by the first of their values, whose colours mean the same in all frames."""
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+
+        self.colour = next(iter(self.meshes[0].values))
+        values = np.stack([mesh.values[self.colour] for mesh in self.meshes])
+        self.ends = float(np.nanmin(values)), float(np.nanmax(values))
+        self.figure.colorbar(ScalarMappable(Normalize(*self.ends)), cax=axes, label=self.colour)
 
     def show(self, k: int, slower: float) -> None:
         """Draw the k-th frame, shown so many times ``slower`` than in truth."""
         self.whole.clear()
         whole(self.whole, self.at, k)
+        if self.meshes:
+            coloured(self.whole, self.meshes[k], self.colour, self.ends).set_zorder(2.5)
         end = float(np.asarray(self.at.run.history.time)[-1])  # type: ignore[union-attr]
         self.whole.set_title(f"{clock(self.at.times[k], end, 2)}, {speed_in_words(slower)}", family="monospace")
         if self.detail is not None:

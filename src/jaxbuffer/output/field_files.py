@@ -14,6 +14,7 @@ from .style import both, panels, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
     from ..mechanisms.run import Run
@@ -29,9 +30,20 @@ def field_files(run: "Run") -> Contents:
     if not seen:
         return {}
     drawn = both("fields", lambda: fields_figure(seen))
-    if importlib.util.find_spec("meshio") is None:
+    if not _meshio():
         return drawn
     return {**drawn, **{f"{mesh.name}.vtu": _writing(mesh) for mesh in seen}}
+
+
+def left_out(contents: Contents) -> str:
+    """What is not among a run's files, and why; "" if nothing is."""
+    if "fields.png" not in contents or _meshio():
+        return ""
+    return "no fields.vtu for ParaView: it needs meshio, pip install 'jaxbuffer[mesh]'"
+
+
+def _meshio() -> bool:
+    return importlib.util.find_spec("meshio") is not None
 
 
 @styled
@@ -45,7 +57,9 @@ def fields_figure(seen: Sequence[Meshed]) -> "Figure":
         values = np.concatenate([mesh.values[name] for mesh in seen])
         ends = float(np.nanmin(values)), float(np.nanmax(values))
         for axes, mesh in zip(grid[:, column], seen, strict=True):
-            _draw(axes, mesh, name, ends)
+            drawn = coloured(axes, mesh, name, ends)
+            axes.figure.colorbar(drawn, ax=axes, label=name, orientation="horizontal", shrink=0.7, aspect=40)
+            axes.set_title(mesh.title)
             _frame(axes, everything)
     return figure
 
@@ -54,7 +68,8 @@ def _varies(values: np.ndarray) -> bool:
     return bool(np.nanmax(values) > np.nanmin(values))
 
 
-def _draw(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -> None:
+def coloured(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -> "PolyCollection":
+    """Draw a mesh, its cells coloured by one of its values between two ``ends``."""
     from matplotlib.collections import PolyCollection
 
     values, corners = mesh.values[name], mesh.nodes[mesh.cells]
@@ -63,8 +78,7 @@ def _draw(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -> N
     drawn = PolyCollection(list(corners[~empty]), array=values[~empty], edgecolor="face", linewidth=0.2)
     drawn.set_clim(*ends)
     axes.add_collection(drawn)
-    axes.figure.colorbar(drawn, ax=axes, label=name, orientation="horizontal", shrink=0.7, aspect=40)
-    axes.set_title(mesh.title)
+    return drawn
 
 
 def _frame(axes: "Axes", nodes: np.ndarray) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..errors import InputError, concrete
 from .incidence import Incidence
 from .mapping import SIGNS, Mapping, Rule
 from .strain import logarithmic
@@ -44,6 +45,8 @@ class Quads(NamedTuple):
         ``across``: integration points from side 1-2 to side 3-4. Two are enough where nothing yields; four see a wall
         of one element yield from its faces inwards, and carry 1.62 times the moment at which that begins when all of it
         has (exactly: 1.5; two: 1.73 times, and it begins only then).
+
+        Raises `InputError` where corners are not counter-clockwise.
         """
         rule = Rule.of(across)
         incidence = Incidence.of(corners, len(positions))
@@ -53,6 +56,8 @@ class Quads(NamedTuple):
         axes = jnp.stack([first, jnp.stack([-first[:, 1], first[:, 0]], axis=1)], axis=1)
         own = jnp.einsum("eij,ecj->eci", axes, at)
         weight, inverse, at_points = Mapping.of(own, rule)
+        if (known := concrete(weight)) is not None and (turned := known.min(axis=1) <= 0.0).any():
+            raise InputError(f"corners of element {turned.argmax()} are not counter-clockwise, or it is folded")
         gradient = jnp.einsum("ep,epci->eci", weight, at_points) / jnp.sum(weight, axis=1)[:, None, None]
         linear = jnp.einsum("c,eci->ei", HOURGLASS, own)
         hourglass = 0.25 * (HOURGLASS[None] - jnp.einsum("ei,eci->ec", linear, gradient))

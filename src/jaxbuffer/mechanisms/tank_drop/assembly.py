@@ -1,14 +1,12 @@
-"""The drop onto a tank from parts: wall, liquid, cushion, slider and baffle, at rest under gravity (M166, M167)."""
+"""The drop onto a tank from parts: wall, liquid, cushion, slider and baffle (M166)."""
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
 
 from ..._types import Scalar
-from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, State, System
+from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, System
 from ...structures.acoustics import element_matrices
 from ...structures.boundary import boundary_areas
 from ...structures.contact import Contact, Layer, RigidPlane
@@ -19,7 +17,6 @@ from .section import Section, section
 
 SOLID = 10.0  # stiffness of the solid cushion over that of the soft one
 ACROSS = 4  # integration points from one side of an element to the other
-ITERATIONS = 20  # of Newton's method for the static start, and one for each node that may leave the baffle
 
 
 class Assembled(NamedTuple):
@@ -129,59 +126,3 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
         seen.wet,
         boundary_areas(seen.positions[seen.inner[: seen.level + 1]]),
     )
-
-
-def at_rest(parts: Assembled) -> State:
-    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
-    presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
-    undeformed. Newton's method finds it; derivatives are those of the equilibrium."""
-    system, seen = parts.system, parts.section
-    start = system.start()
-    nodes = parts.slider
-    free = np.ones((nodes + 2, 2), bool)
-    free[nodes:] = False
-    middle = np.concatenate([np.arange(seen.inner[1]), np.arange(seen.inner[-1], nodes)])
-    free[middle, 0] = False
-    places = np.flatnonzero(free.ravel())
-    bottom = np.searchsorted(places, 2 * seen.outer[: seen.flat + 1] + 1)
-    load = system.mass * system.gravity[None]
-    if system.liquid is not None:
-        assert system.static_pressure is not None
-        load = load + system.liquid.push(system.static_pressure, nodes + 2)
-    wall, (history,), (contact,) = parts.wall, start.histories, system.contacts
-
-    def displaced(moves: Array) -> Array:
-        return jnp.zeros(free.size).at[places].set(moves).reshape(free.shape)
-
-    def unbalanced(moves: Array) -> Array:
-        return (wall.resist(displaced(moves), history).forces - load).ravel()[places]
-
-    corners = 2 * wall.quads.incidence.corners[:, :, None] + np.arange(2)
-    rows = corners.reshape(-1, 8)
-
-    def newton(moves: Array, stands: Array) -> tuple[Array, Array]:
-        """Better displacements where these bottom nodes stand, and which stand then: pressed, or below the baffle."""
-        whole = (
-            jnp.zeros((free.size, free.size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displaced(moves)))
-        )
-        matrix, left = whole[np.ix_(places, places)], unbalanced(moves)
-        if contact.method == "penalty":
-            stiffness = jnp.asarray(contact.stiffness)[: len(bottom)]
-            bed = jnp.zeros(len(places)).at[bottom].set(jnp.where(stands, stiffness, 0.0))
-            after = moves - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * moves)
-            return after, after[bottom] < 0.0
-        held = jnp.zeros(len(places), bool).at[bottom].set(stands)
-        change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(len(places)), matrix), -jnp.where(held, moves, left))
-        after, pressed = moves + change, (left + matrix @ change)[bottom]
-        return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
-
-    nowhere = jnp.zeros(len(places)), jnp.ones(len(bottom), bool)
-    found, stands = jax.lax.fori_loop(0, ITERATIONS + len(bottom), lambda _, at: newton(*at), nowhere)
-    return start._replace(displacement=displaced(newton(jax.lax.stop_gradient(found), stands)[0]))
-
-
-def falling(parts: Assembled, scenario: TankDropScenario) -> State:
-    """The same with the slider at the speed of its fall."""
-    state = at_rest(parts)
-    speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
-    return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))

@@ -13,7 +13,7 @@ from ...structures.contact import METHODS
 from .laminate import Composite
 
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
-FILL = {"low": 0.25, "high": 0.95}
+FILL = {"low": 0.15, "high": 0.95}
 THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
 
 

@@ -1,5 +1,6 @@
-"""Wall and liquid at the instant of the largest stress and at the end, both halves of the section."""
+"""Wall and liquid at instants of a run, both halves of the section."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,20 +12,25 @@ from .section import Section, liquid_mesh
 STRESS = "stress after von Mises [MPa]"
 
 
-def meshes(run: Any) -> list[Meshed]:
-    """Of a run with a history."""
+def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
+    """Of a run with a history, at the rows next to some ``times`` [s], or at the largest stress and the end."""
     parts, seen = assembled(run.design, run.scenario), run.history
     time = np.asarray(seen.time)
-    worst, last = int(np.argmax(np.asarray(seen.others["peak_stress"]))), int(np.argmax(time))
-    instants = (("largest stress", "fields", worst), ("end", "fields_end", last))
     rest = np.asarray(parts.system.positions)
     kept = {name: np.asarray(values) for name, values in seen.others.items()}
     found = []
-    for words, name, row in instants:
+    for words, name, row in _instants(time, kept["peak_stress"], times):
         at = (rest + kept["displacement"][row])[: len(parts.section.positions)]
-        title = f"{words}, {1e3 * time[row]:.4g} ms"
+        title = f"{words}{1e3 * time[row]:.4g} ms"
         found.append(_mirrored(title, name, *_whole(parts.section, at, {k: v[row] for k, v in kept.items()})))
     return found
+
+
+def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | None) -> list[tuple[str, str, int]]:
+    """Words before the time, name of the file and row."""
+    if times is None:
+        return [("largest stress, ", "fields", int(np.argmax(stress))), ("end, ", "fields_end", int(np.argmax(time)))]
+    return [("", f"fields_{k}", int(np.argmin(np.abs(time - at)))) for k, at in enumerate(times)]
 
 
 def _whole(section: Section, at: np.ndarray, kept: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:

@@ -12,9 +12,10 @@ from ...hybrid import Options
 from ...structures import Orthotropic, State, at_faces, march, mises
 from ...structures.central_differences import BLOCK
 from ...structures.system import SAFETY, Energies, Instant
-from .assembly import Assembled, assembled, falling
+from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .laminate import least_reserve
+from .start import falling
 
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
 TIGHT = 0.25 * TOLERANCE  # steps half as long

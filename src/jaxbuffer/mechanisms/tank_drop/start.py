@@ -1,0 +1,92 @@
+"""How a drop onto a tank starts: the tank at rest under its weight and the liquid's, the slider falling (M167)."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ...structures import State
+from .assembly import Assembled
+from .design import TankDropScenario
+
+ITERATIONS = 20  # of Newton's method, and one for each node that may leave the baffle
+
+
+class Unknowns(NamedTuple):
+    """Which displacements of the wall are unknown.
+
+    - ``places``: (unknowns,) where they stand among all displacements, node by node.
+    - ``bottom``: (bottom,) which of them are those of the flat bottom's outside, upwards.
+    - ``nodes``: how many nodes there are.
+    """
+
+    places: np.ndarray
+    bottom: np.ndarray
+    nodes: int
+
+    def displacement(self, values: Float[Array, " unknowns"]) -> Float[Array, "nodes 2"]:
+        """Of all nodes [m]."""
+        return jnp.zeros(2 * self.nodes).at[self.places].set(values).reshape(-1, 2)
+
+
+def falling(parts: Assembled, scenario: TankDropScenario) -> State:
+    """The tank at rest and the slider at the speed of its fall."""
+    state = at_rest(parts)
+    speed = jnp.sqrt(2.0 * scenario.gravity * scenario.height)
+    return state._replace(velocity=state.velocity.at[parts.slider, 1].set(-speed))
+
+
+def at_rest(parts: Assembled) -> State:
+    """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
+    presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
+    undeformed. Newton's method finds it; derivatives are those of the equilibrium."""
+    unknowns, count = _unknowns(parts), len(parts.section.outer[: parts.section.flat + 1])
+    first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
+    found, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
+    values, _ = _better(parts, unknowns, jax.lax.stop_gradient(found), stands)
+    return parts.system.start()._replace(displacement=unknowns.displacement(values))
+
+
+def _unknowns(parts: Assembled) -> Unknowns:
+    """All of the wall's, except sideways in the middle of the section."""
+    seen, nodes = parts.section, len(parts.system.positions)
+    free = np.ones((nodes, 2), bool)
+    free[parts.slider :] = False
+    middle = np.concatenate([np.arange(seen.inner[1]), np.arange(seen.inner[-1], parts.slider)])
+    free[middle, 0] = False
+    places = np.flatnonzero(free.ravel())
+    return Unknowns(places, np.searchsorted(places, 2 * seen.outer[: seen.flat + 1] + 1), nodes)
+
+
+def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
+    """A step of Newton's method where these of the bottom's nodes stand, and which stand then: those that press, or
+    are below the baffle."""
+    (contact,) = parts.system.contacts
+    matrix, left = _linearised(parts, unknowns, values)
+    bottom, unknown = unknowns.bottom, len(unknowns.places)
+    if contact.method == "penalty":
+        stiffness = jnp.asarray(contact.stiffness)[: len(bottom)]
+        bed = jnp.zeros(unknown).at[bottom].set(jnp.where(stands, stiffness, 0.0))
+        after = values - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * values)
+        return after, after[bottom] < 0.0
+    held = jnp.zeros(unknown, bool).at[bottom].set(stands)
+    change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(unknown), matrix), -jnp.where(held, values, left))
+    after, pressed = values + change, (left + matrix @ change)[bottom]
+    return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
+
+
+def _linearised(parts: Assembled, unknowns: Unknowns, values: Array) -> tuple[Array, Array]:
+    """The wall's stiffness (unknowns, unknowns) [N/m] and what is not in balance there (unknowns,) [N], without the
+    baffle."""
+    system, wall, displacement = parts.system, parts.wall, unknowns.displacement(values)
+    load = system.mass * system.gravity[None]
+    if system.liquid is not None:
+        assert system.static_pressure is not None
+        load = load + system.liquid.push(system.static_pressure, unknowns.nodes)
+    left = (wall.resist(displacement, wall.start()).forces - load).ravel()
+    rows = (2 * wall.quads.incidence.corners[:, :, None] + np.arange(2)).reshape(-1, 8)
+    size = 2 * unknowns.nodes
+    whole = jnp.zeros((size, size)).at[rows[:, :, None], rows[:, None]].add(wall.stiffness(displacement))
+    return whole[np.ix_(unknowns.places, unknowns.places)], left[unknowns.places]
