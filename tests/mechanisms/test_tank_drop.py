@@ -85,6 +85,17 @@ def test_without_an_impact_nothing_moves(method):
     assert float(support) == pytest.approx(weight, rel=2e-3)
 
 
+@pytest.mark.parametrize("refinement", [1, 2])
+def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement):
+    """Of an area: the flat bottom's, with half of the first of four elements (times the refinement) of a corner."""
+    changes = {"contents.kind": "none", "material.young_modulus": 1e15, "support.stiffness": 1e6}
+    parts = assembled(jb.replace(jb.TankDrop(), changes | {"mesh.refinement": refinement}), GENTLE)
+    sunk = -np.asarray(at_rest(parts).displacement)[np.asarray(parts.section.outer[: parts.section.flat + 1]), 1]
+    corner = 2.0 * 0.04 * np.sin(np.pi / 16.0 / refinement)  # m, a chord of it
+    weight = GRAVITY * float(jnp.sum(parts.wall.mass()))  # N
+    np.testing.assert_allclose(sunk, weight / 1e6 / (0.26 + 0.5 * corner), rtol=1e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["defence node", "penalty"])
 def test_an_empty_tank_on_a_fine_mesh_starts_at_rest(method):
