@@ -93,7 +93,7 @@ def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement
     sunk = -np.asarray(at_rest(parts).displacement)[np.asarray(parts.section.outer[: parts.section.flat + 1]), 1]
     corner = 2.0 * 0.04 * np.sin(np.pi / 16.0 / refinement)  # m, a chord of it
     weight = GRAVITY * float(jnp.sum(parts.wall.mass()))  # N
-    np.testing.assert_allclose(sunk, weight / 1e6 / (0.26 + 0.5 * corner), rtol=1e-4)
+    np.testing.assert_allclose(sunk, weight / 1e6 / (0.26 + 0.5 * corner), rtol=5e-4)
 
 
 @pytest.mark.slow
