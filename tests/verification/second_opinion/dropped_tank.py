@@ -14,6 +14,7 @@ CASE = {
     "cushion.damping": 1.5e3,
     "support.stiffness": 1e8,
 } | {f"wall.{zone}": 0.012 for zone in ZONES}
+NOTICED = ("cushion.stiffness", "cushion.damping", "slider.mass", "material.density", "material.young_modulus")
 SCENARIO = jb.TankDropScenario(height=0.2)
 
 
@@ -39,5 +40,22 @@ def dropped(fine, changed=None, rtol=1e-6):
     return Dropped(*map(float, (run.peak_force, run.travel, run.deflection, run.impulse, run.rebound_speed)))
 
 
+def extrapolated(coarse, fine):
+    """From two meshes, the second twice as fine as the first, where the error is of second order."""
+    return Dropped(*((4.0 * new - old) / 3.0 for old, new in zip(coarse, fine, strict=True)))
+
+
+def deviations(found, reference):
+    """Of each figure from a ``reference`` [-]."""
+    return Dropped(*(a / b - 1.0 for a, b in zip(found, reference, strict=True)))
+
+
+def altered(name, share=0.02):
+    """One number of the case, larger by a ``share`` of itself."""
+    part, field = name.split(".")
+    return {name: (1.0 + share) * float(getattr(getattr(case(1), part), field))}
+
+
 def case(fine, changed=None):
+    """The design, with numbers ``changed``."""
     return jb.replace(jb.TankDrop(), CASE | {"mesh.refinement": fine} | (changed or {}))

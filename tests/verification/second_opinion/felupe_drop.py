@@ -14,7 +14,7 @@ from .felupe_tank import mesh_of
 RADIUS = 0.9  # spectral, of steps that are much too long: 1 damps nothing
 ROUNDS = 25  # of Newton's method in a step
 SETTLED = 10  # rounds after which the pressed points stay as they are
-LIMIT = 1e-9  # of the displacements so far: the last round's change
+LIMIT = 1e-8  # of the displacements so far: the last round's change
 SOLID, HARDER = 0.8, 10.0  # the cushion is solid from that part of its thickness on; its stiffness is then so much more
 
 
@@ -57,8 +57,8 @@ class Strip(NamedTuple):
 
 
 def seen_at(points, edges, size, slider=None):
-    """Gauss points on ``edges`` (first, middle, last): the matrix of upward displacements there, those of the ``slider``
-    taken off; heights [m]; how far an edge goes at each point in x and y [m]."""
+    """Gauss points on ``edges`` (first, middle, last): the matrix of upward displacements there, less those of the
+    ``slider``; heights [m]; how far an edge goes at each point in x and y [m]."""
     at, weight = np.polynomial.legendre.leggauss(4)
     shape = np.stack([0.5 * at * (at - 1.0), 1.0 - at**2, 0.5 * at * (at + 1.0)], axis=1)
     slope = np.stack([at - 0.5, -2.0 * at, at + 0.5], axis=1)
@@ -112,13 +112,13 @@ class Tank:
         return Strip(-see, -above, np.hypot(*along.T), float(design.support.stiffness))
 
     def resist(self, moved, velocity, met=(None, None)):
-        """Forces against displacements and velocities; how they rise with each; the points that cushion and bed meet."""
+        """Forces against displacements and velocities; how they rise with each; the points that are met."""
         self.field[0].values[:] = moved[:-1].reshape(self.shape)
         force = np.append(self.body.assemble.vector(self.field).toarray().ravel(), 0.0)
         stiffness = block_diag([self.body.assemble.matrix(self.field), [[0.0]]]).tocsr()
         damping, touched = csr_matrix(stiffness.shape), []
-        for strip, points in zip((self.cushion, self.bed), met, strict=True):
-            pressure, over_depth, over_rate, points = strip.pressure(moved, velocity, points)
+        for strip, known in zip((self.cushion, self.bed), met, strict=True):
+            pressure, over_depth, over_rate, points = strip.pressure(moved, velocity, known)
             force = force + strip.force(pressure)
             stiffness, damping = stiffness + strip.rise(over_depth), damping + strip.rise(over_rate)
             touched.append(points)
@@ -154,7 +154,6 @@ def dropped(design, scenario, duration, fine, steps):
     velocity = np.zeros(len(moved))
     velocity[-1] = -np.sqrt(2.0 * float(scenario.gravity) * float(scenario.height))
     force, _, _, _ = tank.resist(moved, velocity)
-    acceleration = np.zeros(len(moved))
     acceleration = tank.change(tank.mass, tank.weight - force)
     rows = [_row(tank, moved, velocity)]
     for _ in range(steps):
