@@ -1,7 +1,7 @@
 """Four-node elements, plastic after von Mises, under central differences: a loop in numba over elements and points.
 
 Written from the equations, apart from the product: logarithmic strain by principal stretches, forces by the derivative
-of C, one element after the other.
+of C, plastic flow narrowing a bent element by columns and layers of points, one element after the other.
 """
 
 from __future__ import annotations
@@ -111,11 +111,47 @@ def _pulled(s11: float, s22: float, s12: float, cosine: float, sine: float, larg
 
 
 @numba.njit(inline="always")
-def _element(e, corners, axes, mean, gamma, twist, weight, material, u, plastic, equivalent, forces):
-    """Forces at the corners of one element; what its points remember is brought up to date."""
+def _narrowed(plastic, weight, flowed):
+    """What plastic flow adds to the strains, along in the left and the right column of points, across in the lower and
+    the upper layer; its means over the element are zero."""
+    w0, w1, w2, w3 = weight[0], weight[1], weight[2], weight[3]
+    area = w0 + w1 + w2 + w3
+    left = flowed * (w0 * plastic[0, 0] + w3 * plastic[3, 0]) / (w0 + w3)
+    right = flowed * (w1 * plastic[1, 0] + w2 * plastic[2, 0]) / (w1 + w2)
+    lower = flowed * (w0 * plastic[0, 1] + w1 * plastic[1, 1]) / (w0 + w1)
+    upper = flowed * (w3 * plastic[3, 1] + w2 * plastic[2, 1]) / (w3 + w2)
+    along = ((w0 + w3) * left + (w1 + w2) * right) / area
+    across = ((w0 + w1) * lower + (w3 + w2) * upper) / area
+    return left - along, right - along, lower - across, upper - across
+
+
+@numba.njit(inline="always")
+def _stress(e11, e22, e12, material, plastic, equivalent):
+    """σ11, σ22, σ12 of one point by radial return; what it remembers is brought up to date."""
     young, poisson, limit, hardening = material[0], material[1], material[2], material[3]
     shear_modulus = 0.5 * young / (1.0 + poisson)
     bulk = young / (3.0 * (1.0 - 2.0 * poisson))
+    q11, q22, q12 = plastic[0], plastic[1], plastic[2]
+    third = (e11 + e22) / 3.0
+    d11, d22 = 2.0 * shear_modulus * (e11 - q11 - third), 2.0 * shear_modulus * (e22 - q22 - third)
+    d33, d12 = 2.0 * shear_modulus * (q11 + q22 - third), 2.0 * shear_modulus * (e12 - q12)
+    size = math.sqrt(1.5 * (d11 * d11 + d22 * d22 + d33 * d33 + 2.0 * d12 * d12))
+    over = size - limit - hardening * equivalent[0]
+    if over > 0.0:
+        grown = over / (3.0 * shear_modulus + hardening)
+        flow = 1.5 * grown / size
+        plastic[0], plastic[1], plastic[2] = q11 + flow * d11, q22 + flow * d22, q12 + flow * d12
+        equivalent[0] += grown
+        kept = 1.0 - 2.0 * shear_modulus * flow
+        d11, d22, d12 = kept * d11, kept * d22, kept * d12
+    pressure = 3.0 * bulk * third
+    return d11 + pressure, d22 + pressure, d12
+
+
+@numba.njit(inline="always")
+def _element(e, corners, axes, mean, gamma, twist, weight, material, u, plastic, equivalent, forces):
+    """Forces at the corners of one element; what its points remember is brought up to date."""
+    poisson = material[1]
     narrow = poisson / (1.0 - poisson)
     m00, m10, m01, m11 = axes[e, 0, 0], axes[e, 0, 1], axes[e, 1, 0], axes[e, 1, 1]
     h0 = h1 = 0.0
@@ -130,31 +166,17 @@ def _element(e, corners, axes, mean, gamma, twist, weight, material, u, plastic,
         h1 += uy * gamma[e, c]
     a11, a22, a12 = m00 * m00 + m10 * m10, m01 * m01 + m11 * m11, m00 * m01 + m10 * m11
     bent0, bent1 = m00 * h0 + m10 * h1, m01 * h0 + m11 * h1
+    left, right, lower, upper = _narrowed(plastic[e], weight[e], 1.0 - narrow)
     p11 = p22 = p12 = b0 = b1 = 0.0  # ∂(energy)/∂ of a11, a22, a12, bent0, bent1
     for p in range(4):
         t0, t1, w = twist[e, p, 0], twist[e, p, 1], weight[e, p]
         found = _strain(
             a11 + 2.0 * (bent0 * t0 - narrow * bent1 * t1), a22 + 2.0 * (bent1 * t1 - narrow * bent0 * t0), a12
         )
-        q11, q22, q12 = plastic[e, p, 0], plastic[e, p, 1], plastic[e, p, 2]
-        third = (found[0] + found[1]) / 3.0
-        d11, d22 = 2.0 * shear_modulus * (found[0] - q11 - third), 2.0 * shear_modulus * (found[1] - q22 - third)
-        d33, d12 = 2.0 * shear_modulus * (q11 + q22 - third), 2.0 * shear_modulus * (found[2] - q12)
-        size = math.sqrt(1.5 * (d11 * d11 + d22 * d22 + d33 * d33 + 2.0 * d12 * d12))
-        over = size - limit - hardening * equivalent[e, p]
-        if over > 0.0:
-            grown = over / (3.0 * shear_modulus + hardening)
-            flow = 1.5 * grown / size
-            plastic[e, p, 0] = q11 + flow * d11
-            plastic[e, p, 1] = q22 + flow * d22
-            plastic[e, p, 2] = q12 + flow * d12
-            equivalent[e, p] += grown
-            left = 1.0 - 2.0 * shear_modulus * flow
-            d11, d22, d12 = left * d11, left * d22, left * d12
-        pressure = 3.0 * bulk * third
-        g11, g22, g12 = _pulled(
-            w * (d11 + pressure), w * (d22 + pressure), w * d12, found[3], found[4], found[5], found[6], found[7]
-        )
+        e11 = found[0] + (right if 0 < p < 3 else left)
+        e22 = found[1] + (lower if p < 2 else upper)
+        s11, s22, s12 = _stress(e11, e22, found[2], material, plastic[e, p], equivalent[e, p : p + 1])
+        g11, g22, g12 = _pulled(w * s11, w * s22, w * s12, found[3], found[4], found[5], found[6], found[7])
         p11 += g11
         p22 += g22
         p12 += g12

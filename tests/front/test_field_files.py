@@ -1,7 +1,7 @@
 """What meshes have at instants of a run, as a figure and as VTK."""
 
+import meshio
 import numpy as np
-import pytest
 
 from jaxbuffer.mechanisms.picture import Meshed
 from jaxbuffer.output import field_files
@@ -43,7 +43,6 @@ def test_what_a_missing_package_leaves_out_is_said(monkeypatch):
 
 
 def test_vtk_has_the_cells_and_their_values(tmp_path):
-    meshio = pytest.importorskip("meshio")
     (tmp_path / "mesh.vtu").write_bytes(vtu(MESH))
     found = meshio.read(tmp_path / "mesh.vtu")
     assert np.array_equal(found.points[:, :2], NODES) and np.array_equal(found.cells[0].data, CELLS)

@@ -36,6 +36,11 @@ def test_a_gentle_drop_keeps_energy_and_momentum(gentle):
     assert float(gentle.impulse) == pytest.approx(lost, rel=1e-3)
 
 
+def test_a_tank_with_little_in_it_keeps_its_energy():
+    found = dropped(scenario=jb.TankDropScenario(height=0.1, fill=0.15), duration=2e-3)
+    assert found.outcome.name == "whole" and float(found.balance.energy) < 1e-5
+
+
 def test_half_the_step_gives_the_same(gentle):
     """A tenth of the tolerance is a third of the step. A run sees no further than one step before its end."""
     fine = dropped(rtol=1e-7)

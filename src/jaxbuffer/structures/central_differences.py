@@ -115,7 +115,7 @@ def march(
     - ``see``: (what is seen so far, an instant) → what is seen from now on; ``seen``: at first.
     - ``until``: (what is seen) → whether that is enough; asked after each block.
     - ``backwards``: whether reverse derivatives will be asked for, and no forward ones. States are then kept between
-      blocks, all of them up to `KEPT` blocks, and steps within a block are taken again.
+      blocks, all of them up to `KEPT` blocks, and within a block before each step; the steps are taken again.
 
     **Returns:** the state after the last step, and what was seen. A state that is not finite ends the loop.
     """
