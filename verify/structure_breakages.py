@@ -15,6 +15,8 @@ RANK = f"{STRUCTURES}/test_quads.py::test_elements_turn_rigidly_without_stress_a
 LOGARITHM = f"{STRUCTURES}/test_strain.py::test_it_is_half_the_logarithm_of_c"
 SHEARED = f"{STRUCTURES}/test_plastic.py::test_pure_shear_loads_unloads_and_loads_back_as_hand_calculation_says"
 CUSHION = f"{STRUCTURES}/test_layer.py::test_with_a_damper_it_presses_until_its_force_is_zero_and_never_pulls"
+FRAME = "test_it_sags_under_its_own_weight_as_a_frame_of_beams[perforated-0.004-0.03]"
+PLATES = f"tests/mechanisms/test_tank_plates.py::{FRAME}"
 SUNK = "tests/mechanisms/test_tank_drop.py::test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness[2]"
 PISTON = f"{STRUCTURES}/test_acoustics.py::test_a_piston_on_a_column_swings_at_its_first_frequency_and_keeps_its_energy"
 JOUKOWSKY = f"{STRUCTURES}/test_acoustics.py::test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column"
@@ -65,6 +67,19 @@ def _penalty_forgotten() -> None:
     from jaxbuffer.structures import System
 
     System._penalties = lambda self, contact: jnp.zeros(())
+
+
+def _plates_hang() -> None:
+    from jaxbuffer.mechanisms.tank_drop.numbering import Numbering
+
+    whole = Numbering.of
+
+    def broken(design):
+        numbers = whole(design)
+        joined = len(numbers.corners) - design.mesh.refinement * (len(numbers.plate) > 0)
+        return numbers._replace(corners=numbers.corners[:joined])
+
+    Numbering.of = staticmethod(broken)
 
 
 def _support_by_node() -> None:
@@ -208,6 +223,7 @@ STRUCTURE = (
     Breakage("sticking", "contact in explicit dynamics pulls", _sticking, (PARTED, BOUNCING)),
     Breakage("bent flow", "what has flowed narrows a bent wall by a tenth too little", _elastic_narrowing, (FLOWED,)),
     Breakage("penalty's step", "a penalty left out of the critical step", _penalty_forgotten, (SAFE,)),
+    Breakage("plates hang", "baffle plates that are joined to the bottom alone", _plates_hang, (PLATES,)),
     Breakage("support by node", "a support that is stiffer on a finer mesh", _support_by_node, (SUNK,)),
     Breakage("late energy", "kinetic energy half a step late", _late_energy, (ENERGIES,)),
     Breakage("no narrowing", "elements that bend are not narrowed: they lock", _no_narrowing, (BENT,)),

@@ -83,7 +83,9 @@ def test_without_an_impact_nothing_moves(method):
     step = 0.8 * float(system.stable_step())
     _, (moved, support, pressure) = jax.jit(lambda: march(still, start, step, 40, see, (jnp.zeros(()),) * 3))()
     assert float(moved) < 1e-9 and float(pressure) < 0.1  # m, Pa
-    edge = np.asarray(parts.section.positions)[np.asarray(parts.section.inner[: parts.section.level + 1])]
+    edge = np.asarray(parts.section.positions)[
+        np.asarray(parts.section.numbers.inner[: parts.section.numbers.level + 1])
+    ]
     x, y = np.concatenate([edge, [[0.0, edge[-1, 1]]]]).T
     area = 0.5 * abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
     weight = GRAVITY * (740.0 * area + 0.5 * float(wall_mass(design)) / 0.7)
@@ -95,7 +97,9 @@ def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement
     """Of an area: the flat bottom's, with half of the first of four elements (times the refinement) of a corner."""
     changes = {"contents.kind": "none", "material.young_modulus": 1e15, "support.stiffness": 1e6}
     parts = assembled(jb.replace(jb.TankDrop(), changes | {"mesh.refinement": refinement}), GENTLE)
-    sunk = -np.asarray(at_rest(parts).displacement)[np.asarray(parts.section.outer[: parts.section.flat + 1]), 1]
+    sunk = -np.asarray(at_rest(parts).displacement)[
+        np.asarray(parts.section.numbers.outer[: parts.section.numbers.flat + 1]), 1
+    ]
     corner = 2.0 * 0.04 * np.sin(np.pi / 16.0 / refinement)  # m, a chord of it
     weight = GRAVITY * float(jnp.sum(parts.wall.mass()))  # N
     np.testing.assert_allclose(sunk, weight / 1e6 / (0.26 + 0.5 * corner), rtol=5e-4)

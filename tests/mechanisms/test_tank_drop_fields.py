@@ -21,7 +21,7 @@ class Kept:
         parts = assembled(self.design, self.scenario)
         moved = np.zeros((2, len(parts.system.positions), 2))
         moved[0, :, 1] = MOVED
-        elements, liquid = len(parts.section.corners), len(parts.section.liquid)
+        elements, liquid = len(parts.section.numbers.corners), len(parts.section.liquid)
         self.parts, self.history = parts, self
         self.time = np.array([0.0, 1e-3])
         self.others = {

@@ -49,16 +49,16 @@ def bent(design, loads):
     x = np.asarray(parts.system.positions)
     held = np.zeros(x.shape, bool)
     held[parts.slider :] = True
-    held[[*range(section.inner[1]), *range(section.inner[-1], parts.slider)], 0] = True
+    held[[*range(section.numbers.inner[1]), *range(section.numbers.inner[-1], parts.slider)], 0] = True
     free = np.flatnonzero(~held.ravel())
     start = wall.start()
     resist, stiffness = jax.jit(lambda u: wall.resist(u, start)), jax.jit(partial(Plane.stiffness, wall))
     corners = (2 * wall.quads.incidence.corners[:, :, None] + np.arange(2)).reshape(-1, 8)
     at = [places.ravel() for places in np.broadcast_arrays(corners[:, :, None], corners[:, None])]
     edge = 0.5 * float(design.tank.width) - float(design.tank.corner_radius)
-    high = x[section.outer, 1] > 0.5 * float(design.tank.height)
-    bed = BED * strips(x, section.outer[~high & (x[section.outer, 0] <= edge)], edge)
-    pushed = -strips(x, section.outer[high & (x[section.outer, 0] <= edge)], edge)
+    high = x[section.numbers.outer, 1] > 0.5 * float(design.tank.height)
+    bed = BED * strips(x, section.numbers.outer[~high & (x[section.numbers.outer, 0] <= edge)], edge)
+    pushed = -strips(x, section.numbers.outer[high & (x[section.numbers.outer, 0] <= edge)], edge)
 
     def forces(moved):
         return np.asarray(resist(moved).forces) + bed * moved
@@ -103,8 +103,8 @@ def seen(design, section, x, moved, stress):
     zero = np.zeros(s11.shape)
     rows = [[s11, s12, zero], [s12, s22, zero], [zero, zero, s33]]
     tensor = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-    middle = 0.5 * (x[section.inner] + x[section.outer])
-    sideways = 0.5 * (moved[section.inner, 0] + moved[section.outer, 0])
-    side = slice(section.flat + 1, section.level)
+    middle = 0.5 * (x[section.numbers.inner] + x[section.numbers.outer])
+    sideways = 0.5 * (moved[section.numbers.inner, 0] + moved[section.numbers.outer, 0])
+    side = slice(section.numbers.flat + 1, section.numbers.level)
     bulge = np.interp(0.5 * float(design.tank.height), middle[side, 1], sideways[side])
-    return Bent(-float(moved[section.outer[-1], 1]), float(bulge), float(mises(tensor).max()))
+    return Bent(-float(moved[section.numbers.outer[-1], 1]), float(bulge), float(mises(tensor).max()))

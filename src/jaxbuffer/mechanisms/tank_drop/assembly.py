@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
-import numpy as np
 
 from ..._types import Scalar
 from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, System
@@ -46,10 +45,9 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
     material = _material(design)
-    wall = Plane(Quads.of(positions, seen.corners, ACROSS), material)
+    wall = Plane(Quads.of(positions, seen.numbers.corners, ACROSS), material)
     inverse = 1.0 / wall.mass()[:nodes]
-    middle = np.concatenate([np.arange(design.mesh.refinement + 1), np.arange(nodes)[-design.mesh.refinement - 1 :]])
-    inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[middle, 0].set(0.0)
+    inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[seen.numbers.middle, 0].set(0.0)
     held = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, held[None], jnp.zeros((1, 2))])
     liquid = static = None
@@ -91,14 +89,14 @@ def _strength(design: TankDrop) -> Scalar:
 
 def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:
     """The outside, up to the level, on the baffle."""
-    slaves = seen.outer[: seen.level]
+    slaves = seen.numbers.outer[: seen.numbers.level]
     strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
     return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
 def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
     """The cushion over the outside from the level on."""
-    slaves = seen.outer[seen.level :]
+    slaves = seen.numbers.outer[seen.numbers.level :]
     width = jnp.abs(boundary_areas(seen.positions[slaves])[:, 1])
     soft = design.cushion
     return Layer(
@@ -122,7 +120,7 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
         incidence.to_nodes(jnp.sum(mass, axis=2)),
         jnp.ones(count).at[seen.free].set(0.0),
         jnp.asarray(design.contents.density, float),
-        seen.inner[: seen.level + 1],
+        seen.numbers.inner[: seen.numbers.level + 1],
         seen.wet,
-        boundary_areas(seen.positions[seen.inner[: seen.level + 1]]),
+        boundary_areas(seen.positions[seen.numbers.inner[: seen.numbers.level + 1]]),
     )

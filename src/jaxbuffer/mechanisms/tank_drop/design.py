@@ -58,6 +58,20 @@ class Tank(Part):
             )
 
 
+class Plates(Part):
+    """Two baffle plates inside, upright from the bottom to the top, the same on the left and on the right; of the
+    wall's material, and so full of holes that the liquid does not feel them.
+
+    ``kind``: "none" or "perforated"; ``thickness``: of a plate without holes that is as stiff; ``position``: of its
+    middle, from the middle of the tank.
+    """
+
+    section: ClassVar[str] = "plates"
+    kind: str = choice("none", "none", "perforated")
+    thickness: Scalar = number(0.005, "m", **THICKNESS)
+    position: Scalar = number(0.15, "m", **POSITIVE)
+
+
 class TankMaterial(Part):
     """What the wall is made of: high-density polyethylene unless said otherwise.
 
@@ -137,7 +151,7 @@ class TankDrop(Part):
 
     Seed 003 prints no dimension and no material: the defaults are assumed.
 
-    - ``tank``, ``wall``, ``material``: the tank; ``composite``: its wall's plies, if they are its material.
+    - ``tank``, ``wall``, ``plates``, ``material``: the tank; ``composite``: its wall's plies, if they are its material.
     - ``contents``: what it holds.
     - ``cushion``, ``slider``: what falls on it.
     - ``support``: how it rests.
@@ -154,6 +168,7 @@ class TankDrop(Part):
 
     tank: Tank = Tank()
     wall: Wall = Wall()
+    plates: Plates = Plates()
     material: TankMaterial = TankMaterial()
     composite: Composite = Composite()
     contents: Contents = Contents()
@@ -186,13 +201,19 @@ class TankDropScenario(Part):
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
-    """Raise `InputError` where a wall is as thick as its corner is round, or the liquid no higher than its corner."""
+    """Raise `InputError` where a wall is as thick as its corner is round, a plate does not stand on the flat bottom,
+    or the liquid is no higher than its corner."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
     for zone in ZONES:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
         except InputError as error:
             raise InputError(f"{error}, less than tank.corner_radius") from None
+    if design.plates.kind != "none":
+        try:
+            check_entries("plates.position", design.plates.position, "m", *_between(design))
+        except InputError as error:
+            raise InputError(f"{error}, where the whole plate stands on the flat bottom") from None
     above = "; the liquid must be higher than the lower corner, tank.corner_radius"
     check_entries("scenario.fill", scenario.fill, "-", _corner(design), FILL["high"], too_low=above, high_open=False)
 
@@ -203,10 +224,18 @@ def _corner(design: TankDrop) -> Scalar:
     return (design.tank.corner_radius - bottom) / (design.tank.height - bottom - design.wall.top)
 
 
+def _between(design: TankDrop) -> tuple[Scalar, Scalar]:
+    """Where a plate can be [m]: half of its thickness from the middle, and from where the corner begins."""
+    half, flat = 0.5 * design.plates.thickness, 0.5 * design.tank.width - design.tank.corner_radius
+    return half, flat - half
+
+
 def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     """The same of numbers known only inside compiled code, each in its range besides."""
     radius = jnp.asarray(design.tank.corner_radius, float)
     thin = [getattr(design.wall, zone) < radius for zone in ZONES]
     round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]
     high = jnp.asarray(scenario.fill, float) > _corner(design)
-    return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough, high])
+    (left, right), at = _between(design), jnp.asarray(design.plates.position, float)
+    beside = [] if design.plates.kind == "none" else [(left < at) & (at < right)]
+    return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough, *beside, high])

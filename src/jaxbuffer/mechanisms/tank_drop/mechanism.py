@@ -11,6 +11,7 @@ from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
 from .drawing import drawing
 from .meshes import meshes
+from .numbering import Numbering
 from .outcome import TankOutcome
 from .panels import panels
 from .quantities import QUANTITIES
@@ -34,6 +35,11 @@ def warnings(run: TankRun) -> list[str]:
         lines.append(
             "the wall yields: with one element across it a wall bent until it yields carries up to 16 % too much;"
             " compare with mesh.refinement = 2"
+        )
+    if Numbering.of(design).at_a_joint(int(run.stress_element)):
+        lines.append(
+            "the largest stress is where a plate meets the wall, in a corner without a fillet: the finer the mesh, the"
+            " larger it is, and the smaller the reserve; compare with mesh.refinement = 2"
         )
     if float(run.compression) > 1.0:
         lines.append(
@@ -96,7 +102,8 @@ TANK_DROP = register(
         approach=label,
         leaves_out=(
             "The tank is infinitely long: its ends, and ribs across it, are left out (plane strain).",
-            "The liquid is a linear acoustic medium on the mesh it has at rest; it neither splashes nor is torn.",
+            "The liquid is a linear acoustic medium on the mesh it has at rest; it neither splashes nor is torn, and"
+            " baffle plates do not hinder it.",
             "Walls do not touch each other, nor the liquid beyond its level; a wall with a hole does not leak.",
             "Nothing has been compared with a measurement: seed 003 prints no value of any result.",
         ),

@@ -35,12 +35,12 @@ def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | Non
 
 def _whole(section: Section, at: np.ndarray, kept: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
     """Nodes, cells and values of the right half: the wall, then the liquid, whose mesh goes with the wall."""
-    wall = len(section.corners)
-    nodes, cells = at, np.asarray(section.corners)
+    wall = len(section.numbers.corners)
+    nodes, cells = at, np.asarray(section.numbers.corners)
     values = {STRESS: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
     if "pressure" in kept:
-        inner = section.inner[: section.level + 1]
-        liquid, _ = liquid_mesh(at[inner], int(section.corner))
+        inner = section.numbers.inner[: section.numbers.level + 1]
+        liquid, _ = liquid_mesh(at[inner], int(section.numbers.corner))
         corners = np.asarray(section.liquid_corners)
         pressure = 1e-3 * kept["pressure"][corners].mean(axis=1)
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}

@@ -8,7 +8,7 @@ QUANTITIES: dict[str, Quantity] = {
     "wall_mass": Quantity(
         "kg",
         lambda run: run.wall_mass,
-        "mass of the wall, without the tank's ends",
+        "mass of the wall and the plates, without the tank's ends",
         "wall mass",
         swept=True,
         tuned=True,

@@ -14,7 +14,7 @@ from ..run import Impacts, Run
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome
-from .section import wall_mass
+from .section import Section, wall_mass
 from .stepping import SMOOTH, Dropped, Row
 
 
@@ -34,7 +34,7 @@ class TankRun(Run):
     - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
     - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
-    - ``wall_mass``: [kg]; ``step``: of the time stepping [s].
+    - ``wall_mass``: of wall and plates [kg]; ``step``: of the time stepping [s].
     """
 
     impulse: Float[Array, ""]
@@ -161,22 +161,23 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
 
 def history_of(parts: Assembled, rows: Row) -> History:
     """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
-    "wall_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic strain of its elements, and the
-    liquid's ``pressure`` [Pa]."""
+    "wall_y", of a plate "plate_x", "plate_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic
+    strain of all elements, and the liquid's ``pressure`` [Pa]."""
     system, section, factor = parts.system, parts.section, parts.factor
     count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
     at = system.positions[None] + rows.displacement
     slider = at[:, parts.slider, 1]
-    middle = 0.5 * (at[:, section.inner] + at[:, section.outer])
+    middle = 0.5 * (at[:, section.numbers.inner] + at[:, section.numbers.outer])
     (cushion,) = system.layers
     compression = jax.vmap(lambda x: jnp.max(cushion.compression(x)))(at)
     others = {
-        "deflection": -rows.displacement[:, section.outer[-1], 1],
+        "deflection": -rows.displacement[:, section.numbers.outer[-1], 1],
         "support_force": factor * rows.support,
         "peak_stress": jnp.max(rows.stress, axis=1),
         "peak_plastic_strain": jnp.max(rows.plastic_strain, axis=1),
         "wall_x": middle[..., 0],
         "wall_y": middle[..., 1],
+        **_plate(at, section),
         "stress": rows.stress,
         "plastic_strain": rows.plastic_strain,
         "displacement": rows.displacement,
@@ -200,6 +201,14 @@ def history_of(parts: Assembled, rows: Row) -> History:
         others=others,
         energy=_energy(1.0, whole),
     )
+
+
+def _plate(at: Array, section: Section) -> dict[str, Array]:
+    """How the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2) [m]."""
+    if not len(section.numbers.plate):
+        return {}
+    middle = jnp.mean(at[:, section.numbers.plate], axis=2)
+    return {"plate_x": middle[..., 0], "plate_y": middle[..., 1]}
 
 
 def _close_up(rows: Row) -> Row:

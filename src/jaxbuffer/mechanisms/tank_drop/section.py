@@ -8,30 +8,21 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from .design import ZONES, TankDrop
+from .numbering import ABOVE, BEYOND, BOTTOM, CORNER, DRY, WET, WITHIN, Numbering
 
 TAPER = 0.02  # m, over which the thickness goes from one zone's to the next one's
-BOTTOM, CORNER, WET, DRY = 13, 4, 10, 16  # elements along the wall: flat bottom, corner, up to the level, from there on
 
 
 class Section(NamedTuple):
     """Half of the cross-section, to the right of its middle.
 
-    - ``positions``: (nodes, 2) of the wall [m]: column by column along it, from the inside out.
-    - ``corners``: (elements, 4) their nodes.
-    - ``inner``, ``outer``: (columns,) the nodes on either face.
-    - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface.
-    - ``corner``: the column at the lower right corner of the liquid's block.
+    - ``numbers``: of its nodes and elements; ``positions``: (nodes, 2) of wall and plate [m].
     - ``liquid``: (liquid nodes, 2) [m], ``liquid_corners``; ``wet``: the liquid's nodes along the wall, from the middle
       of the bottom to the level; ``free``: those on its surface.
     """
 
+    numbers: Numbering
     positions: Float[Array, "nodes 2"]
-    corners: np.ndarray
-    inner: np.ndarray
-    outer: np.ndarray
-    flat: int
-    level: int
-    corner: int
     liquid: Float[Array, "liquid 2"]
     liquid_corners: np.ndarray
     wet: np.ndarray
@@ -40,48 +31,39 @@ class Section(NamedTuple):
 
 def section(design: TankDrop, fill: Scalar) -> Section:
     """The mesh. ``fill``: height of the liquid over the inner height [-]."""
-    fine = design.mesh.refinement
-    counts = [fine * count for count in (BOTTOM, CORNER, WET, DRY)]
-    ends = _lengths(design)
-    marks = [0.0, ends[0], ends[1], _level(design, fill), ends[-1]]
-    along = jnp.concatenate(
-        [
-            a + (b - a) * np.linspace(0.0, 1.0, n, endpoint=False)
-            for a, b, n in zip(marks, marks[1:], counts, strict=False)
-        ]
-        + [stacked([ends[-1]])]
-    )
+    numbers = Numbering.of(design)
+    along = _columns(design, fill)
     face, normal = _outside(design, along)
     thickness = thickness_at(design, along)
-    shares = np.linspace(1.0, 0.0, fine + 1)
+    shares = np.linspace(1.0, 0.0, design.mesh.refinement + 1)
     positions = (face[:, None] - (thickness[:, None] * shares[None])[..., None] * normal[:, None]).reshape(-1, 2)
-    columns, across = sum(counts) + 1, fine + 1
-    node = np.arange(columns * across).reshape(columns, across)
-    corners = np.stack([node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]], axis=-1).reshape(-1, 4)
-    level = sum(counts[:3])
-    corner = counts[0] + counts[1] // 2
-    grid, liquid_node = liquid_mesh(positions[node[: level + 1, 0]], corner)
-    bottom, right = liquid_node[:, 0], liquid_node[-1, :]
-    cells = [liquid_node[:-1, :-1], liquid_node[1:, :-1], liquid_node[1:, 1:], liquid_node[:-1, 1:]]
-    return Section(
-        positions,
-        _lengthwise(corners),
-        node[:, 0],
-        node[:, -1],
-        counts[0],
-        level,
-        corner,
-        grid,
-        np.stack(cells, axis=-1).reshape(-1, 4),
-        np.concatenate([bottom, right[1:]]),
-        liquid_node[:, -1],
-    )
+    if len(numbers.plate):
+        foot, head = positions[numbers.plate[0]][None], positions[numbers.plate[-1]][None]
+        rows = len(numbers.plate) - 1
+        between = foot + (np.arange(1, rows) / rows)[:, None, None] * (head - foot)
+        positions = jnp.concatenate([positions, between.reshape(-1, 2)])
+    grid, node = liquid_mesh(positions[numbers.inner[: numbers.level + 1]], numbers.corner)
+    cells = [node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]]
+    wet = np.concatenate([node[:, 0], node[-1, 1:]])
+    return Section(numbers, positions, grid, np.stack(cells, axis=-1).reshape(-1, 4), wet, node[:, -1])
 
 
-def _lengthwise(corners: np.ndarray) -> np.ndarray:
-    """Corners in such an order that an element's first own axis goes along the wall, from one column to the next."""
-    inner_here, outer_here, outer_next, inner_next = (corners[:, k] for k in range(4))
-    return np.stack([outer_here, outer_next, inner_next, inner_here], axis=1)
+def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
+    """Where along the outside there are nodes [m]: flat bottom, corner, up to the level and from there on, each divided
+    evenly; with columns on both faces of a plate."""
+    ends, level = _lengths(design), _level(design, fill)
+    marks = [0.0, ends[0], ends[1], level, ends[-1]]
+    counts = [BOTTOM, CORNER, WET, DRY]
+    if design.plates.kind != "none":
+        at, half = design.plates.position, 0.5 * design.plates.thickness
+        faces = [at - half, at + half]
+        marks = [0.0, *faces, ends[0], ends[1], level, ends[-1] - faces[1], ends[-1] - faces[0], ends[-1]]
+        counts = [WITHIN, 1, BEYOND, CORNER, WET, ABOVE, 1, WITHIN]
+    parts = [
+        a + (b - a) * np.linspace(0.0, 1.0, design.mesh.refinement * count, endpoint=False)
+        for a, b, count in zip(marks, marks[1:], counts, strict=False)
+    ]
+    return jnp.concatenate([*parts, stacked([ends[-1]])])
 
 
 def liquid_mesh(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, "liquid 2"], np.ndarray]:
@@ -155,7 +137,14 @@ def wall_area(design: TankDrop) -> Float[Array, ""]:
     return jnp.trapezoid(strip, along)
 
 
+def plate_area(design: TankDrop) -> Scalar:
+    """Of the plate in half of the cross-section [m²]."""
+    if design.plates.kind == "none":
+        return 0.0
+    return design.plates.thickness * (design.tank.height - design.wall.bottom - design.wall.top)
+
+
 def wall_mass(design: TankDrop) -> Float[Array, ""]:
-    """Of the whole tank's wall, without its ends [kg]."""
+    """Of the whole tank's wall and plates, without its ends [kg]."""
     made_of = design.composite if design.material.kind == "composite" else design.material
-    return 2.0 * made_of.density * wall_area(design) * design.tank.length
+    return 2.0 * made_of.density * (wall_area(design) + plate_area(design)) * design.tank.length

@@ -42,7 +42,7 @@ def at_rest(parts: Assembled) -> State:
     """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
     presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
     undeformed. Newton's method finds it; derivatives are those of the equilibrium."""
-    unknowns, count = _unknowns(parts), len(parts.section.outer[: parts.section.flat + 1])
+    unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
     found, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
     values, _ = _better(parts, unknowns, jax.lax.stop_gradient(found), stands)
@@ -54,10 +54,9 @@ def _unknowns(parts: Assembled) -> Unknowns:
     seen, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
     free[parts.slider :] = False
-    middle = np.concatenate([np.arange(seen.inner[1]), np.arange(seen.inner[-1], parts.slider)])
-    free[middle, 0] = False
+    free[seen.numbers.middle, 0] = False
     places = np.flatnonzero(free.ravel())
-    return Unknowns(places, np.searchsorted(places, 2 * seen.outer[: seen.flat + 1] + 1), nodes)
+    return Unknowns(places, np.searchsorted(places, 2 * seen.numbers.outer[: seen.numbers.flat + 1] + 1), nodes)
 
 
 def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:

@@ -145,7 +145,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     energies = Energies(*(zero,) * 7)
     rows = None
     if history:
-        elements = len(parts.section.corners)
+        elements = len(parts.section.numbers.corners)
         room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
         rows = Row(
             *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
@@ -182,7 +182,7 @@ def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, se
         jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
         jnp.logaddexp(seen.sharpened, sharpened),
         jnp.minimum(seen.reserve, _reserve(parts, design, found.stress)),
-        jnp.maximum(seen.deflection, -instant.displacement[section.outer[-1], 1]),
+        jnp.maximum(seen.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
         jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),
         jnp.maximum(seen.compression, compressed),
         higher,

@@ -1,0 +1,74 @@
+"""The nodes and elements of the tank's mesh as numbers: what no dimension changes."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Int
+
+from .design import TankDrop
+
+BOTTOM, CORNER, WET, DRY = 13, 4, 10, 16  # elements along the wall: flat bottom, corner, up to the level, from there on
+WITHIN, BEYOND, ABOVE = 7, 5, 8  # of BOTTOM and of DRY, where a plate takes one: within it, beyond it, up to it
+UPRIGHT = 14  # elements along a plate
+
+
+class Numbering(NamedTuple):
+    """Of half of the cross-section.
+
+    - ``wall``: (columns, across) its nodes: along it from the middle of the bottom on, in a column from the inside out.
+    - ``plate``: (rows, across) the plate's nodes, upwards, from the middle of the tank on; no rows without one. Its
+      first row and its last are the wall's.
+    - ``corners``: (elements, 4) the elements' nodes, counter-clockwise, column by column, those of the plate last; the
+      first own axis of each goes along the wall or the plate.
+    - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface.
+    - ``corner``: the column at the lower right corner of the liquid's block.
+    """
+
+    wall: Int[np.ndarray, "columns across"]
+    plate: Int[np.ndarray, "rows across"]
+    corners: Int[np.ndarray, "elements 4"]
+    flat: int
+    level: int
+    corner: int
+
+    @staticmethod
+    def of(design: TankDrop) -> "Numbering":
+        """As fine as the design says."""
+        fine = design.mesh.refinement
+        flat, level = fine * BOTTOM, fine * (BOTTOM + CORNER + WET)
+        columns, across = level + fine * DRY + 1, fine + 1
+        wall = np.arange(columns * across).reshape(columns, across)
+        plate = np.zeros((0, across), int)
+        if design.plates.kind != "none":
+            foot = wall[fine * WITHIN :][:across, 0]
+            head = wall[level + fine * ABOVE :][:across, 0][::-1]
+            between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
+            plate = np.concatenate([foot[None], between, head[None]])
+        corners = np.concatenate([_elements(wall), _elements(plate)])
+        return Numbering(wall, plate, corners, flat, level, flat + fine * CORNER // 2)
+
+    @property
+    def inner(self) -> Int[np.ndarray, " columns"]:
+        """The wall's nodes on its inside."""
+        return self.wall[:, 0]
+
+    @property
+    def outer(self) -> Int[np.ndarray, " columns"]:
+        """The wall's nodes on its outside."""
+        return self.wall[:, -1]
+
+    @property
+    def middle(self) -> Int[np.ndarray, " nodes"]:
+        """The wall's nodes in the middle of the section, which do not move sideways."""
+        return self.wall[[0, -1]].ravel()
+
+    def at_a_joint(self, element: int) -> bool:
+        """Whether an element is where a plate meets the wall, or next to that."""
+        columns = self.wall[np.isin(self.inner, self.plate[[0, -1]])] if len(self.plate) else self.plate
+        return bool(np.isin(self.corners[element], columns).any())
+
+
+def _elements(nodes: np.ndarray) -> np.ndarray:
+    """The corners of the elements between columns of nodes (columns, across) that follow each other."""
+    sides = [nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1], nodes[:-1, :-1]]
+    return np.stack(sides, axis=-1).reshape(-1, 4)
