@@ -36,7 +36,8 @@ bench: $(PEERS)  ## speed against SciPy, SUNDIALS and Octave at equal accuracy, 
 bench-check: $(PEERS)  ## the quick benchmarks; fails where a ratio to a peer is under its baseline by over 30 %
 	$(BIN)/python -m benchmarks --quick --check-baseline
 
-faults: $(READY)  ## kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
+faults: $(READY)  ## kills of commands; kills, full disks, damage and strangers to a sweep over a scheduler: docs/clusters.md
+	$(BIN)/python -m pytest tests/front/test_lost_work_kills.py --kills 10
 	$(BIN)/python -m verify.faults
 
 bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md

@@ -1,4 +1,7 @@
-"""Twenty kills of sweep and tune at random moments; what comes out in the end is what comes out undisturbed."""
+"""Kills of sweep and tune at random moments; what comes out in the end is what comes out undisturbed.
+
+Each command is killed as often as `--kills` says, four times unless told otherwise: once by each signal.
+"""
 
 import random
 import signal
@@ -9,7 +12,6 @@ import pytest
 from determinism import computed_part
 from test_lost_work import started
 
-KILLS = 10  # of each command
 QUICK_RECORDS = "import jaxbuffer.sweeps.store as s; s.PERIOD = 0.1; from jaxbuffer.cli import main; main()"
 COMMANDS = {
     "sweep": (
@@ -18,7 +20,7 @@ COMMANDS = {
         ("sweep.csv", "sweep.npz", "sweep.json"),
     ),
     "tune": (
-        ["--duration", "1", "--iterations", "12", "--starts", "2"],
+        ["--duration", "1", "--iterations", "8", "--starts", "2"],
         "state.npz",
         ("design.toml", "tuned.json", "history.csv", "tune.txt", "force.json", "log.jsonl"),
     ),
@@ -47,7 +49,7 @@ def completed(folder, *words):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
-def test_killed_ten_times(tmp_path, command):
+def test_killed_at_random_moments(tmp_path, pytestconfig, command):
     options, store, files = COMMANDS[command]
     words = [command, *options, "--output"]
     completed(tmp_path, *words, "warm")  # compiles
@@ -55,7 +57,7 @@ def test_killed_ten_times(tmp_path, command):
     completed(tmp_path, *words, "whole")
     usual = time.monotonic() - begin
     chance, kills = random.Random(16), 0
-    while kills < KILLS:
+    while kills < pytestconfig.getoption("--kills"):
         how = list(SIGNALS)[kills % len(SIGNALS)]
         again = "--resume" if (tmp_path / "cut" / store).exists() else "--force"
         with run(tmp_path, *words, "cut", again) as process:

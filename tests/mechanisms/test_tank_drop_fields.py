@@ -4,8 +4,8 @@ import numpy as np
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.picture import Meshed
-from jaxbuffer.mechanisms.tank_drop.assembly import assembled
 from jaxbuffer.mechanisms.tank_drop.meshes import meshes
+from jaxbuffer.mechanisms.tank_drop.numbering import Numbering
 from jaxbuffer.mechanisms.tank_drop.section import wall_mass
 from jaxbuffer.output.animation import Stage
 from jaxbuffer.output.motion import scene
@@ -18,11 +18,11 @@ class Kept:
 
     def __init__(self) -> None:
         self.design, self.scenario = jb.TankDrop(), jb.TankDropScenario(fill=0.5)
-        parts = assembled(self.design, self.scenario)
-        moved = np.zeros((2, len(parts.system.positions), 2))
+        numbers = Numbering.of(self.design)
+        moved = np.zeros((2, numbers.wall.size + 2, 2))  # of the slider and the baffle too
         moved[0, :, 1] = MOVED
-        elements, liquid = len(parts.section.numbers.corners), len(parts.section.liquid)
-        self.parts, self.history = parts, self
+        elements, liquid = len(numbers.corners), numbers.liquid.size
+        self.history = self
         self.time = np.array([0.0, 1e-3])
         self.others = {
             "displacement": moved,

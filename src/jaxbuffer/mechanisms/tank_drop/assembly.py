@@ -53,7 +53,7 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     liquid = static = None
     if design.contents.kind == "liquid":
         liquid = _liquid(design, seen)
-        surface = seen.liquid[seen.free[0], 1]
+        surface = seen.liquid[seen.numbers.free[0], 1]
         static = design.contents.density * scenario.gravity * (surface - seen.liquid[:, 1])
     system = System(
         positions,
@@ -111,16 +111,16 @@ def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
 
 
 def _liquid(design: TankDrop, seen: Section) -> Liquid:
-    corners, count = seen.liquid_corners, len(seen.liquid)
+    corners, count = seen.numbers.liquid_corners, len(seen.liquid)
     stiffness, mass = element_matrices(seen.liquid, corners, design.contents.sound_speed)
     incidence = Incidence.of(corners, count)
     return Liquid(
         incidence,
         stiffness,
         incidence.to_nodes(jnp.sum(mass, axis=2)),
-        jnp.ones(count).at[seen.free].set(0.0),
+        jnp.ones(count).at[seen.numbers.free].set(0.0),
         jnp.asarray(design.contents.density, float),
         seen.numbers.inner[: seen.numbers.level + 1],
-        seen.wet,
+        seen.numbers.wet,
         boundary_areas(seen.positions[seen.numbers.inner[: seen.numbers.level + 1]]),
     )

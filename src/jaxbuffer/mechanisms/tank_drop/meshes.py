@@ -4,26 +4,37 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import Array, Float
 
+from ...compiling.programs import stored
 from ..picture import Meshed
-from .assembly import assembled
-from .section import Section, liquid_mesh
+from .design import TankDrop, TankDropScenario
+from .numbering import Numbering
+from .section import liquid_within, section
 
 STRESS = "stress after von Mises [MPa]"
 
 
 def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
     """Of a run with a history, at the rows next to some ``times`` [s], or at the largest stress and the end."""
-    parts, seen = assembled(run.design, run.scenario), run.history
-    time = np.asarray(seen.time)
-    rest = np.asarray(parts.system.positions)
-    kept = {name: np.asarray(values) for name, values in seen.others.items()}
-    found = []
+    kept = {name: np.asarray(values) for name, values in run.history.others.items()}
+    time, found = np.asarray(run.history.time), []
     for words, name, row in _instants(time, kept["peak_stress"], times):
-        at = (rest + kept["displacement"][row])[: len(parts.section.positions)]
+        wall, liquid = map(np.asarray, _moved(run.design, run.scenario, kept["displacement"][row]))
         title = f"{words}{1e3 * time[row]:.4g} ms"
-        found.append(_mirrored(title, name, *_whole(parts.section, at, {k: v[row] for k, v in kept.items()})))
+        numbers, now = Numbering.of(run.design), {key: values[row] for key, values in kept.items()}
+        found.append(_mirrored(title, name, *_whole(numbers, wall, liquid, now)))
     return found
+
+
+@stored
+def _moved(
+    design: TankDrop, scenario: TankDropScenario, displacement: Float[Array, "nodes 2"]
+) -> tuple[Float[Array, "nodes 2"], Float[Array, "liquid 2"]]:
+    """The nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
+    seen = section(design, scenario.fill)
+    at = seen.positions + displacement[: len(seen.positions)]
+    return at, liquid_within(at, seen.numbers)
 
 
 def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | None) -> list[tuple[str, str, int]]:
@@ -33,20 +44,19 @@ def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | Non
     return [("", f"fields_{k}", int(np.argmin(np.abs(time - at)))) for k, at in enumerate(times)]
 
 
-def _whole(section: Section, at: np.ndarray, kept: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
-    """Nodes, cells and values of the right half: the wall, then the liquid, whose mesh goes with the wall."""
-    wall = len(section.numbers.corners)
-    nodes, cells = at, np.asarray(section.numbers.corners)
+def _whole(
+    numbers: Numbering, wall: np.ndarray, liquid: np.ndarray, kept: dict[str, Any]
+) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
+    """Nodes, cells and values of the right half: wall and plate, then the liquid."""
+    nodes, cells = wall, numbers.corners
     values = {STRESS: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
     if "pressure" in kept:
-        inner = section.numbers.inner[: section.numbers.level + 1]
-        liquid, _ = liquid_mesh(at[inner], int(section.numbers.corner))
-        corners = np.asarray(section.liquid_corners)
+        corners = numbers.liquid_corners
         pressure = 1e-3 * kept["pressure"][corners].mean(axis=1)
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}
-        values["pressure of the liquid [kPa]"] = np.concatenate([np.full(wall, np.nan), pressure])
+        values["pressure of the liquid [kPa]"] = np.concatenate([np.full(len(cells), np.nan), pressure])
         cells = np.concatenate([cells, corners + len(nodes)])
-        nodes = np.concatenate([nodes, np.asarray(liquid)])
+        nodes = np.concatenate([nodes, liquid])
     return nodes, cells, values
 
 

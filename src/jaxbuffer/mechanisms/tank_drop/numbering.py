@@ -22,6 +22,7 @@ class Numbering(NamedTuple):
       first own axis of each goes along the wall or the plate.
     - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface.
     - ``corner``: the column at the lower right corner of the liquid's block.
+    - ``liquid``: (across, up) the liquid's nodes, counted for themselves, from the middle of the bottom on.
     """
 
     wall: Int[np.ndarray, "columns across"]
@@ -30,6 +31,7 @@ class Numbering(NamedTuple):
     flat: int
     level: int
     corner: int
+    liquid: Int[np.ndarray, "across up"]
 
     @staticmethod
     def of(design: TankDrop) -> "Numbering":
@@ -45,7 +47,9 @@ class Numbering(NamedTuple):
             between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
             plate = np.concatenate([foot[None], between, head[None]])
         corners = np.concatenate([_elements(wall), _elements(plate)])
-        return Numbering(wall, plate, corners, flat, level, flat + fine * CORNER // 2)
+        corner = flat + fine * CORNER // 2
+        blocks = corner + 1, level - corner + 1
+        return Numbering(wall, plate, corners, flat, level, corner, np.arange(np.prod(blocks)).reshape(blocks))
 
     @property
     def inner(self) -> Int[np.ndarray, " columns"]:
@@ -61,6 +65,22 @@ class Numbering(NamedTuple):
     def middle(self) -> Int[np.ndarray, " nodes"]:
         """The wall's nodes in the middle of the section, which do not move sideways."""
         return self.wall[[0, -1]].ravel()
+
+    @property
+    def liquid_corners(self) -> Int[np.ndarray, "elements 4"]:
+        """The liquid's nodes at the corners of its elements, counter-clockwise."""
+        sides = [self.liquid[:-1, :-1], self.liquid[1:, :-1], self.liquid[1:, 1:], self.liquid[:-1, 1:]]
+        return np.stack(sides, axis=-1).reshape(-1, 4)
+
+    @property
+    def wet(self) -> Int[np.ndarray, " wet"]:
+        """The liquid's nodes along the wall, from the middle of the bottom to the level."""
+        return np.concatenate([self.liquid[:, 0], self.liquid[-1, 1:]])
+
+    @property
+    def free(self) -> Int[np.ndarray, " free"]:
+        """The liquid's nodes on its surface."""
+        return self.liquid[:, -1]
 
     def at_a_joint(self, element: int) -> bool:
         """Whether an element is where a plate meets the wall, or next to that."""

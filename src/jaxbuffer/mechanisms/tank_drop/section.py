@@ -17,16 +17,12 @@ class Section(NamedTuple):
     """Half of the cross-section, to the right of its middle.
 
     - ``numbers``: of its nodes and elements; ``positions``: (nodes, 2) of wall and plate [m].
-    - ``liquid``: (liquid nodes, 2) [m], ``liquid_corners``; ``wet``: the liquid's nodes along the wall, from the middle
-      of the bottom to the level; ``free``: those on its surface.
+    - ``liquid``: (liquid nodes, 2) of the liquid [m].
     """
 
     numbers: Numbering
     positions: Float[Array, "nodes 2"]
     liquid: Float[Array, "liquid 2"]
-    liquid_corners: np.ndarray
-    wet: np.ndarray
-    free: np.ndarray
 
 
 def section(design: TankDrop, fill: Scalar) -> Section:
@@ -42,10 +38,7 @@ def section(design: TankDrop, fill: Scalar) -> Section:
         rows = len(numbers.plate) - 1
         between = foot + (np.arange(1, rows) / rows)[:, None, None] * (head - foot)
         positions = jnp.concatenate([positions, between.reshape(-1, 2)])
-    grid, node = liquid_mesh(positions[numbers.inner[: numbers.level + 1]], numbers.corner)
-    cells = [node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]]
-    wet = np.concatenate([node[:, 0], node[-1, 1:]])
-    return Section(numbers, positions, grid, np.stack(cells, axis=-1).reshape(-1, 4), wet, node[:, -1])
+    return Section(numbers, positions, liquid_within(positions, numbers))
 
 
 def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
@@ -66,9 +59,9 @@ def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
     return jnp.concatenate([*parts, stacked([ends[-1]])])
 
 
-def liquid_mesh(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, "liquid 2"], np.ndarray]:
-    """The liquid's nodes between the wall, the middle and the surface, by transfinite interpolation; the block's lower
-    right corner is the wall's column ``corner``."""
+def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
+    """The liquid's nodes [m] between the ``wall``'s, the middle and the surface, by transfinite interpolation."""
+    edge, corner = wall[numbers.inner[: numbers.level + 1]], numbers.corner
     bottom, right = edge[: corner + 1], edge[corner:]
     xi = (np.arange(corner + 1) / corner)[:, None, None]
     eta = (np.arange(len(right)) / (len(right) - 1))[None, :, None]
@@ -81,8 +74,7 @@ def liquid_mesh(edge: Float[Array, "wet 2"], corner: int) -> tuple[Float[Array, 
     knots = (1.0 - xi) * ((1.0 - eta) * corner_at(left, 0) + eta * corner_at(left, -1)) + xi * (
         (1.0 - eta) * corner_at(right, 0) + eta * corner_at(right, -1)
     )
-    grid = sides + ends - knots
-    return grid.reshape(-1, 2), np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
+    return (sides + ends - knots).reshape(-1, 2)
 
 
 def _lengths(design: TankDrop) -> list[Scalar]:
