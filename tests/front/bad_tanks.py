@@ -14,6 +14,8 @@ MODULI = ("along", "across", "shear")
 STRENGTHS = ("along_tension", "along_compression", "across_tension", "across_compression", "shear_strength")
 FIELDS = {  # of design and scenario: a number that is out of range, the range, the unit
     **{f"wall.{zone}": (0.031, "(0, 0.03]", "m") for zone in ZONES},
+    "plates.thickness": (0.031, "(0, 0.03]", "m"),
+    "plates.position": (0, ABOVE, "m"),
     "tank.width": (0, ABOVE, "m"),
     "tank.height": (-0.3, ABOVE, "m"),
     "tank.corner_radius": (0, ABOVE, "m"),
@@ -39,6 +41,7 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "scenario.gravity": (0, ABOVE, "m/s²"),
 }
 CHOICES = {
+    "plates.kind": "none, perforated",
     "material.kind": "plastic, composite",
     "composite.criterion": "tsai-hill, hoffman, tsai-wu, maximum-stress",
     "contents.kind": "liquid, none",
@@ -73,6 +76,8 @@ def _study(text, *parts):
 
 THIN = "[tank]\ncorner_radius = 0.02\n"
 BELOW = "m is out of range; allowed: (0, 0.02) m, less than tank.corner_radius"
+INSIDE = "[plates]\nkind = 'perforated'\n"
+BESIDE = "m is out of range; allowed: (0.0025, 0.2575) m, where the whole plate stands on the flat bottom"
 TOGETHER = [
     _study(f"{THIN}[wall]\ntop = 0.025", f"wall.top = 0.025 {BELOW}"),
     line("sweep study.toml", f"wall.top = 0.025 {BELOW}", study=f"{KIND}{THIN}[sweep]\nwall.top = [0.01, 0.025]"),
@@ -92,6 +97,8 @@ TOGETHER = [
         "tank.corner_radius = 0.04 m is out of range; allowed: (0, 0.035) m",
         "and of tank.width = 0.07 m",
     ),
+    _study(f"{INSIDE}position = 0.258", f"plates.position = 0.258 {BESIDE}"),
+    line("sweep study.toml --over plates.position=0.1:0.27:2", f"plates.position = 0.27 {BESIDE}", study=KIND + INSIDE),
 ]
 WORDS = [
     _study("[wall]\ntop = 12", 'wall.top = 12 m is out of range; allowed: (0, 0.03] m; "12 mm" if that is meant'),

@@ -59,8 +59,10 @@ class Tank(Part):
 
 
 class Plates(Part):
-    """Two baffle plates inside, upright from the bottom to the top, the same on the left and on the right; of the
-    wall's material, and so full of holes that the liquid does not feel them.
+    """Two perforated baffle plates inside, upright from the bottom to the top, left and right alike, of the wall's
+    material.
+
+    They are so full of holes that what the tank holds does not feel them.
 
     ``kind``: "none" or "perforated"; ``thickness``: of a plate without holes that is as stiff; ``position``: of its
     middle, from the middle of the tank.
