@@ -35,6 +35,10 @@ def test_the_mesh_is_the_whole_section_and_hangs_together(fill, refinement):
     assert areas[-14 * refinement**2 :].sum() == pytest.approx(0.004 * 0.29, rel=1e-9)
     more = float(wall_mass(design)) - float(wall_mass(jb.TankDrop()))
     assert more == pytest.approx(2.0 * 0.7 * 950.0 * 0.004 * 0.29, rel=1e-9)
+    at_ends = (np.abs(x - 0.13) < 0.0021) & (np.abs(y - 0.15) > 0.1449)
+    joints = [found.numbers.at_a_joint(element) for element in range(len(areas))]
+    assert np.array_equal(joints, at_ends.any(axis=1)) and any(joints)
+    assert not any(map(Numbering.of(jb.TankDrop()).at_a_joint, range(40)))
     edges = np.sort(
         np.stack([found.numbers.corners, np.roll(found.numbers.corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1
     )
