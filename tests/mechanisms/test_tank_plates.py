@@ -38,13 +38,13 @@ def test_the_mesh_is_the_whole_section_and_hangs_together(fill, refinement):
     at_ends = (np.abs(x - 0.13) < 0.0021) & (np.abs(y - 0.15) > 0.1449)
     joints = [found.numbers.at_a_joint(element) for element in range(len(areas))]
     assert np.array_equal(joints, at_ends.any(axis=1)) and any(joints)
-    assert not any(map(Numbering.of(jb.TankDrop()).at_a_joint, range(40)))
+    assert not any(map(Numbering.of(jb.TankDrop()).at_a_joint, range(43)))
     edges = np.sort(
         np.stack([found.numbers.corners, np.roll(found.numbers.corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1
     )
     single = [pair for pair, count in zip(*np.unique(edges, axis=0, return_counts=True), strict=True) if count == 1]
     columns, rows = len(found.numbers.outer) - 1, len(found.numbers.plate) - 1
-    assert len(single) == 2 * columns + 2 * refinement + 2 * rows - 2 * refinement  # two feet cover the inside
+    assert len(single) == 2 * columns + 2 * rows  # the middle's add as many as foot and head cover
     plate = np.asarray(found.positions)[found.numbers.plate]
     assert np.allclose(plate[:, 0, 0], 0.128) and np.allclose(plate[:, -1, 0], 0.132)
     assert np.allclose(plate[[0, -1], :, 1], [[0.005] * (refinement + 1), [0.295] * (refinement + 1)])
@@ -127,7 +127,7 @@ def ours(changes):
     return np.array([down[top[0]], np.interp(0.13, x[top], down[top]), down[numbers.outer[0]]])
 
 
-@pytest.mark.parametrize(("kind", "plate", "within"), [("none", 0.0, 0.01), ("perforated", 0.004, 0.03)])
+@pytest.mark.parametrize(("kind", "plate", "within"), [("none", 0.0, 0.006), ("perforated", 0.004, 0.03)])
 def test_it_sags_under_its_own_weight_as_a_frame_of_beams(kind, plate, within):
     """Top and plate's head against the bottom: 8.4 mm without plates and 0.27 mm with them, whose joints in the mesh
     are stiffer than points."""
@@ -144,12 +144,23 @@ def test_a_plate_makes_a_drop_harder_and_keeps_energy_and_momentum():
     without, found = (
         jb.simulate(tank({"plates.kind": kind}), drop, 0.02, history=True) for kind in ("none", "perforated")
     )
-    assert found.outcome.name == "whole" and float(found.balance.energy) < 1e-3
-    assert float(found.peak_force) > 1.1 * float(without.peak_force)
-    assert float(found.deflection) < 0.9 * float(without.deflection)
-    assert float(found.balance.linear_momentum) < 1e-3
+    assert found.outcome.name == "whole" and float(found.balance.energy) < 1e-4
+    assert float(found.peak_force) > 3.0 * float(without.peak_force)
+    assert float(found.deflection) < 0.6 * float(without.deflection)
+    assert float(found.balance.linear_momentum) < 1e-10
     assert "plate_x" not in without.history.others
     assert found.history.others["plate_x"].shape == (len(found.history.time), 15)
+
+
+@pytest.mark.slow
+def test_plates_of_a_composite_wall_are_of_its_plies():
+    """Its run always says that joints have no fillet, since it does not tell where the least reserve is."""
+    run = jb.simulate(tank({"material.kind": "composite"}), jb.TankDropScenario(height=0.1), 5e-4)
+    assert run.outcome.name == "whole" and float(run.balance.energy) < 1e-6
+    without = jb.replace(run.design, {"plates.kind": "none"})
+    more = 2.0 * 0.7 * float(run.design.composite.density) * 0.004 * 0.29
+    assert float(run.wall_mass) - float(wall_mass(without)) == pytest.approx(more, rel=1e-9)
+    assert sum("may be where a plate meets the wall" in line for line in run.mechanism.warnings(run)) == 1
 
 
 @pytest.mark.slow
@@ -167,7 +178,7 @@ def test_derivatives_by_a_plate_are_those_of_differences():
     slopes, _ = both(at)
     for k, step in enumerate(np.diag(1e-6 * at)):
         change = (both(at + step)[1] - both(at - step)[1]) / (2.0 * step[k])
-        np.testing.assert_allclose(slopes[:, k], change, rtol=1e-3, atol=1e-9)
+        np.testing.assert_allclose(slopes[:, k], change, rtol=1e-4, atol=1e-9)
 
 
 @pytest.mark.parametrize(
