@@ -20,8 +20,8 @@ def seen(contacts=(), ends=(), observed=()):
     return Guards(*columns(contacts, 3), *columns(ends, 2), *columns(observed, 2), jnp.zeros(()), jnp.zeros(()))
 
 
-def searched(before, after, active=NONE, largest=NONE, ignored=-1, maxima=True, step=STEP):
-    given = jnp.asarray(step), active, largest, jnp.asarray(ignored), jnp.full(before.value.shape, maxima)
+def searched(before, after, active=NONE, least=NONE, ignored=-1, maxima=True, step=STEP):
+    given = jnp.asarray(step), active, least, jnp.asarray(ignored), jnp.full(before.value.shape, maxima)
     return first_crossing(before, after, *given)
 
 
@@ -97,23 +97,23 @@ def test_the_end_of_the_run():
 
 
 def test_a_maximum_inside():
-    """Of a cubic exactly; not where it stays below the largest so far, where maxima are not looked for, where it is
+    """Of a cubic exactly; not where it stays below the least that matters, where maxima are not looked for, where it is
     ignored, nor where its rate is not known at the end."""
     cubic = np.polynomial.Polynomial([1.0, 3.0, 1.0, -4.0])
     slope = cubic.deriv()
     rows = [[(cubic(x), slope(x) / STEP)] for x in (0.0, 1.0)]
     before, after = (seen(observed=row) for row in rows)
-    found = searched(before, after, largest=jnp.array([1.0]))
+    found = searched(before, after, least=jnp.array([1.0]))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-12)
     assert float(found.far) == STEP
     highest = cubic(max(slope.roots()))
-    assert searched(before, after, largest=jnp.array([highest])).found
-    assert not searched(before, after, largest=jnp.array([1.01 * highest])).found
-    assert not searched(before, after, largest=jnp.array([1.0]), maxima=False).found
-    assert not searched(before, after, largest=jnp.array([1.0]), ignored=0).found
+    assert searched(before, after, least=jnp.array([highest])).found
+    assert not searched(before, after, least=jnp.array([1.01 * highest])).found
+    assert not searched(before, after, least=jnp.array([1.0]), maxima=False).found
+    assert not searched(before, after, least=jnp.array([1.0]), ignored=0).found
     unknown = after._replace(value_rate=jnp.array([RISING]))
-    assert not searched(before, unknown, largest=jnp.array([1.0])).found
+    assert not searched(before, unknown, least=jnp.array([1.0])).found
 
 
 def test_a_maximum_between_two_falling_ends_is_seen():
@@ -124,7 +124,7 @@ def test_a_maximum_between_two_falling_ends_is_seen():
     assert slope(1.0) < 0.0
     assert cubic(1.0) > cubic(0.0)
     before, after = (seen(observed=[(cubic(x), slope(x) / STEP)]) for x in (0.0, 1.0))
-    found = searched(before, after, largest=jnp.array([cubic(0.0)]))
+    found = searched(before, after, least=jnp.array([cubic(0.0)]))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-9)
 
@@ -138,14 +138,14 @@ def test_the_earliest_of_several():
             [(0.7 * STEP - time, -1.0, 0.0)], [(time - 0.5 * STEP, 1.0)], [(1.0 - (time - top) ** 2, 2 * (top - time))]
         )
 
-    largest = jnp.zeros(1)
-    first = searched(at(0.0), at(STEP), OPEN, largest)
+    least = jnp.zeros(1)
+    first = searched(at(0.0), at(STEP), OPEN, least)
     assert (int(first.guard), bool(first.alone)) == (2, False)
     np.testing.assert_allclose(float(first.at), top, rtol=1e-6)
-    second = searched(at(0.0), at(STEP), OPEN, largest, ignored=2)
+    second = searched(at(0.0), at(STEP), OPEN, least, ignored=2)
     assert int(second.guard) == 1
     np.testing.assert_allclose(float(second.at), 0.5 * STEP, rtol=1e-9)
-    third = searched(at(0.0), at(0.4 * STEP), OPEN, largest, step=0.4 * STEP)
+    third = searched(at(0.0), at(0.4 * STEP), OPEN, least, step=0.4 * STEP)
     assert (int(third.guard), bool(third.alone)) == (2, True)
 
 
@@ -163,9 +163,9 @@ def test_a_located_maximum_counts_as_falling():
     left = seen(observed=[(1.0, 1e-9), (1.0, 2.0)])
     np.testing.assert_array_equal(left.falling(jnp.array([True, False])).value_rate, [0.0, 2.0])
     after = seen(observed=[(0.9, -1.0), (0.0, 3.0)])
-    largest = jnp.array([0.5, 0.5])
-    assert int(searched(left, after, largest=largest).guard) == 0
-    assert not searched(left.falling(jnp.array([True, False])), after, largest=largest).found
+    least = jnp.array([0.5, 0.5])
+    assert int(searched(left, after, least=least).guard) == 0
+    assert not searched(left.falling(jnp.array([True, False])), after, least=least).found
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_a_maximum_at_the_very_end_is_found_there(peak, below, share, rate):
     derivative may then lie just beyond the end; the other root is at the beginning or before it."""
     start, rise = peak * (1.0 - below), 2.0 * below * peak * share / STEP
     before, after = seen(observed=[(start, rise)]), seen(observed=[(peak, rate * peak / STEP)])
-    found = searched(before, after, largest=jnp.zeros(1))
+    found = searched(before, after, least=jnp.zeros(1))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), STEP, rtol=1e-5)
 
@@ -190,6 +190,6 @@ def test_a_maximum_at_the_start_but_for_rounding():
     """Its rate is 4e-23 there: looked for in a step from whose end a change of that rate can be seen."""
     bend = -500.0
     before, after = seen(observed=[(1.0, 4e-23)]), seen(observed=[(1.0 + 0.5 * bend * STEP**2, bend * STEP)])
-    found = searched(before, after, largest=jnp.ones(1))
+    found = searched(before, after, least=jnp.ones(1))
     assert int(found.guard) == 0
     assert 1e-7 * STEP < float(found.at) < 1e-5 * STEP

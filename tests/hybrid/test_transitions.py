@@ -314,7 +314,7 @@ def test_looking_back_returns_to_the_end_of_the_step():
     assert (outcome, Phase(int(after.phase))) == (Outcome.ACCEPT, Phase.STEP)
     assert (int(after.log.count), int(after.log.kind[0]), int(after.log.which[0])) == (1, Kind.PEAK, 0)
     assert float(after.log.time[0]) == START + LENGTH
-    assert float(after.log.values[0, 0]) == float(after.largest[0]) == pytest.approx(1.05)
+    assert float(after.log.values[0, 0]) == float(after.extremes.largest[0]) == pytest.approx(1.05)
     for end, now in zip(jax.tree.leaves(looking.step_end), jax.tree.leaves(after.point), strict=True):
         np.testing.assert_array_equal(end, now)
     assert not np.any(after.located)

@@ -126,7 +126,11 @@ def solve_with_tangents(
         sizes = _sizes(values)
         directions = [jnp.zeros(len(sizes)).at[k].set(size) for k, size in enumerate(sizes)]
         assembled = lambda values: assemble(values, others)  # noqa: E731
-        return by(*push_through_assembly(assembled, values, directions), *rest)
+        build, tangents = push_through_assembly(assembled, values, directions)
+        result = by(build, tangents, *rest)
+        # Where no number of the system depends on any of the values, there are no tangents to step: all are zero.
+        missing = len(values) - tangents.count
+        return _with_rows(result, lambda rows: jnp.pad(rows, [(0, 0), (0, missing), (0, 0)]))
 
     return _one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
 

@@ -127,7 +127,7 @@ class HybridSystem(eqx.Module):
     def negligible(self) -> Float[Array, "..."]:
         """Values of the observables below which no maximum matters: what rounding makes of them where nothing acts. One
         for each, or one for all."""
-        return jnp.zeros(())
+        return jnp.asarray(-jnp.inf)
 
     def scales(self) -> State:
         """Magnitude below which an error in each component of the state does not matter in itself."""

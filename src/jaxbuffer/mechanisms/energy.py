@@ -39,6 +39,11 @@ class Energy(eqx.Module):
         """Stored and lost together [J]: constant in time."""
         return _sum(self.stored) + _sum(self.lost)
 
+    @property
+    def size(self) -> Float[Array, "..."]:
+        """The sum of their magnitudes [J], of which rounding errors are a share."""
+        return _sum({name: abs(energy) for name, energy in {**self.stored, **self.lost}.items()})
+
 
 def _sum(energies: dict[str, Float[Array, "..."]]) -> Any:
     """Their sum; that of NumPy's arrays is one, so that nothing is compiled to print a run."""

@@ -173,10 +173,13 @@ class ContactSystem(HybridSystem):
         return self.invariant_at(self.posture(state), active)
 
     def invariant_at(self, at: Any, active: Active) -> tuple[Float[Array, ""], Float[Array, ""]]:
-        """Energy, losses included, over its scale, and how much of that may be rounding, mostly the positions'. Zeros
-        where forces do work that `energy_at` does not hold."""
+        """Energy, losses included, over its scale, and how much of that may be rounding: of the positions times the
+        forces, and of the energies themselves, which may be far above the scale (a heavy flywheel at a steady speed).
+        Zeros where forces do work that `energy_at` does not hold."""
         if not self.balance_complete:
             return jnp.zeros(()), jnp.zeros(())
         scale = self.energy_scale
         forces = jnp.sum(self.normal_force_at(at, active)) + self.other_forces_at(at, active)
-        return self.energy_at(at, active).total / scale, ROUNDED * (1.0 + forces / scale)
+        energy = self.energy_at(at, active)
+        size = jnp.maximum(energy.size / scale, 1.0)
+        return energy.total / scale, ROUNDED * (size + forces / scale)

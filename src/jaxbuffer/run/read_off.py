@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
@@ -48,27 +50,31 @@ def _read_off(
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
     top, hits = maxima(system, log, start), impacts(system, log, seen)
     energy, conserved = balance(system, start, log, seen.drift)
-    common = {
-        "design": parameters[0],
-        "scenario": parameters[1],
-        "code": code,
-        "peak_force": top.peak_force * known,
-        "peak_time": top.peak_time * known,
-        "peak_contact": top.peak_contact,
-        "peak_impact": _peak_impact(log, top, hits),
-        "maxima": {name: value * known for name, value in top.others.items()},
-        "penetration": system.penetration(top.peak_force) * known,
-        "end_time": log.time[jnp.maximum(log.count - 1, 0)] * known,
-        "contact_time": contact_time(system, log) * known,
-        "impact_count": hits.count + jnp.sum(log.missed[: system.impact_contacts]),
+    numbers = {
+        "peak_force": top.peak_force,
+        "peak_time": top.peak_time,
+        "maxima": top.others,
+        "penetration": system.penetration(top.peak_force),
+        "end_time": log.time[jnp.maximum(log.count - 1, 0)],
+        "contact_time": contact_time(system, log),
         "impacts": hits,
         "energy": energy,
         "balance": conserved,
         "history": history_of(system, result.steps) if options.keep else None,
+        "_located": result.log,
+    }
+    common = {
+        "design": parameters[0],
+        "scenario": parameters[1],
+        "code": code,
+        "peak_contact": top.peak_contact,
+        "peak_impact": _peak_impact(log, top, hits),
+        "impact_count": hits.count + jnp.sum(log.missed[: system.impact_contacts]),
         "attempts": result.attempts,
         "accepted": result.accepted,
         "stabilisation": parameters[2],
-        "_located": result.log,
+        # What a failed run has done so far looks like a run: its history, impacts and log are unknown like all else.
+        **jax.tree.map(lambda x: x * known if eqx.is_inexact_array(x) else x, numbers),
     }
     return Solved(parameters, duration, start[0], result, log, code, known, top, common)
 

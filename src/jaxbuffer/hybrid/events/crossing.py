@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from .guards import Guards, SignedGuards, signed
 
 ROUNDED = 1e-6  # of a step
-NEARLY = 0.999  # of the largest value so far: a maximum a little lower may be higher than the cubic says
+NEARLY = 0.001  # of its range: a maximum so little below the largest value may be higher than the cubic says
 NOT_YET = -1e-300  # the value of a guard that counts as still before its event: the search needs a negative one
 
 
@@ -39,30 +39,30 @@ def first_crossing(
     after: Guards,
     step: Float[Array, ""],
     active: Float[Array, " contacts"],
-    largest: Float[Array, " observables"],
+    least: Float[Array, " observables"],
     ignored: Int[Array, ""],
     maxima: Bool[Array, " observables"],
 ) -> Crossing:
     """The earliest event in a step; most steps hold none, and are not searched.
 
     **Arguments:** guards ``before`` and ``after`` the ``step`` [s]; ``active``: which contacts are closed;
-    ``largest``: each observable's largest value so far: only maxima that (nearly) exceed it matter; ``ignored``: a
-    guard left out (-1: none); ``maxima``: the observables whose maxima to look for.
+    ``least``: the value of each observable that a maximum must exceed to matter; ``ignored``: a guard left out (-1:
+    none); ``maxima``: the observables whose maxima to look for.
     """
     start, end = signed(before, active), signed(after, active)
     crossing = slice(0, before.gap.shape[0] + before.terminal.shape[0])
     dipping = (start.rate > 0.0) & (end.rate < 0.0)
     possible = jnp.concatenate([((end.value > 0.0) | dipping)[crossing], _has_maximum(before, after)])
     none = Crossing(jnp.asarray(-1), step, step, jnp.asarray(False))
-    search = lambda: _first_crossing(before, after, step, active, largest, ignored, maxima)  # noqa: E731
+    search = lambda: _first_crossing(before, after, step, active, least, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(possible), search, lambda: none)
 
 
 def _first_crossing(
-    before: Guards, after: Guards, step: Array, active: Array, largest: Array, ignored: Array, maxima: Array
+    before: Guards, after: Guards, step: Array, active: Array, least: Array, ignored: Array, maxima: Array
 ) -> Crossing:
     root, far = _roots(before, after, step, active)
-    peak = _maxima(before, after, step, largest)
+    peak = _maxima(before, after, step, least)
     peak = jnp.where(maxima, peak, jnp.inf)
     fractions = jnp.concatenate([root, peak])
     fractions = jnp.where(jnp.arange(fractions.shape[0]) == ignored, jnp.inf, fractions)
@@ -103,7 +103,7 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     return jnp.where((z1 > 0.0) & ~still_leaving | dips, root, jnp.inf), far
 
 
-def _maxima(before: Guards, after: Guards, step: Array, largest: Array) -> Float[Array, " observables"]:
+def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> Float[Array, " observables"]:
     """The fraction of the step at which each observable has a maximum that matters; infinite if it has none.
 
     Of one that is at the step's start but for rounding, the fraction is `ROUNDED`: from a shorter step nothing could be
@@ -112,7 +112,7 @@ def _maxima(before: Guards, after: Guards, step: Array, largest: Array) -> Float
     rise, fall = before.value_rate * step, after.value_rate * step
     peak = _stationary(before.value, after.value, rise, fall)
     height = _hermite(before.value, after.value, rise, fall, peak)
-    matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) > NEARLY * largest)
+    matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) >= least)
     return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf)
 
 

@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..system import HybridSystem
 
-NEAR_LARGEST = 0.8  # of the largest value so far: from here on an observable of the state's rate is followed closely
+NEAR_LARGEST = 0.2  # of its range: so near its largest value an observable of the state's rate is followed closely
 RISING = 1e-300  # the rate of an observable whose rate is not known: it counts as rising, not as having a maximum
 
 
@@ -41,6 +41,30 @@ class Guards(NamedTuple):
         return self._replace(value_rate=jnp.where(located, 0.0, self.value_rate))
 
 
+class Extremes(NamedTuple):
+    """The ``largest`` and the ``smallest`` value of each observable so far.
+
+    What is near the largest value is measured by the range between them, because an observable's zero is arbitrary.
+    """
+
+    largest: Float[Array, " observables"]
+    smallest: Float[Array, " observables"]
+
+    @staticmethod
+    def none(observables: int) -> "Extremes":
+        """Those before anything has been seen."""
+        return Extremes(jnp.full(observables, -jnp.inf), jnp.full(observables, jnp.inf))
+
+    def below_largest(self, share: float) -> Float[Array, " observables"]:
+        """The values that lie a ``share`` of the range below the largest ones; -∞ before anything has been seen."""
+        extent = self.largest - self.smallest
+        return jnp.where(extent >= 0.0, self.largest - share * extent, -jnp.inf)
+
+    def including(self, value: Float[Array, " observables"]) -> "Extremes":
+        """With one more value of each."""
+        return Extremes(jnp.maximum(self.largest, value), jnp.minimum(self.smallest, value))
+
+
 class SignedGuards(NamedTuple):
     """All guards, negative before their event, with their first and second time derivatives as far as they are known:
     zero are both of an observable's guard, and the second one of the run's end."""
@@ -60,15 +84,19 @@ def signed(guards: Guards, active: Float[Array, " contacts"]) -> SignedGuards:
     return SignedGuards(value, rate, acceleration)
 
 
-def near_largest(system: HybridSystem, state: Array, rate: Array, active: Array, largest: Array) -> Bool[Array, ""]:
-    """Whether an observable of the state's rate comes near its largest value so far, or may do so at any time: its own
-    rate takes the state's second derivative, which costs two right-hand sides."""
+def near_largest(
+    system: HybridSystem, state: Array, rate: Array, active: Array, before: Array, extremes: Extremes
+) -> Bool[Array, ""]:
+    """Whether an observable of the state's rate is near its largest value so far at a step's end or was at its start
+    (its values there: ``before``), or may be so at any time. Its own rate takes the state's second derivative, which
+    costs two right-hand sides."""
     if system.sudden:
         return jnp.asarray(True)
-    value = system.observables(state, rate, active)
-    # one by one, so that what the others take is not evaluated
-    near = [value[k] > NEAR_LARGEST * largest[k] for k, of_rate in enumerate(system.rate_observables()) if of_rate]
-    return jnp.any(jnp.stack(near))
+    value, near = system.observables(state, rate, active), extremes.below_largest(NEAR_LARGEST)
+    # One by one, so that the other observables are not evaluated. A step may lead from the top far down, as where
+    # friction reverses: its end is then not near the largest value, and its start is.
+    of_rate = [k for k, depends in enumerate(system.rate_observables()) if depends]
+    return jnp.any(jnp.stack([jnp.maximum(value[k], before[k]) > near[k] for k in of_rate]))
 
 
 def observe(system: HybridSystem, state: Array, rate: Array, second: Array, active: Array) -> Guards:

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinement, refine
-from ..events.crossing import Crossing, first_crossing
+from ..events.crossing import NEARLY, Crossing, first_crossing
 from ..events.guards import Guards, SignedGuards, signed
 from ..trees import where
 from .phase import Outcome
@@ -45,9 +45,9 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     options, bracket = task.options, state.bracket
     before = state.point.guards.falling(state.located)
     guards = signed(trial.guards, state.active)
-    largest = jnp.maximum(state.largest, task.system.negligible())
+    least = jnp.maximum(state.extremes.below_largest(NEARLY), task.system.negligible())
     maxima = trial.accurate & (bracket.tries < MAX_TRIES_MAXIMUM) & ~state.given_up
-    crossing = first_crossing(before, trial.guards, trial.length, state.active, largest, bracket.guard, maxima)
+    crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
     refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
     return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before, guards), refinement)
@@ -107,5 +107,5 @@ def _next_bracket(
 
 def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
     """By how much the observable whose maximum is being located may fall short of it."""
-    mine = task.observable_of(state.bracket.guard)
-    return task.options.shortfall * jnp.sum(jnp.where(mine, jnp.abs(trial.guards.value), 0.0))
+    mine, extremes = task.observable_of(state.bracket.guard), state.extremes.including(trial.guards.value)
+    return task.options.shortfall * jnp.sum(jnp.where(mine, extremes.largest - extremes.smallest, 0.0))

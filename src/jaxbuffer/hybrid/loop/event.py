@@ -15,6 +15,9 @@ from .task import Task
 from .trial import Trial
 
 
+UNLOCATED = 1e-6  # of an observable's range: by how much an accepted step must exceed the log to be a maximum of it
+
+
 class Event(NamedTuple):
     """An event, or none, at a step's end.
 
@@ -98,16 +101,23 @@ def _touchdown(
     return jump, first_step * task.system.impact_step(trial.step.end[0] + jump[0])
 
 
-def logged(task: Task, state: LoopState, trial: Trial, decision: Decision, event: Event) -> Log:
-    """The log with the event, if there is one."""
+def logged(
+    task: Task, state: LoopState, trial: Trial, decision: Decision, event: Event
+) -> tuple[Log, Float[Array, " observables"]]:
+    """Append the step's start, where an observable falls from there unlocated, and the event at its end, if any.
+
+    **Returns:** the log, and the largest value of each observable in it.
+    """
+    log, highest = _with_start(task, state, trial, decision)
     mine = task.observable_of(event.guard) & event.maximum
     values = trial.guards.value + jnp.where(mine, 0.5 * event.offset * trial.guards.value_rate, 0.0)
     if task.system.jumps:  # what is largest right after a touchdown has no maximum that could be located
         after = lambda: observables_after_touchdown(task.system, event.time, event.rows[0], event.active)  # noqa: E731
         values = lax.cond(event.touchdown, after, lambda: values)
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
-    return state.log.append(
-        when=decision.accepted & (event.kind != Kind.NONE),
+    when = decision.accepted & (event.kind != Kind.NONE)
+    log = log.append(
+        when=when,
         kind=event.kind,
         which=event.guard - first,
         time=event.time + event.offset,
@@ -119,6 +129,40 @@ def logged(task: Task, state: LoopState, trial: Trial, decision: Decision, event
         rates=trial.step.rate + event.offset * trial.step.second,
         touching=task.system.touching(state.active),
     )
+    return log, jnp.where(when & (mine | ~log.overflown), jnp.maximum(highest, values), highest)
+
+
+def _with_start(
+    task: Task, state: LoopState, trial: Trial, decision: Decision
+) -> tuple[Log, Float[Array, " observables"]]:
+    """Log the step's start as a maximum where an observable is larger there than anywhere in the log, and falls.
+
+    Such a maximum was not located: it is one of the accepted points only, because the observable jumps within a step,
+    as a reaction does where friction reverses, or because the search for it was given up.
+    """
+    point, extremes = state.point, state.extremes
+    begins = state.attempts == 0  # the start of the run is looked at anyway
+    highest = jnp.where(begins, trial.guards.value, state.logged)
+    least = highest + UNLOCATED * (extremes.largest - extremes.smallest)
+    falls = (point.guards.value > jnp.maximum(least, task.system.negligible())) & (
+        trial.guards.value < point.guards.value
+    )
+    when = decision.accepted & jnp.any(falls) & ~begins
+    which = jnp.argmax(falls)
+    log = state.log.append(
+        when=when,
+        kind=jnp.asarray(int(Kind.PEAK)),
+        which=which,
+        time=point.time,
+        values=point.guards.value,
+        guard_rate=jnp.asarray(jnp.inf),  # no guard is zero here: the entry's time does not move
+        active=state.active,
+        rows=point.rows,
+        rates=point.rate,
+        touching=task.system.touching(state.active),
+    )
+    mine = (task.each_observable == which) | ~log.overflown
+    return log, jnp.where(when & mine, jnp.maximum(highest, point.guards.value), highest)
 
 
 def _moved(step: Step, offset: Float[Array, ""], n: int) -> Rows:

@@ -67,9 +67,9 @@ def _iterate(task: Task[P], state: LoopState) -> LoopState:
     trial = take_trial(task, state)
     decision = decide(task, state, trial)
     event = event_at_end(task, state, trial, decision)
-    log = logged(task, state, trial, decision, event)
+    log, in_log = logged(task, state, trial, decision, event)
     step_sizes = next_step_sizes(task, state, trial, decision, event)
-    point, step_end, largest, located, given_up = advance(task, state, trial, decision, event)
+    point, step_end, extremes, located, given_up = advance(task, state, trial, decision, event)
     phase, bracket = next_phase(task, state, decision, event, point, step_sizes)
     return LoopState(
         point=point,
@@ -77,7 +77,8 @@ def _iterate(task: Task[P], state: LoopState) -> LoopState:
         phase=phase,
         bracket=bracket,
         step_end=step_end,
-        largest=largest,
+        extremes=extremes,
+        logged=in_log,
         located=located,
         given_up=given_up,
         step_sizes=step_sizes,

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ..events.bracketing import Bracket
-from ..events.guards import Guards
+from ..events.guards import Extremes, Guards
 from ..rungekutta.controller import StepSizes
 from ..sensitivity.augmented_state import Rows
 from ..system import HybridSystem
@@ -54,10 +54,12 @@ class LoopState(NamedTuple):
     bracket: Bracket
     step_end: Point
 
-    # Of each observable: the largest value so far, in the present impact if it is a contact's force; whether its
-    # maximum has just been located at `point`, so that it counts as falling whatever the sign of its rate; and whether
-    # the search for it led nowhere from there, so that the next step is not searched for one.
-    largest: Float[Array, " observables"]
+    # Of each observable: the largest and smallest values so far, in the present impact if it is a contact's force; the
+    # largest value in the log; whether its maximum has just been located at `point`, so that it counts as falling
+    # whatever the sign of its rate; and whether the search for it led nowhere from there, so that the next step is not
+    # searched for one.
+    extremes: Extremes
+    logged: Float[Array, " observables"]
     located: Bool[Array, " observables"]
     given_up: Bool[Array, " observables"]
 
@@ -121,7 +123,8 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
         phase=jnp.asarray(int(Phase.REEVALUATE)),
         bracket=Bracket.none(),
         step_end=point,
-        largest=guards.value,
+        extremes=Extremes.none(task.observables),
+        logged=jnp.full(task.observables, -jnp.inf),
         located=jnp.zeros(task.observables, bool),
         given_up=jnp.zeros(task.observables, bool),
         step_sizes=step_sizes,

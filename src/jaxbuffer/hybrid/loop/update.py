@@ -3,9 +3,11 @@
 from typing import NamedTuple, TypeVar
 
 import jax.numpy as jnp
+from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from ..events.bracketing import Bracket
+from ..events.guards import Extremes, Guards
 from ..events.prediction import next_release
 from ..rungekutta.controller import StepSizes
 from ..trees import where
@@ -26,7 +28,7 @@ class Advance(NamedTuple):
 
     point: Point
     step_end: Point
-    largest: Float[Array, " observables"]
+    extremes: Extremes
     located: Bool[Array, " observables"]
     given_up: Bool[Array, " observables"]
 
@@ -41,11 +43,12 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     of a contact is that of its present impact, so that every impact's peak is located.
     """
     accepted, mine = decision.accepted, task.observable_of(state.bracket.guard)
-    reached = Point(event.time, event.rows, trial.step.rate, trial.guards)
+    reached = Point(event.time, event.rows, trial.step.rate, _after(task, trial, event))
     returns = event.maximum & state.looking_back
-    largest = jnp.maximum(state.largest, trial.guards.value)
-    largest = jnp.where(event.touchdown & (task.each_observable == event.guard), 0.0, largest)
-    largest = jnp.where(returns, jnp.maximum(largest, state.step_end.guards.value), largest)
+    extremes = state.extremes.including(trial.guards.value)
+    begins = event.touchdown & (task.each_observable == event.guard)
+    extremes = Extremes(*(jnp.where(begins, 0.0, value) for value in extremes))
+    extremes = where(returns, extremes.including(state.step_end.guards.value), extremes)
     sought = state.locating & mine & ~returns
     located = sought & (decision.refinement.occurred | task.of_rate)
     stays = ~returns & (trial.length <= HARDLY * jnp.min(state.step_sizes.steps))
@@ -53,10 +56,21 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     return Advance(
         point=where(returns, state.step_end, where(accepted, reached, state.point)),
         step_end=where(decision.outcome == Outcome.LOOK_BACK, reached, state.step_end),
-        largest=jnp.where(accepted, largest, state.largest),
+        extremes=where(accepted, extremes, state.extremes),
         located=jnp.where(accepted, located, state.located),
         given_up=jnp.where(accepted, given_up, state.given_up),
     )
+
+
+def _after(task: Task[P], trial: Trial, event: Event) -> Guards:
+    """The guards at the step's end, with the invariant as it is once a contact has closed or opened there.
+
+    The step ends a little beside the event, so that the energy stored in the contact appears or vanishes at once. That
+    is no error of the next step, which would be refused for it however short it is.
+    """
+    changed = lambda: task.system.invariant(event.rows[0], event.active)[0]  # noqa: E731
+    invariant = lax.cond(event.of_contact, changed, lambda: trial.guards.invariant)
+    return trial.guards._replace(invariant=invariant)
 
 
 def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Decision, event: Event) -> StepSizes:
@@ -95,7 +109,7 @@ def next_phase(
     accurate is located at once, without a longer step that finds it first.
     """
     jumps = task.system.jumps | ~decision.refinement.converged
-    reevaluate = event.touchdown & jumps | event.release & bool(task.tangents.count)
+    reevaluate = event.touchdown & jumps | event.of_contact & bool(task.tangents.count)
     contact, release = next_release(point.guards, event.active)
     near = release <= jnp.minimum(event.contact_step, step_sizes.steps[0])
     near = decision.accepted & ~event.of_contact & near

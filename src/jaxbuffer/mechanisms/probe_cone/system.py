@@ -18,7 +18,7 @@ from .posture import Posture, ProbeInCone
 
 CONTACTS = ("lower", "upper")  # flanks
 ENDS = ("captured", "escaped", "bottomed", "failed_penetration")  # outcomes of the guards of the run's end, in order
-ROUNDED_FORCE = 1e-7  # N for each joule of the approach; contact forces are ten thousand times that and more
+ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
 ROUNDED_LENGTH = 1e-13  # m, rad
 DEEPEST = 0.99  # of the tip's radius: near 1, where the tip's centre meets the flank, the contact's normal turns over
 
@@ -137,9 +137,10 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         return self.hinge is not None or self.probe.bending is not None
 
     def negligible(self) -> Float[Array, " observables"]:
-        force = ROUNDED_FORCE * self.energy_scale
-        sizes = {"stroke": ROUNDED_LENGTH, "hinge_angle": ROUNDED_LENGTH, "bending": ROUNDED_LENGTH}
-        return stacked([sizes.get(name, force) for name in self.observed])
+        spring = ROUNDED_LENGTH * self.design.buffer.k_A
+        sizes = {name: ROUNDED_LENGTH for name in ("stroke", "hinge_angle", "bending")}
+        sizes |= {"buffer_force": spring, "hinge_force": spring + ROUNDED_ACCELERATION * self.design.active.mass}
+        return stacked([sizes.get(name, 0.0) for name in self.observed])  # an open contact's force is exactly zero
 
     def scales(self) -> Float[Array, " state"]:
         """Positions by the penetration of a typical impact, velocities by the approach speed, energies by ½ m v²."""

@@ -1,0 +1,249 @@
+"""Random runs of each mechanism: reported maxima against the runs' own histories and against tight solves.
+
+`python -m benchmarks.campaign [--mechanism NAME] [--runs N] [--seed K]`; 10 000 runs of each study by default. For each
+study it prints how the runs ended and in how many a reported maximum is
+
+- below the largest value at the run's own accepted steps by more than 1e-4 of it ("below its history");
+- below that of a solve at rtol 1e-9 with the same outcome and impacts by more than 1e-3 ("missed"), and in how many of
+  these `jb.trust` does not say that the number is doubtful ("silently").
+
+The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them.
+"""
+
+import argparse
+import collections
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import jaxbuffer as jb
+from jaxbuffer.fields import Part
+from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.progress import counted
+from jaxbuffer.run.read_off import run_of
+from jaxbuffer.run.request import options_of, request, stepped
+from jaxbuffer.run.trust import DOUBTFUL, trust
+
+RUNS = 10_000
+KEPT = 6000  # accepted steps looked at
+BELOW_HISTORY, MISSED = 1e-4, 1e-3  # relative
+TIGHT = 1e-9
+Ranges = dict[str, tuple[float, float]]
+
+
+@dataclasses.dataclass(frozen=True)
+class Study:
+    """A structure of a mechanism with ranges: drawn evenly in the logarithm, or evenly; ``duration`` [s]."""
+
+    design: Part
+    scenario: Part
+    duration: float
+    logarithmic: Ranges
+    even: Ranges
+
+    def drawn(self, count: int, seed: int) -> Iterator[tuple[Any, Any]]:
+        """So many designs and scenarios, always the same for a seed; those out of range are left out."""
+        rng = np.random.default_rng(seed)
+        for _ in range(count):
+            values = {path: float(np.exp(rng.uniform(*np.log(ends)))) for path, ends in self.logarithmic.items()}
+            values |= {path: float(rng.uniform(*ends)) for path, ends in self.even.items()}
+            met = {path.removeprefix("scenario."): x for path, x in values.items() if path.startswith("scenario.")}
+            parts = {path: x for path, x in values.items() if not path.startswith("scenario.")}
+            try:
+                design, scenario = jb.replace(self.design, parts), jb.replace(self.scenario, met)
+                mechanism_of(design).check_fit(design, scenario)
+            except jb.InputError:
+                continue
+            yield design, scenario
+
+
+DOCKING: Ranges = {
+    "active.mass": (10.0, 2000.0),  # kg
+    "active.inertia": (0.3, 1e6),  # kg m²
+    "passive.mass": (10.0, 2000.0),
+    "passive.inertia": (0.3, 1e4),
+    "buffer.k_A": (20.0, 2e4),  # N/m
+    "buffer.c_A": (0.3, 200.0),  # N s/m
+    "buffer.k_T": (20.0, 2e4),  # N m/rad
+    "buffer.c_T": (0.05, 60.0),  # N m s/rad
+    "buffer.cylinder_mass": (0.3, 3.0),  # kg
+    "probe.tip_mass": (0.01, 0.6),
+    "probe.rod_mass": (0.05, 0.6),
+    "contact.slip_speed": (2e-4, 1e-2),  # m/s
+    "scenario.approach_speed": (0.02, 0.6),
+}
+DOCKING_EVEN: Ranges = {
+    "cone.half_angle": (0.4, 1.25),  # rad
+    "contact.restitution": (0.2, 0.99),
+    "contact.friction": (0.0, 1.0),
+    "scenario.contact_distance": (0.005, 0.07),  # m
+    "scenario.misalignment": (-0.14, 0.14),  # rad
+    "scenario.passive_rate": (-0.03, 0.03),  # rad/s
+}
+CRANK: Ranges = {
+    "crank.length": (0.02, 0.2),  # m
+    "rod.length": (0.06, 0.6),
+    "rod.mass": (0.05, 3.0),  # kg
+    "slider.mass": (0.03, 2.0),
+    "crank.inertia": (1e-5, 0.1),  # kg m²
+    "piston_pin.clearance": (2e-5, 1e-3),  # m
+    "piston_pin.friction": (1e-3, 0.5),
+    "crank_pin.clearance": (2e-5, 1e-3),
+    "crank_pin.friction": (1e-3, 0.5),
+    "scenario.crank_speed": (20.0, 500.0),  # rad/s
+}
+CRANK_EVEN: Ranges = {
+    "piston_pin.restitution": (0.3, 0.95),
+    "crank_pin.restitution": (0.3, 0.95),
+    "scenario.crank_angle": (-3.1, 3.1),  # rad
+}
+DROP: Ranges = {
+    "bar.length": (0.05, 1.0),  # m
+    "bar.diameter": (0.002, 0.03),
+    "impact.friction": (1e-3, 0.6),
+    "scenario.height": (0.002, 0.049),
+}
+DROP_EVEN: Ranges = {"impact.restitution": (0.3, 0.99)}
+
+
+def docking(**changes: Any) -> Study:
+    """A docking probe in its cone."""
+    return Study(jb.replace(jb.table2(), changes), jb.Scenario(), 8.0, DOCKING, DOCKING_EVEN)
+
+
+def crank(**changes: Any) -> Study:
+    """A slider-crank with play."""
+    design = jb.replace(jb.SliderCrank(), {path.replace("__", "."): value for path, value in changes.items()})
+    return Study(design, jb.SliderCrankScenario(), 0.01, CRANK, CRANK_EVEN)
+
+
+def drop(**modes: int) -> Study:
+    """A bar dropped on a plate by the Lankarani-Nikravesh law."""
+    law = {"impact.law": "lankarani-nikravesh", "impact.exponent": 1.5, "impact.stiffness": 6.8e9}
+    design = jb.replace(jb.BarDrop(), law | {f"{part}.modes": count for part, count in modes.items()})
+    return Study(design, jb.BarDropScenario(), 0.3, DROP, DROP_EVEN)
+
+
+STUDIES = {
+    "docking": lambda: docking(),
+    "docking, free tip": lambda: docking(**{"probe.free_tip": True}),
+    "slider-crank": lambda: crank(piston_pin__law="pereira"),
+    "slider-crank, play in both pins": lambda: crank(piston_pin__law="pereira", crank_pin__joint="clearance"),
+    "bar drop": lambda: drop(),
+    "bar drop, bending plate": lambda: drop(plate=5),
+}
+
+
+@jax.jit
+def _measured(given: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Of a run: outcome, touchdowns, accepted steps, reported maxima, and the largest values at accepted steps."""
+    parameters, duration, _, options = given
+    result = stepped(*given)
+    run = run_of(parameters, duration, dataclasses.replace(options, keep=0), result)
+    system = run.mechanism.system(*parameters)
+    steps = result.steps
+    slots = jnp.arange(steps.time.shape[0] - 1)
+
+    def observed(slot: jax.Array) -> jax.Array:
+        state, active = steps.rows[slot, 0], steps.active[slot]
+        return system.observables(state, system.derivative(steps.time[slot], state, active), active)
+
+    values = jnp.where((slots < steps.count)[:, None], jax.vmap(observed)(slots), -jnp.inf)
+    highest, contacts = jnp.max(values, axis=0), system.impact_contacts
+    force = jnp.max(highest[:contacts], keepdims=True) if contacts else jnp.zeros(1)
+    reported = jnp.stack([run.peak_force, *(run.maxima[name] for name in system.observed[contacts:])])
+    return run.code, run.impact_count, run.accepted, reported, jnp.concatenate([force, highest[contacts:]])
+
+
+def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
+    """`_measured` as NumPy arrays; the names of the maxima are `names`."""
+    given = request(design, scenario, duration, None, (rtol, rtol), options=options_of(keep=KEPT))
+    return jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
+
+
+def names(design: Part, scenario: Part) -> tuple[str, ...]:
+    """The contact force and the other observables."""
+    system = mechanism_of(design).system(design, scenario, 20.0)
+    return ("peak_force", *system.observed[system.impact_contacts :])
+
+
+def below(values: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """By how much values are below others, relative to these; 0 where they are not."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        short = (others - values) / np.abs(others)
+    return np.where((others > values) & (np.abs(others) > 1e-9), short, 0.0)
+
+
+def campaign(title: str, study: Study, count: int, seed: int) -> int:
+    """Run a study and print its counts; return how many runs are below their history or missed silently."""
+    ended: collections.Counter[str] = collections.Counter()
+    low: list[str] = []
+    missed: list[str] = []
+    silent: list[str] = []
+    progress, done = counted(True, "run"), 0
+    for number, (design, scenario) in enumerate(study.drawn(count, seed)):
+        code, impacts, _, reported, history = measured(design, scenario, study.duration)
+        outcome = mechanism_of(design).outcomes(int(code))
+        ended[outcome.name] += 1
+        done += 1
+        if progress is not None:
+            progress(number + 1, count)
+        if outcome.failed:
+            continue
+        called = names(design, scenario)
+        short = below(reported, history)
+        low += [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > BELOW_HISTORY]
+        tight = measured(design, scenario, study.duration, TIGHT)
+        if (int(tight[0]), int(tight[1])) != (int(code), int(impacts)):
+            continue
+        short = below(reported, tight[3])
+        wrong = [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
+        missed += wrong
+        silent += wrong if wrong and not _says_so(design, scenario, study.duration) else []
+    print(f"{title}: {done} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}")
+    for heading, cases in (("below its history", low), ("missed", missed), ("missed silently", silent)):
+        print(f"  {heading}: {len({case.split()[0] for case in cases})}  {'; '.join(cases[:8])}")
+    return len(low) + len(silent)
+
+
+def _says_so(design: Part, scenario: Part, duration: float) -> bool:
+    """Whether the trust check calls the run, or a number of it, doubtful."""
+    run, closer = (jb.simulate(design, scenario, duration, rtol=rtol) for rtol in (1e-6, 1e-7))
+    verdict = trust(run, closer)
+    return verdict.verdict != "trusted" or any(error > DOUBTFUL for error in verdict.errors.values())
+
+
+def show(study: Study, number: int, seed: int) -> None:
+    """Print the numbers of one run and its maxima, reported, at accepted steps and tight."""
+    design, scenario = dict(enumerate(study.drawn(number + 10_000, seed)))[number]
+    for rtol in (1e-6, 1e-7, TIGHT):
+        code, impacts, accepted, reported, history = measured(design, scenario, study.duration, rtol)
+        print(f"rtol {rtol:g}: {mechanism_of(design).outcomes(int(code)).name}, {impacts} impacts, {accepted} steps")
+        for name, value, highest in zip(names(design, scenario), reported, history, strict=True):
+            print(f"  {name:20} reported {value:.9g}, at accepted steps {highest:.9g}")
+    print(design, scenario, sep="\n")
+
+
+def main() -> None:
+    """Run what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--mechanism", choices=STUDIES, action="append", help="study (default: all)")
+    parser.add_argument("--runs", type=int, default=RUNS)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", type=int, help="print everything about one run of the study")
+    asked = parser.parse_args()
+    chosen = asked.mechanism or list(STUDIES)
+    if asked.only is not None:
+        show(STUDIES[chosen[0]](), asked.only, asked.seed)
+        return
+    failures = sum(campaign(title, STUDIES[title](), asked.runs, asked.seed) for title in chosen)
+    raise SystemExit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    jb.configure()
+    main()
