@@ -12,12 +12,13 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from .diffrax_problem import closed
+from .events.crossing import NEARLY, unlocated_maximum
+from .events.guards import Extremes
 from .loop.log import Kind, Log
 from .loop.state import Status
 from .system import Active, HybridSystem, State
 
 HALVINGS = 36  # of a step, to locate an event
-NEARLY = 0.999  # of the highest value so far: lower maxima are not logged
 
 
 class Path(NamedTuple):
@@ -72,13 +73,14 @@ def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Gua
 
 
 class Search(NamedTuple):
-    """Where the search stands: the step to search next, closed contacts and guards at its start, each observable's best
-    so far, `Status`, the log."""
+    """Where the search stands: the step to search next, closed contacts and guards at its start, each observable's
+    largest and smallest values so far and its largest in the log, `Status`, the log."""
 
     step: Int[Array, ""]
     active: Active
     guards: Guards
-    best: Float[Array, " observables"]
+    extremes: Extremes
+    logged: Float[Array, " observables"]
     status: Int[Array, ""]
     log: Log
 
@@ -108,7 +110,7 @@ def locate_events(
             touching=jnp.asarray(False),
         )
     running = jnp.asarray(int(Status.RUNNING))
-    search = Search(jnp.asarray(0), active, guards, guards.value, running, log)
+    search = Search(jnp.asarray(0), active, guards, Extremes(guards.value, guards.value), guards.value, running, log)
     search = lax.while_loop(
         lambda s: (s.step < path.steps) & (s.status == Status.RUNNING), lambda s: _step(system, path, s), search
     )
@@ -137,7 +139,7 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
     happens = (after >= 0.0) & (before < 0.0)
     happens = happens.at[:contacts].set(after[:contacts] > 0.0)
 
-    def located() -> Search:
+    def located(s: Search) -> Search:
         times = lax.map(lambda which: _time(system, path, s, which, happens[which]), jnp.arange(happens.shape[0]))
         order = jnp.argsort(times)
 
@@ -147,8 +149,29 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
 
         return lax.fori_loop(0, happens.shape[0], append, s)
 
-    s = lax.cond(jnp.any(happens), located, lambda: s)
-    return s._replace(step=s.step + 1, guards=guards, best=jnp.maximum(s.best, guards.value))
+    s = _with_start(system, path, s, guards.value)
+    s = lax.cond(jnp.any(happens), lambda: located(s), lambda: s)
+    return s._replace(step=s.step + 1, guards=guards, extremes=s.extremes.including(guards.value))
+
+
+def _with_start(system: HybridSystem, path: Path, s: Search, end: Float[Array, " observables"]) -> Search:
+    """Log the step's start as a maximum where an observable falls from there to the step's ``end`` unlocated."""
+    start, state = s.guards.value, path.state[s.step]
+    falls = unlocated_maximum(start, end, s.logged, s.extremes)
+    active = closed(system, state)
+    log = s.log.append(
+        when=jnp.any(falls),
+        kind=jnp.asarray(int(Kind.PEAK)),
+        which=jnp.argmax(falls),
+        time=path.time[s.step],
+        values=start,
+        guard_rate=jnp.asarray(jnp.inf),
+        active=active,
+        rows=state[None],
+        rates=system.derivative(path.time[s.step], state, active)[None],
+        touching=system.touching(active),
+    )
+    return s._replace(log=log, logged=jnp.where(jnp.any(falls), jnp.maximum(s.logged, start), s.logged))
 
 
 def _time(
@@ -186,8 +209,9 @@ def _appended(system: HybridSystem, path: Path, s: Search, guard: Int[Array, ""]
     guard_rate = jax.jvp(signed, (time, state), (jnp.ones(()), rate))[1]
     contact_kind = jnp.where(closing, int(Kind.TOUCHDOWN), int(Kind.RELEASE))
     highest = jnp.arange(values.shape[0]) == which
+    when = ~is_peak | jnp.any(highest & (values > s.extremes.below_largest(NEARLY)))
     log = s.log.append(
-        when=~is_peak | jnp.any(highest & (values > NEARLY * s.best)),
+        when=when,
         kind=jnp.where(is_contact, contact_kind, jnp.where(is_end, int(Kind.END), int(Kind.PEAK))),
         which=which,
         time=time,
@@ -198,11 +222,12 @@ def _appended(system: HybridSystem, path: Path, s: Search, guard: Int[Array, ""]
         rates=rate[None],
         touching=system.touching(s.active),
     )
-    # The best force of a contact is that of its present impact, so that every impact's peak is logged.
-    best = jnp.where(closing & highest, 0.0, s.best)
+    # The largest force of a contact is that of its present impact, so that every impact's peak is logged.
+    extremes = Extremes(*(jnp.where(closing & highest, 0.0, value) for value in s.extremes))
     return s._replace(
         active=active,
-        best=jnp.maximum(best, values),
+        extremes=extremes.including(values),
+        logged=jnp.where(when, jnp.maximum(s.logged, values), s.logged),
         status=jnp.where(is_end, which, s.status),
         log=log,
     )

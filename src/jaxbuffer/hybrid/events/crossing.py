@@ -9,10 +9,11 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
-from .guards import Guards, SignedGuards, signed
+from .guards import Extremes, Guards, SignedGuards, signed
 
 ROUNDED = 1e-6  # of a step
 NEARLY = 0.001  # of its range: a maximum so little below the largest value may be higher than the cubic says
+UNLOCATED = 1e-6  # of its range: by how much an observable at an accepted step must exceed the log to be logged there
 NOT_YET = -1e-300  # the value of a guard that counts as still before its event: the search needs a negative one
 
 
@@ -119,6 +120,20 @@ def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> Float[A
 def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:
     """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first."""
     return ((before.value_rate > 0.0) | (after.value > before.value)) & (after.value_rate <= 0.0)
+
+
+def unlocated_maximum(
+    start: Float[Array, " observables"],
+    end: Float[Array, " observables"],
+    logged: Float[Array, " observables"],
+    extremes: Extremes,
+) -> Bool[Array, " observables"]:
+    """Which observables are larger at a step's start than anywhere in the log so far, and fall from there to its end.
+
+    Such a maximum was not located, because the observable jumps within a step, as a reaction does where friction
+    reverses, or because the search for it was given up. The accepted steps' largest value then stands for it.
+    """
+    return (start > logged + UNLOCATED * (extremes.largest - extremes.smallest)) & (end < start)
 
 
 def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from ..events.crossing import unlocated_maximum
 from ..rungekutta.stages import Step
 from ..sensitivity.augmented_state import Rows
 from .decision import Decision
@@ -13,9 +14,6 @@ from .log import Kind, Log
 from .state import LoopState, observables_after_touchdown
 from .task import Task
 from .trial import Trial
-
-
-UNLOCATED = 1e-6  # of an observable's range: by how much an accepted step must exceed the log to be a maximum of it
 
 
 class Event(NamedTuple):
@@ -135,18 +133,15 @@ def logged(
 def _with_start(
     task: Task, state: LoopState, trial: Trial, decision: Decision
 ) -> tuple[Log, Float[Array, " observables"]]:
-    """Log the step's start as a maximum where an observable is larger there than anywhere in the log, and falls.
+    """Log the step's start as a maximum where an observable falls from there unlocated.
 
-    Such a maximum was not located: it is one of the accepted points only, because the observable jumps within a step,
-    as a reaction does where friction reverses, or because the search for it was given up.
+    **Returns:** the log, and the largest value of each observable in it.
     """
-    point, extremes = state.point, state.extremes
+    point = state.point
     begins = state.attempts == 0  # the start of the run is looked at anyway
     highest = jnp.where(begins, trial.guards.value, state.logged)
-    least = highest + UNLOCATED * (extremes.largest - extremes.smallest)
-    falls = (point.guards.value > jnp.maximum(least, task.system.negligible())) & (
-        trial.guards.value < point.guards.value
-    )
+    falls = unlocated_maximum(point.guards.value, trial.guards.value, highest, state.extremes)
+    falls = falls & (point.guards.value > task.system.negligible())
     when = decision.accepted & jnp.any(falls) & ~begins
     which = jnp.argmax(falls)
     log = state.log.append(
