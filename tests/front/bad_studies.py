@@ -88,7 +88,15 @@ STUDIES = [
         "[[scenarios]] and [problem.sample]",
         "keep one",
     ),
-    toml("[problem.grid]\n[problem.sample]", "problem.grid and problem.sample are both given; choose one"),
+    toml("[problem.grid]\n[problem.sample]", "sample: nothing scatters"),
+    toml(
+        "[problem.grid]\napproach_speed = [0.1]\n[problem.sample]\nscenario.approach_speed = {uniform = [0.1, 0.2]}",
+        "problem.sample.scenario.approach_speed and problem.grid.approach_speed both give approach_speed; keep one",
+    ),
+    toml(
+        "[problem.sample]\nscenario.approach_speed = {normal = [0.1, 0.06]}",
+        "scenario.approach_speed = -0.02 m/s is out of range; allowed: (0, inf) m/s",
+    ),
     # settings
     toml("[options]\nduration = 0", "options.duration = 0 s is out of range; allowed: (0, inf) s"),
     toml("[options]\nduration = 'long'", "options.duration: 'long' is not a number; expected (0, inf) s"),

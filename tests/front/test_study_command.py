@@ -20,6 +20,12 @@ from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.schema import study_schema
 
+SCATTER = """[problem.sample]
+count = 24
+[problem.sample.scenario]
+approach_speed = {normal = ["10 cm/s", "1 cm/s"]}
+[problem.sample.factors]
+"""
 KINDS = [mechanism.name for mechanism in all_mechanisms()]
 
 
@@ -159,8 +165,38 @@ def test_the_schema_knows_samples_and_choices_that_are_swept():
         ('[sample]\nmethod = "random"', False),
         ('[sweep]\nbuffer.damping = ["physical", "published"]', True),
         ('[sweep]\nbuffer.damping = ["fysical"]', False),
+        (f"{SCATTER}buffer.k_A = {{uniform = [0.9, 1.1]}}", True),
+        (f"{SCATTER}buffer.k_A = {{uniform = [0.9]}}", False),
+        (f"{SCATTER}buffer.k_B = {{uniform = [0.9, 1.1]}}", False),
+        (f"{SCATTER}buffer.k_A = {{triangle = [0.9, 1.1]}}", False),
+        ("[problem.sample]\ncount = 2.5", False),
+        ("[problem.sample]\ncuont = 2", False),
     ):
         assert described_by(schema, tomllib.loads(text)) is right, text
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_example_shows_how_designs_scatter(kind, tmp_path):
+    """The lines of [problem.sample], made to hold, are a study with so many cases, which its schema takes too."""
+    text = example_toml(mechanism_named(kind)).split("[tune]")[1].partition("\n\n")[2]
+    shown = r"^# (\[problem\.sample.*\].*|count = .*|seed = .*|.* = \{uniform.*)$"
+    text = re.sub(shown, r"\1", text, flags=re.MULTILINE)
+    text = f'kind = "{kind}"\n{text}'
+    assert len(loads(text.encode(), "example").problem().cases) == 24
+    assert described_by(study_schema(mechanism_named(kind)), tomllib.loads(text))
+
+
+@pytest.mark.parametrize("word", ["robust", "tolerance"])
+def test_a_search_of_the_docs_finds_how_designs_scatter(word):
+    """In a heading, which a search ranks first, of a page that shows the section; and in the example of a study."""
+    found = [
+        page.name
+        for page in (Path(__file__).parents[2] / "docs").glob("*.md")
+        if re.search(rf"^#.*{word}", text := page.read_text(encoding="utf-8"), re.MULTILINE | re.IGNORECASE)
+        and "[problem.sample]" in text
+    ]
+    assert found == ["studies.md"]
+    assert word in "".join(re.findall(r".*problem\.sample.*", example_toml(mechanism_named("bar_drop"))))
 
 
 def test_meanings_come_from_docstrings():

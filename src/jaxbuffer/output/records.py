@@ -180,7 +180,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "why": tuned.why,
         "broken": tuned.goal.broken(tuned.after),
         "outside_validity": tuned_warnings(tuned),
-        "objective": str(problem.objective),
+        "objective": problem.worded(problem.objective),
         "objective_unit": problem.objective.unit(problem.catalogue),
         "objective_before": _number(start),
         "objective_after": _number(end),
@@ -215,8 +215,36 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
             }
             for (case, before, after), floor in zip(scenarios, floors, strict=True)
         ],
+        **_scattered(tuned),
         "design": record(tuned.design),
         "jaxbuffer": version(),
+    }
+
+
+def _scattered(tuned: "Tuned") -> dict[str, Any]:
+    """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
+    scatter, found = tuned.problem.scatter, tuned.corners
+    if scatter is None or found is None:
+        return {}
+    corners = zip(found.cases, found.values, found.broken, strict=True)
+    return {
+        "sample": {
+            "count": scatter.count,
+            "seed": scatter.seed,
+            "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
+        },
+        "corners": {
+            "said": found.lines(tuned.problem),
+            "run": len(found.cases),
+            "all": found.whole,
+            "holding": found.holding,
+            "largest_objective": _number(found.largest),
+            "objective_in_the_middle": _number(found.middle),
+            "each": [
+                {**record(case.scenario), "factors": dict(case.factors), "objective": _number(value), "broken": broken}
+                for case, value, broken in corners
+            ],
+        },
     }
 
 
@@ -256,7 +284,7 @@ def tuned_comment(tuned: "Tuned") -> str:
         f"{headline(tuned.message, tuned.feasible)}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
-        f"{problem.objective}, before and after: {start:.6g} {symbol}, {end:.6g} {symbol}.",
+        f"{problem.worded(problem.objective)}, before and after: {start:.6g} {symbol}, {end:.6g} {symbol}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"

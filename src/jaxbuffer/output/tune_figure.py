@@ -53,13 +53,13 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     unit = problem.objective.unit(problem.catalogue)
     before, after = (f"{value:.5g} {unit}" for value in tuned.objective)
-    figure.suptitle(f"{_asked(problem.objective)}: {before} before, {after} after")
+    figure.suptitle(f"{_asked(problem, problem.objective)}: {before} before, {after} after")
     return figure
 
 
-def _asked(objective: Any) -> str:
+def _asked(problem: Any, objective: Any) -> str:
     """An objective in words."""
-    return str(objective).replace("_", " ").replace("cases", "scenarios")
+    return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: "Tuned") -> int:
@@ -186,7 +186,7 @@ def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
     problem = tuned.problem
     asked = problem.then.objective if stage and problem.then is not None else problem.objective
     value = f"objective [{asked.unit(problem.catalogue)}]"
-    label(axes, f"Every design tried for:\n{_asked(asked)}", "evaluation [-]", value, columns=2)
+    label(axes, f"Every design tried for:\n{_asked(tuned.problem, asked)}", "evaluation [-]", value, columns=2)
 
 
 def _integer_axis(axes: "Axes") -> None:

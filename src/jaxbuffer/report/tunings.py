@@ -32,7 +32,13 @@ def scenarios(found: Results) -> Section | None:
         headings += [f"{title}\n[{symbol}] before", "\nafter"]
     worst = found.records.get("force", {}).get("scenario", "")
     curves = forces(found, f"Contact force of the worst scenario ({worst}), before and after tuning")
-    return Section("Scenarios", curves=curves, tables=[Table("Before and after tuning", headings, rows)])
+    tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
+    if corners is None:
+        return Section("Scenarios", curves=curves, tables=tables)
+    said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
+    holds = corners["holding"] == corners["run"]
+    said = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", *said]
+    return Section("Scenarios", said if holds else (), curves=curves, tables=tables, warnings=() if holds else said)
 
 
 def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:

@@ -88,9 +88,27 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     first = _numbers(mechanism)[0]
     yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"
     yield f"# {first} = {[float(getattr(mechanism.scenario(), first))]}"
+    yield from _sampled(mechanism, first)
     yield "# [problem.then]  # what decides among designs that are about as good as the best"
     yield f"# {mechanism.tuned[-1]} = 1.0"
     yield "# slack = 0.01"
+
+
+def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
+    """The section of tolerances; ``field``: of the scenario."""
+    value = float(getattr(mechanism.scenario(), field))
+    low, high = 0.9 * value, 1.1 * value
+    yield "# [problem.sample]  # robust designs: what scatters; each sample at every point of a grid, if there is one"
+    yield _line(
+        "# count = 24", "samples; the worst of them is no bound, so the result is run in the ranges' corners too"
+    )
+    yield _line("# seed = 0", "the same seed draws the same samples")
+    yield "# [problem.sample.scenario]"
+    yield _line(
+        f"# {field} = {{uniform = [{low:g}, {high:g}]}}", "or {normal = [mean, deviation]}, in the field's unit"
+    )
+    yield "# [problem.sample.factors]  # tolerances: by which the built design's numbers differ from the drawn ones"
+    yield _line(f"# {mechanism.defaults.parameters[0]} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
 
 
 def _numbers(mechanism: Mechanism) -> list[str]:

@@ -33,10 +33,10 @@ def explained(study: Config, name: str) -> str:
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
-        "objective": [] if problem is None else [str(problem.objective)],
+        "objective": [] if problem is None else [problem.worded(problem.objective)],
         "own quantities": [] if problem is None else _own(problem),
         "limits": [] if problem is None else _limits(problem),
-        "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
+        "then": [] if problem is None or problem.then is None else [problem.worded(problem.then.objective)],
         "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }

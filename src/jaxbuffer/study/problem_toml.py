@@ -11,8 +11,8 @@ from ..fields import Part, by_path, check_path, check_units_agree, get, in_unit,
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
-from ..tuning.cases import KINDS, Distribution, grid, sample
-from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
+from ..tuning.cases import KINDS, Case, Distribution, Scatter, grid
+from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
 SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then", "quantities")
@@ -29,8 +29,11 @@ def read_problem(
     rtol: float,
     folder: Path,
 ) -> Problem:
-    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces;
-    ``folder``: the study's, beside which its Python files are."""
+    """A problem from its TOML table.
+
+    **Arguments:** ``listed``: the study's scenarios, which a grid or a sample here replaces; where both are here, every
+    sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are.
+    """
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     units = _units(table, mechanism)
@@ -39,7 +42,7 @@ def read_problem(
     try:
         return Problem(
             design=design,
-            scenarios=_cases(table, design, base, listed),
+            scenarios=_scenarios(table, base, listed),
             variables=variables,
             objective=_objective(_table(table, "objective", {}), "objective", units),
             limits=limits(table, mechanism),
@@ -47,6 +50,7 @@ def read_problem(
             duration=duration,
             rtol=rtol,
             quantities=own_quantities(table, mechanism, folder),
+            scatter=_scatter(table, design, base),
         )
     except InputError as error:
         if not str(error).startswith(SECTIONS):
@@ -62,7 +66,10 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     _variables_of(table, design)
-    _cases(table, design, base, ())
+    if (scatter := _scatter(table, design, base)) is not None:
+        scatter.cases(_scenarios(table, base, ()), design)
+    else:
+        _scenarios(table, base, ())
     units = _units(table, mechanism)
     _objective(_table(table, "objective", {}), "objective", units)
     limits(table, mechanism)
@@ -119,18 +126,13 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
     return Variable(path, low, high, scale)
 
 
-def _cases(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
-    if "grid" in table and "sample" in table:
-        raise InputError("problem.grid and problem.sample are both given; choose one")
+def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
+    """The grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
         _known(fields, tuple(paths(base)), "problem.grid")
-        for name, values in fields.items():
-            fields = {**fields, name: _grid_values(name, values, base)}
-        return grid(fields, base)
-    if "sample" in table:
-        return _sampled(_table(table, "sample", {}), design, base)
-    return tuple(Case(scenario) for scenario in listed)
+        return grid({name: _grid_values(name, values, base) for name, values in fields.items()}, base)
+    return tuple(Case(scenario) for scenario in ((base,) if "sample" in table else listed))
 
 
 def _grid_values(name: str, values: Any, base: Part) -> list[float]:
@@ -146,23 +148,28 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
     return read
 
 
-def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, ...]:
-    _known(table, SAMPLE, "problem.sample")
+def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | None:
+    """How scenarios and design scatter; None where they do not."""
+    if "sample" not in table:
+        return None
+    asked, spanned = _table(table, "sample", {}), _table(table, "grid", {})
+    _known(asked, SAMPLE, "problem.sample")
     fields, factors = (
-        by_path(_table(table, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
+        by_path(_table(asked, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
     )
     _known(fields, tuple(paths(base)), "problem.sample.scenario")
     _known(factors, tuple(paths(design)), "problem.sample.factors")
-    seed = table.get("seed", 0)
+    for name in fields:
+        if name in spanned:
+            raise InputError(f"problem.sample.scenario.{name} and problem.grid.{name} both give {name}; keep one")
+    seed = asked.get("seed", 0)
     check_whole("problem.sample.seed", seed, 0)
     read = lambda name, given, symbol: _distribution(f"problem.sample.{name}", given, symbol)  # noqa: E731
-    return sample(
-        table.get("count", 16),
+    return Scatter(
+        asked.get("count", 16),
         {name: read(f"scenario.{name}", given, unit(base, name)) for name, given in fields.items()},
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
-        seed=seed,
-        base=base,
-        design=design,
+        seed,
     )
 
 

@@ -122,6 +122,29 @@ def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
     return {"type": "array", "items": items, "minItems": 2, "maxItems": 3, "description": words}
 
 
+def _scatter(numbers: Mapping[str, Mapping[str, Any]], scenario: Mapping[str, Mapping[str, Any]]) -> Schema:
+    """Of how the cases of a tuning scatter."""
+    factors = {path: _distribution("[-] of the drawn number") for path in numbers}
+    fields = {path: _distribution(f"[{known['unit']}]") for path, known in scenario.items() if "unit" in known}
+    parts: dict[str, Schema] = {
+        "count": {"type": "integer", "minimum": 1, "description": "samples of each scenario; their worst is no bound"},
+        "seed": {"type": "integer", "minimum": 0, "description": "the same seed draws the same samples"},
+        "scenario": _object(fields, description="how the scenario's fields scatter"),
+        "factors": _by_path(factors) | {"description": "tolerances: factors on the design's numbers, 1 being as drawn"},
+    }
+    return _object(parts, description="robust designs: samples of scenarios and tolerances that a tuning serves")
+
+
+def _distribution(words: str) -> Schema:
+    """Of a number that scatters."""
+    two: Schema = {"type": "array", "items": {"anyOf": [{"type": "number"}, TEXT]}, "minItems": 2, "maxItems": 2}
+    uniform, normal = (
+        two | {"description": f"{words}, low and high"},
+        two | {"description": f"{words}, mean, deviation"},
+    )
+    return _object({"uniform": uniform, "normal": normal}, minProperties=1, maxProperties=1)
+
+
 def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
     variables = {path: _range(known, SCALES) for path, known in numbers.items()}
@@ -135,7 +158,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
         {
             "variables": _by_path(variables),
             "grid": _object(listed),
-            "sample": {"type": "object"},
+            "sample": _scatter(numbers, {path: metadata(scenario, path) for path in paths(scenario)}),
             "objective": _open(weights | over),
             "constraints": _open(_quantities(mechanism, mechanism.tuned, sides) | limits),
             "quantities": {

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 def front_table(front: "Front") -> str:
     """Each point's objectives, limits and certificate, and what is not on the front."""
     catalogue = front.problem.catalogue
-    shown = table(f"Front of {' and '.join(front.objectives)}, worst over the scenarios ({len(front.problem.cases)})")
+    sampled = front.problem.sampled
+    over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
+    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
     shown.add_column("point", justify="right")
     for name in front.objectives:
         shown.add_column(f"{name} [{catalogue[name].unit}]", justify="right")

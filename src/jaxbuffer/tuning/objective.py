@@ -79,9 +79,14 @@ class Objective:
         return weights
 
     def __str__(self) -> str:
+        return self.worded()
+
+    def worded(self, samples: str = "") -> str:
+        """The objective in words. ``samples``: "24 samples", where the cases are such: their worst is no bound."""
         names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
-        return f"{' + '.join(names)}, {over} over the cases"
+        no_bound = ", no bound" if self.over == "worst" else ""
+        return f"{' + '.join(names)}, {over} " + (f"of {samples}{no_bound}" if samples else "over the cases")
 
 
 @dataclasses.dataclass(frozen=True)

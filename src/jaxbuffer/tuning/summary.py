@@ -31,11 +31,11 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
         summary_.add_column(heading, justify="left" if not heading else "right")
     change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
     unit = problem.objective.unit(problem.catalogue)
-    summary_.add_row(f"{problem.objective} [{unit}]", f"{start:.6g}", f"{end:.6g}{change}")
+    summary_.add_row(f"{problem.worded(problem.objective)} [{unit}]", f"{start:.6g}", f"{end:.6g}{change}")
     if problem.then is not None and tuned.goal.ceiling is not None:
         then = [tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         unit = problem.then.objective.unit(problem.catalogue)
-        summary_.add_row(f"then {problem.then.objective} [{unit}]", *(f"{value:.6g}" for value in then))
+        summary_.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
     ended = f"cases {problem.mechanism.success or 'solved'}"
     summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -46,6 +46,7 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
         f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
         f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
+    facts += [] if tuned.corners is None else tuned.corners.lines(problem)
     facts += tuned_warnings(tuned)
     facts += [f"limit {line}" for line in tuned.why]
     broken = tuned.goal.broken(tuned.after)
