@@ -48,10 +48,13 @@ class Part(eqx.Module):
     section: ClassVar[str] = ""
 
     def __new__(cls, *given: Any, **named: Any) -> Self:
-        known = [field.name for field in dataclasses.fields(cls)]
-        for name in named:
+        known = {field.name: field.metadata for field in dataclasses.fields(cls)}
+        for name, value in named.items():
             if name not in known:
                 raise InputError(f"{cls.__name__}: {name} is unknown{suggest(name, known)}")
+            if isinstance(value, str) and "unit" in known[name]:  # the field's converter keeps no unit for a message
+                path = f"{cls.section}.{name}" if cls.section else name
+                in_unit(path, value, known[name]["unit"], **known[name]["limits"])
         return super().__new__(cls)
 
     def __check_init__(self) -> None:

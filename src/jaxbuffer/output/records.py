@@ -198,6 +198,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
                 "scale": v.scale,
                 "before": get(problem.design, v.path),
                 "value": get(tuned.design, v.path),
+                "shown_in": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
             }
             for v in problem.variables
         ],
@@ -279,12 +280,13 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits, symbol = problem.limits.lines(problem.catalogue), problem.objective.unit(problem.catalogue)
+    limits = problem.limits.lines(problem.catalogue)
+    before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
     lines = [
         f"{headline(tuned.message, tuned.feasible)}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
-        f"{problem.worded(problem.objective)}, before and after: {start:.6g} {symbol}, {end:.6g} {symbol}.",
+        f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ..fields import Part, get, paths, unit
+from ..fields import Part, as_typed, get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
@@ -68,8 +68,9 @@ def _range(met: Sequence[Any], usual: Part, path: str) -> list[str]:
 
 
 def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
-    usual = mechanism.design()
-    return [
-        ["variable", it["path"], f"{shown(it['low'])} to {shown(it['high'])} {unit(usual, it['path'])}".rstrip(" -")]
-        for it in variables
-    ]
+    usual, rows = mechanism.design(), list[list[str]]()
+    for it in variables:
+        typed = it.get("shown_in", "")
+        (low, symbol), (high, _) = (as_typed(it[end], unit(usual, it["path"]), typed) for end in ("low", "high"))
+        rows.append(["variable", it["path"], f"{shown(low)} to {shown(high)} {symbol}".rstrip(" -")])
+    return rows

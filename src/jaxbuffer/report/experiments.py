@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..fields import as_typed
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .figures import figure
@@ -38,7 +39,7 @@ def envelope_in_words(envelope: Record) -> list[str]:
     if not envelope["rectangle"]:
         return [*told, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(
-        f"{field_name(part['path'])} from {_ends(part['low'], part['high'], part['unit'])}"
+        f"{field_name(part['path'])} from {_end(part['low'], part)} to {_end(part['high'], part)}"
         for part in envelope["rectangle"]
     )
     told.append(
@@ -53,7 +54,7 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
     """On which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no side."""
     values = {axis["path"]: axis["values"] for axis in axes}
     sides = [
-        f"{field_name(part['path'])} {where} {_end(part[end], part['unit'])}"
+        f"{field_name(part['path'])} {where} {_end(part[end], part)}"
         for part in envelope["rectangle"]
         for end, where, last in (("low", "below", min), ("high", "above", max))
         if part[end] == last(values[part["path"]])
@@ -63,14 +64,10 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
     return [f"The edge of what is safe was not found on the side of {', '.join(sides)}: sweep wider."]
 
 
-def _end(value: float, unit: str) -> str:
-    return f"{math.degrees(value):+.3g}°" if unit == "rad" else f"{shown(value)} {unit}".rstrip(" -")
-
-
-def _ends(low: float, high: float, unit: str) -> str:
-    if unit == "rad":
-        return f"{math.degrees(low):+.3g}° to {math.degrees(high):+.3g}°"
-    return f"{shown(low)} to {shown(high)} {unit}".rstrip(" -")
+def _end(value: float, field: Record) -> str:
+    """A value of a swept field: in the unit that was typed, else angles in degrees."""
+    number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
+    return f"{math.degrees(number):+.3g}°" if symbol == "rad" else f"{shown(number)} {symbol}".rstrip(" -")
 
 
 def sample(found: Results) -> Section | None:

@@ -1,6 +1,6 @@
 """What a page says of a tuning: scenarios before and after, the search."""
 
-from ..fields import unit
+from ..fields import as_typed, unit
 from ..output.folder import Record, Results
 from .figures import figure
 from .judged import case_labels
@@ -52,7 +52,10 @@ def search(found: Results) -> Section | None:
     if tuned is None:
         return None
     usual, numbers = found.mechanism.design(), ("low", "high", "before", "value")
-    rows = [[v["path"], unit(usual, v["path"]), *(shown(v[n]) for n in numbers), _bound(v)] for v in tuned["variables"]]
+    rows = []
+    for v in tuned["variables"]:
+        told = [as_typed(v[name], unit(usual, v["path"]), v.get("shown_in", "")) for name in numbers]
+        rows.append([v["path"], told[0][1], *(shown(value) for value, _ in told), _bound(v)])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [

@@ -7,7 +7,20 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
-from ..fields import Part, by_path, check_path, check_units_agree, get, in_unit, limits_of, paths, unit
+from ..fields import (
+    Part,
+    by_path,
+    check_path,
+    check_units_agree,
+    get,
+    in_unit,
+    in_words,
+    limits_of,
+    paths,
+    range_in_words,
+    typed_unit,
+    unit,
+)
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
@@ -28,37 +41,40 @@ def read_problem(
     duration: float | None,
     rtol: float,
     folder: Path,
+    units: Mapping[str, str],
 ) -> Problem:
     """A problem from its TOML table.
 
     **Arguments:** ``listed``: the study's scenarios, which a grid or a sample here replaces; where both are here, every
-    sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are.
+    sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
+    as of `Config`.
     """
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    units = _units(table, mechanism)
+    symbols = _units(table, mechanism)
     variables = _variables_of(table, design)
-    _check_start(design, variables, "variables" in table)
+    _check_start(design, variables, "variables" in table, units)
     try:
         return Problem(
             design=design,
             scenarios=_scenarios(table, base, listed),
             variables=variables,
-            objective=_objective(_table(table, "objective", {}), "objective", units),
+            objective=_objective(_table(table, "objective", {}), "objective", symbols),
             limits=limits(table, mechanism),
-            then=_then(_table(table, "then", {}), units) if "then" in table else None,
+            then=_then(_table(table, "then", {}), symbols) if "then" in table else None,
             duration=duration,
             rtol=rtol,
             quantities=own_quantities(table, mechanism, folder),
             scatter=_scatter(table, design, base),
+            units=units,
         )
     except InputError as error:
         if not str(error).startswith(SECTIONS):
             raise
         asked = limits(table, mechanism).at_most
         broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
-        hints = (meant(asked[name], units[name], low=0.0) for name in broken)
-        raise InputError(f"problem.{error}{next(hints, '')}") from None
+        hints = (meant(asked[name], symbols[name], low=0.0) for name in broken)
+        raise error.between("problem.", next(hints, "")) from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
@@ -92,18 +108,18 @@ def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...
     return tuple(_variable(path, given, design) for path, given in by_name.items())
 
 
-def _check_start(design: Part, variables: Sequence[Variable], own: bool) -> None:
+def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: Mapping[str, str]) -> None:
     """Raise `InputError` for a start outside its bounds. ``own``: whether the study gives them."""
     for v in variables:
-        value, symbol = get(design, v.path), f" {unit(design, v.path)}".rstrip(" -")
+        value, symbol, typed = get(design, v.path), unit(design, v.path), units.get(v.path, "")
         if isinstance(value, float) and not v.low <= value <= v.high:
-            bounds = f"bounds [{v.low:g}, {v.high:g}]{symbol}"
+            bounds = f"bounds {range_in_words(v.low, v.high, symbol, typed)}"
             told = (
                 f"its {bounds}; widen the bounds in [problem.variables] or change the start"
                 if own
                 else f"the default {bounds}; give bounds in [problem.variables] or change the start"
             )
-            raise InputError(f"the start, {v.path} = {value:g}{symbol}, is outside {told}")
+            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {told}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -122,7 +138,8 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
     for bound in (low, high):
         check_number(where, bound, symbol, **limits_of(design, path))
     if not low < high:
-        raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
+        bounds = range_in_words(low, high, symbol, typed_unit(given))
+        raise InputError(f"{where} = {bounds}: the low bound must be below the high one")
     return Variable(path, low, high, scale)
 
 

@@ -80,12 +80,6 @@ def swept_parts(swept: Swept) -> list[str | Table]:
 
 
 def _values(axis: Axis) -> str:
-    values = axis.values
-    if not axis.unit:
-        return ", ".join(axis.words(value) for value in values)
-    few = [f"{value:g}" for value in values]
-    listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
-    if axis.unit == "rad":
-        low, high = np.degrees([min(values), max(values)])
-        return f"{listed} rad ({low:+.3g}° … {high:+.3g}°)"
-    return f"{listed} {axis.unit}".rstrip(" -")
+    degrees = axis.unit == "rad" and not axis.typed
+    low, high = np.degrees([min(axis.values), max(axis.values)]) if degrees else (0.0, 0.0)
+    return axis.spanned() + (f" ({low:+.3g}° … {high:+.3g}°)" if degrees else "")

@@ -45,7 +45,8 @@ class Corners:
 
     def lines(self, problem: Problem) -> list[str]:
         """What is to be said of them."""
-        count, scenarios, unit = len(self.cases), len(problem.scenarios), problem.objective.unit(problem.catalogue)
+        count, scenarios = len(self.cases), len(problem.scenarios)
+        said = lambda value: problem.objective.said(value, problem.catalogue)  # noqa: E731
         at = f" at {scenarios} scenarios" if scenarios > 1 else ""
         which = (
             f"all {2**self.ranges} corners" if self.whole else f"{count // scenarios} of the {2**self.ranges} corners"
@@ -55,11 +56,11 @@ class Corners:
         parts += [f"{lost} can not be built or simulated"] if lost else []
         if lost < count:
             where = label(int(np.nanargmax(self.values)))
-            parts.append(f"the largest objective there is {self.largest:.5g} {unit}".rstrip(" -") + f", at {where}")
+            parts.append(f"the largest objective there is {said(self.largest)}, at {where}")
         found = [f"{which} of the {self.ranges} sampled ranges{at}: {'; '.join(parts)}"]
         if broken := self.broken[self.worst]:
             found.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
-        middle = f"{self.middle:.5g} {unit}".rstrip(" -") if np.isfinite(self.middle) else "can not be simulated"
+        middle = said(self.middle) if np.isfinite(self.middle) else "can not be simulated"
         return [*found, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]
 
 

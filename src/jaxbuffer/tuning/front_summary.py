@@ -17,8 +17,9 @@ def front_table(front: "Front") -> str:
     over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
     shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
     shown.add_column("point", justify="right")
-    for name in front.objectives:
-        shown.add_column(f"{name} [{catalogue[name].unit}]", justify="right")
+    units, factors = zip(*(catalogue[name].in_figures for name in front.objectives), strict=True)
+    for name, unit in zip(front.objectives, units, strict=True):
+        shown.add_column(f"{name} [{unit}]", justify="right")
     for name in front.objectives[1:]:
         shown.add_column(f"{name} ≤", justify="right")
     shown.add_column("residual [-]", justify="right")
@@ -27,8 +28,8 @@ def front_table(front: "Front") -> str:
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         shown.add_row(
             str(k + 1),
-            *(f"{value:.6g}" for value in values),
-            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits),
+            *(f"{value:.6g}" for value in values * np.array(factors)),
+            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits * np.array(factors[1:])),
             f"{point.residual:.1e}",
             f"{point.gradient_error:.1e}",
             standing(front, k),

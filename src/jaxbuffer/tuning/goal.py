@@ -142,7 +142,9 @@ class Goal:
                 where = cases[k].label(cases)
                 lines += [f"{where}: {text}" for text in found]
         if self.ceiling is not None and (now := self.first_value(evaluation)) > self.ceiling.value:
-            lines.append(f"{self.ceiling.objective}: {now:.5g} N is above {self.ceiling.value:.5g} N")
+            objective, catalogue = self.ceiling.objective, self.problem.catalogue
+            limit = objective.said(self.ceiling.value, catalogue)
+            lines.append(f"{objective}: {objective.said(now, catalogue)} is above {limit}")
         return lines
 
     def worst_first(self, evaluation: Evaluation) -> list[int]:

@@ -17,7 +17,7 @@ from ..errors import (
     shown,
     suggest,
 )
-from ..fields import Part, get, paths, replace, unit
+from ..fields import Part, as_typed, get, paths, replace, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
@@ -83,6 +83,7 @@ class Problem:
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
     - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
+    - ``units``: in which people are shown the numbers at some dotted paths; default: each in its own.
     - ``scatter``: how each of the ``scenarios`` and the design scatter, a `jaxbuffer.tuning.Scatter`; ``cases`` are
       then samples of that, each at every scenario, and a tuning runs its result in the corners of the ranges too.
 
@@ -109,6 +110,7 @@ class Problem:
     rtol: float = DEFAULT_TOLERANCE
     quantities: Mapping[str, Derived] = dataclasses.field(default_factory=dict)
     scatter: Scatter | None = None
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         mechanism = mechanism_of(self.design)
@@ -130,7 +132,7 @@ class Problem:
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
-                raise InputError(f"scenario {number} ({case.label(cases)}): {error}") from None
+                raise error.between(f"scenario {number} ({case.label(cases)}): ") from None
         mechanism.check_problem(self)
 
     def _check_parts(self, mechanism: Mechanism) -> None:
@@ -209,6 +211,15 @@ class Problem:
     def worded(self, objective: Objective) -> str:
         """An objective of this problem in words."""
         return objective.worded(self.sampled)
+
+    def shown(self, path: str, value: float) -> tuple[float, str]:
+        """A number of the design in the unit that people are shown, and that unit."""
+        return as_typed(float(value), unit(self.design, path), self.units.get(path, ""))
+
+    def said(self, path: str, value: float, digits: int = 6) -> str:
+        """The same in words: "25 mm"."""
+        number, symbol = self.shown(path, value)
+        return f"{number:.{digits}g} {symbol}".rstrip(" -")
 
     def start(self) -> Float[np.ndarray, " variables"]:
         """The design's scaled variables [-]."""

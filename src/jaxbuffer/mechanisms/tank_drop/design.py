@@ -210,12 +210,12 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
         except InputError as error:
-            raise InputError(f"{error}, less than tank.corner_radius") from None
+            raise error.between(after=", less than tank.corner_radius") from None
     if design.plates.kind != "none":
         try:
             check_entries("plates.position", design.plates.position, "m", *_between(design))
         except InputError as error:
-            raise InputError(f"{error}, where the whole plate stands on the flat bottom") from None
+            raise error.between(after=", where the whole plate stands on the flat bottom") from None
     above = "; the liquid must be higher than the lower corner, tank.corner_radius"
     check_entries("scenario.fill", scenario.fill, "-", _corner(design), FILL["high"], too_low=above, high_open=False)
 
