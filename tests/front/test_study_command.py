@@ -13,8 +13,7 @@ from jsonschema import Draft7Validator
 
 import jaxbuffer
 from jaxbuffer.cli.entry import run
-from jaxbuffer.fields import get, metadata, paths
-from jaxbuffer.fields.meaning import meaning
+from jaxbuffer.fields import get, meaning, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named
 from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
@@ -73,7 +72,7 @@ def test_default_bounds_that_do_not_hold_the_start_are_said_not_refused(computed
     assert (
         "buffer.k_T = 10.77 N m/rad is outside the default bounds [50, 1500]: tune needs [problem.variables]" in shown
     )
-    assert "stroke ≤ 0.02 m" in shown and "needs [problem.variables] first" in shown
+    assert "stroke ≤ 20 mm" in shown and "needs [problem.variables] first" in shown
     assert run(["tune", "tuned.toml"]) == 2
     assert "default bounds [50, 1500] N m/rad; give bounds in [problem.variables]" in capsys.readouterr().err
     (tmp_path / "bounded.toml").write_text("[problem.variables]\nbuffer.k_A = [600, 2000]\n")
@@ -111,8 +110,8 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "options.duration 4 s (default 8 s)",
         "scenario.misalignment 3 deg = 0.0523599 rad (default 0 rad)",
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
-        "stroke ≤ 0.025 m",
-        "stroke ≥ 0.001 m",
+        "stroke ≤ 25 mm",
+        "stroke ≥ 1 mm",
         "every case must end captured",
         "buffer.k_A 100, 200 N/m",
         "buffer.c_A 1 to 9 N s/m, 8 values, linear",
@@ -199,14 +198,28 @@ def test_a_search_of_the_docs_finds_how_designs_scatter(word):
     assert word in "".join(re.findall(r".*problem\.sample.*", example_toml(mechanism_named("bar_drop"))))
 
 
-def test_meanings_come_from_docstrings():
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_field_has_a_meaning_that_is_listed(kind, capsys):
+    """One of its own: more than its name, and where two fields have the same words a section tells them apart."""
+    mechanism = mechanism_named(kind)
+    assert run(["fields", kind]) == 0
+    listed = " ".join(capsys.readouterr().out.split())
+    for part in (mechanism.design(), mechanism.scenario()):
+        for path in paths(part):
+            said, name = meaning(part, path), path.rpartition(".")[2]
+            assert metadata(part, path)["doc"] == said and len(said.split()) > 1, path
+            assert said.lower() not in (name.lower(), name.replace("_", " ").lower()), path
+            assert all(word in listed for word in said.split()), path
+
+
+def test_meanings_are_declared_with_the_fields():
     crank = mechanism_named("slider_crank").design()
     capture = mechanism_named("probe_cone").design()
     assert meaning(crank, "crank.length") == "length from the shaft to the crank pin"
     assert meaning(capture, "buffer.k_A") == "stiffness along the cylinder"
     assert meaning(capture, "buffer.c_T") == "damping about the hinge"
-    assert meaning(capture, "probe.free_tip") == "whether the tip spins freely"
-    assert meaning(capture, "active.mass") == "mass m_S"
+    assert meaning(capture, "probe.free_tip") == "whether the tip spins freely about its centre"
+    assert meaning(capture, "active.mass") == "mass m_S of the active vehicle"
 
 
 def test_a_shell_completes_commands(tmp_path):

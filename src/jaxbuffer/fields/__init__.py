@@ -19,6 +19,7 @@ from .paths import by_path as by_path
 from .paths import check_path as check_path
 from .paths import get as get
 from .paths import limits_of as limits_of
+from .paths import meaning as meaning
 from .paths import metadata as metadata
 from .paths import paths as paths
 from .paths import replace as replace

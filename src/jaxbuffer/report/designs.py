@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from ..fields import as_typed, get, paths, unit
-from ..fields.meaning import meaning
+from ..fields import as_typed, get, meaning, paths, unit
 from ..output.folder import Record, Results
 from .figures import figure
 from .page import Cell, Section, Table, shown

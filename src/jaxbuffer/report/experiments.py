@@ -10,7 +10,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import ended, field_name, in_figures, words
+from .records import UNIT, ended, field_name, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 STANDING = {"front": "good", "front, not converged": "unsure"}
@@ -38,10 +38,7 @@ def envelope_in_words(envelope: Record) -> list[str]:
     told = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
     if not envelope["rectangle"]:
         return [*told, "No run is safe, so there is no safe rectangle."]
-    ranges = " by ".join(
-        f"{field_name(part['path'])} from {_end(part['low'], part)} to {_end(part['high'], part)}"
-        for part in envelope["rectangle"]
-    )
+    ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
     told.append(
         f"Every run of the largest safe rectangle, {envelope['runs_in_rectangle']} of them, is safe: {ranges}."
         " Between the runs nothing was computed."
@@ -70,12 +67,21 @@ def _end(value: float, field: Record) -> str:
     return f"{math.degrees(number):+.3g}°" if symbol == "rad" else f"{shown(number)} {symbol}".rstrip(" -")
 
 
+def _ends(field: Record) -> str:
+    """The range of a swept field: "0.1 to 0.2 m/s"."""
+    low, high = (_end(field[end], field) for end in ("low", "high"))
+    return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
+
+
 def sample(found: Results) -> Section | None:
     """Ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
     record = found.records.get("sample")
     if record is None:
         return None
-    ranges = [[r["path"], r["unit"], shown(r["low"]), shown(r["high"]), r["scale"]] for r in record["ranges"]]
+    ranges = []
+    for r in record["ranges"]:
+        (low, symbol), (high, _) = (as_typed(r[end], r["unit"], r.get("shown_in", "")) for end in ("low", "high"))
+        ranges.append([r["path"], symbol, shown(low), shown(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(found.mechanism, record["outcomes"]))
     tables += [_indices(found.mechanism, name, rows) for name, rows in _by_quantity(record["indices"]).items()]
@@ -143,19 +149,34 @@ def front(found: Results) -> Section | None:
     points = record["points"]
     kept = sum(point["standing"] in STANDING for point in points)
     rows: list[list[str | Cell]] = []
+    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
+    headings, factors = zip(*(_front_column(found, name) for name in names), strict=True)
     for point in points:
         mark = STANDING.get(point["standing"], "bad")
-        values = [shown(value) for name, value in point.items() if name not in ("point", "standing", "converged")]
+        numbers = zip((point[name] for name in names), factors, strict=True)
+        values = [shown(factor * value if isinstance(value, float) else value) for value, factor in numbers]
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
-    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
     objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
     text = [
         f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {count}"
         f" scenario{'s' if count > 1 else ''}: none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
-    table = Table("Points of the front", ("point", *map(words, names), "standing"), rows)
+    table = Table("Points of the front", ("point", *headings, "standing"), rows)
     return Section("Front", text, figure(found, "pareto", "The front; crosses: another point is better"), [table])
+
+
+def _front_column(found: Results, name: str) -> tuple[str, float]:
+    """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
+    or its limit, or of a variable."""
+    start, symbol = UNIT.match(name).groups() if UNIT.match(name) else (name, "")  # type: ignore[union-attr]
+    quantity = found.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
+    shown_in, factor = symbol, 1.0
+    if quantity is not None:
+        shown_in, factor = quantity.in_figures
+    elif typed := units_of(found).get(start):
+        factor, shown_in = as_typed(1.0, symbol, typed)
+    return (f"{words(start)} [{shown_in}]" if symbol else words(name)), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

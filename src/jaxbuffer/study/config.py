@@ -56,9 +56,11 @@ class Options(Part):
     """
 
     section = "options"
-    duration: float | None = number(None, "s", **POSITIVE)
-    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2)
-    solver: str = choice("automatic", *SOLVER_NAMES)
+    duration: float | None = number(
+        None, "s", **POSITIVE, doc="time after which a run is over; not set: the mechanism's"
+    )
+    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2, doc="relative error of a step")
+    solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
 
     def stepper(self) -> Solver:
         """The solver that ``solver`` names."""

@@ -9,8 +9,7 @@ from typing import Any
 import tomli_w
 
 from ..errors import range_text
-from ..fields import Part, get, metadata, unit_at
-from ..fields.meaning import meanings
+from ..fields import Part, get, meaning, metadata, unit_at
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.settings import Settings
 from .config import Options, sections
@@ -43,10 +42,9 @@ def example_toml(mechanism: Mechanism) -> str:
 
 def _fields(part: Part, commented: bool) -> Iterator[str]:
     """A line for each field; ``commented``: whether a field that has a value is a comment too."""
-    said = meanings(type(part))
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
-        words = [_allowed(known), said[name]]
+        words = [_allowed(known), meaning(part, name)]
         if value is None:
             yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
         else:

@@ -9,8 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..experiments.points import METHODS
-from ..fields import Part, get, metadata, paths
-from ..fields.meaning import meanings
+from ..fields import Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
 from ..sweeps.grid import SCALES as RANGES
 from ..tuning.problem import SCALES
@@ -54,12 +53,12 @@ def _object(properties: Mapping[str, Schema], **others: Any) -> Schema:
 
 def _part(part: Part) -> Schema:
     """Of a section: each field with its range or choices, its unit and meaning in words."""
-    said = meanings(type(part))
     fields = {}
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
         symbol = known.get("unit", "-")
-        schema = _field(known) | {"description": said[name] if symbol == "-" else f"[{symbol}] {said[name]}"}
+        said = meaning(part, name)
+        schema = _field(known) | {"description": said if symbol == "-" else f"[{symbol}] {said}"}
         fields[name] = schema if value is None else schema | {"default": value}
     return _object(fields)
 

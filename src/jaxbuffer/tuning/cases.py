@@ -132,7 +132,8 @@ class Scatter:
     def cases(self, scenarios: Sequence[Case], design: Part) -> tuple[Case, ...]:
         """The samples, each at every scenario. ``design``: to check the paths of ``factors`` with.
 
-        **Raises:** `InputError` for unknown fields and for those that are no numbers, and for too many cases.
+        **Raises:** `InputError` for unknown fields, those that are no numbers, ends of a range that a scenario does not
+        allow, and too many cases.
         """
         from scipy.stats import qmc
 
@@ -145,6 +146,7 @@ class Scatter:
             value = get(design, path)
             if value is None or isinstance(value, (str, bool)):
                 raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
+        self.corners(scenarios)  # raises for ends of a range that a scenario does not allow
         shares = qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
         spread = [d.at(s) for d, s in zip(self.distributions.values(), shares, strict=True)]
         return self._at(scenarios, np.array(spread).T)

@@ -121,7 +121,6 @@ class Problem:
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
         if self.scatter is not None and cases:
             check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
-            self.scatter.corners(cases)  # raises for ends of a range that a scenario does not allow
             cases = self.scatter.cases(cases, self.design)
         object.__setattr__(self, "cases", cases)
         object.__setattr__(self, "variables", tuple(self.variables))
