@@ -165,6 +165,7 @@ def response_surface(
             f"response surface of {quantity}: {known.size} {mechanism.run_name}s are left to fit, and a surface of"
             f" {len(sample.grid.axes)} numbers needs {max(folds, 2 * terms)}; take a larger sample"
         )
+    sample.check_varies(quantity, "response surface")
     logarithmic = bool(np.all(known > 0.0))
     fitted = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray

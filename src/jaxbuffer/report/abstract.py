@@ -17,11 +17,11 @@ from .records import by_name, field_name, in_figures, same, scenario_of, words
 MANY = 4  # variables that are named
 
 
-def abstract(every: Sequence[Results]) -> str:
-    """A sentence or two on each result, the folder's name before it where several have results of its kind."""
+def abstract(every: Sequence[Results]) -> list[str]:
+    """A few sentences on each result, the folder's name before them where several have results of its kind."""
     kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
     told = [[(found, text) for found in every if (text := kind(found, every))] for kind in kinds]
-    return " ".join(f"{found.folder}: {text}" if len(some) > 1 else text for some in told for found, text in some)
+    return [f"{found.folder}: {text}" if len(some) > 1 else text for some in told for found, text in some]
 
 
 def _tuning(found: Results, every: Sequence[Results]) -> str:
@@ -38,12 +38,10 @@ def _tuning(found: Results, every: Sequence[Results]) -> str:
     count = len(tuned["scenarios"])
     held = standing(found, every)
     kept = " keeps every limit" if held is None or not held.faults else " does not keep every limit"
-    text = (
-        f"Tuning {way} {words(tuned['objective'])}, from {factor * before:.4g} to {factor * after:.4g} {symbol}".rstrip(
-            " -"
-        )
-        + f"{change}; the design{kept} in {'its scenario' if count == 1 else f'the {count} scenarios'}."
-    )
+    objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
+    ends = f"from {factor * before:.4g} to {factor * after:.4g} {symbol}".rstrip(" -") + change
+    where = "its scenario" if count == 1 else f"the {count} scenarios"
+    text = f"Tuning {way} {objective}, {ends}; the design{kept} in {where}."
     ended = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
@@ -57,16 +55,15 @@ def _objective_unit(mechanism: Mechanism, objective: str, symbol: str) -> tuple[
 
 
 def _variables(mechanism: Mechanism, tuned: Record) -> str:
-    """What became of the variables, the first ones."""
-    usual, texts, every = mechanism.design(), list[str](), tuned["variables"]
-    for it in every[:MANY]:
-        typed = it.get("shown_in", "")
-        (first, symbol), (last, _) = (
-            as_typed(it[name], unit(usual, it["path"]), typed) for name in ("before", "value")
-        )
-        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {symbol}".rstrip(" -"))
-    left = len(every) - len(texts)
-    return f"It changes {', '.join(texts)}{f' and {left} more' if left else ''}."
+    """What became of the variables that changed, the first ones."""
+    usual, texts = mechanism.design(), list[str]()
+    moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
+    for it in moved[:MANY]:
+        symbol, typed = unit(usual, it["path"]), it.get("shown_in", "")
+        (first, told), (last, _) = (as_typed(it[name], symbol, typed) for name in ("before", "value"))
+        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {told}".rstrip(" -"))
+    left = len(moved) - len(texts)
+    return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
 
 
 def _corners(tuned: Record) -> list[str]:
@@ -89,8 +86,9 @@ def _run(found: Results, every: Sequence[Results]) -> str:
     held = standing(found, every) if found.tuned is None else None
     if held is None:
         return text
-    broken = f"{held.broken} limit{'s are' if held.broken > 1 else ' is'} broken"
-    return f"{text} {broken if held.broken else 'It keeps every limit' if not held.faults else 'Limits are kept'}."
+    told = [f"{held.broken} limit{'s are' if held.broken > 1 else ' is'} broken."] if held.broken else []
+    told += [f"It does not end {words(mechanism.success or '')}, as it must."] if held.missed else []
+    return " ".join([text, *(told or ["It keeps every limit."])])
 
 
 def _sensitivity(found: Results, every: Sequence[Results]) -> str:
@@ -152,8 +150,8 @@ def _front(found: Results, every: Sequence[Results]) -> str:
         values = [by_name(point)[f"worst {name}"] for point in points]
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
-        ends = f"{factor * min(values):.4g} to {factor * max(values):.4g} {symbol}".rstrip(" -")
-        text += f" The worst {_title(mechanism, name)} on it is {ends}."
+        ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
+        text += f" The worst {_title(mechanism, name)} on it is {' to '.join(ends)} {symbol}".rstrip(" -") + "."
     return text + (f" {open_ends} of them did not converge." if open_ends else "")
 
 

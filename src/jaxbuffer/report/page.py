@@ -89,13 +89,13 @@ class Section:
 @dataclasses.dataclass(frozen=True)
 class Page:
     """A whole page: ``title``, a line below it, the ``verdicts`` that matter most, and sections; ``abstract``: what was
-    found, in plain words."""
+    found, in plain words, a paragraph for each result."""
 
     title: str
     subtitle: str
     verdicts: Sequence[Cell]
     sections: Sequence[Section]
-    abstract: str = ""
+    abstract: Sequence[str] = ()
 
     @property
     def generator(self) -> str:

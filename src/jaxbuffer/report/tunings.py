@@ -37,8 +37,10 @@ def scenarios(found: Results) -> Section | None:
         return Section("Scenarios", curves=curves, tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
     holds = corners["holding"] == corners["run"]
-    said = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", *said]
-    return Section("Scenarios", said if holds else (), curves=curves, tables=tables, warnings=() if holds else said)
+    text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
+    found_there = said[:-1]
+    text, warnings = ([text[0], *found_there, text[1]], []) if holds else (text, found_there)
+    return Section("Scenarios", text, curves=curves, tables=tables, warnings=warnings)
 
 
 def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:

@@ -40,6 +40,11 @@ def front_table(front: "Front") -> str:
         lines.append(f"{count} left out: another point is as good or better in every objective")
     if lost:
         lines.append(f"{lost} left out: no design was found that keeps to the limits")
+    if any(point.ended == "limit_of_steps" for point in front.points):
+        iterations = front.points[0].settings.iterations
+        lines.append(
+            f"searches stopped at their limit of {iterations} steps: raise iterations in [tune] or --iterations"
+        )
     return text(
         shown, "; ".join(lines), "Values at rtol 1e-9; residual: what first-order information there still gains."
     )
