@@ -161,7 +161,8 @@ def front(found: Results) -> Section | None:
         f"{sampled}, no bound" if (sampled := record.get("sampled")) else f"{count} scenario{'s' if count > 1 else ''}"
     )
     text = [
-        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {over}: none of them is better than another in every objective.",
+        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {over}:"
+        " none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
     table = Table("Points of the front", ("point", *headings, "standing"), rows)
