@@ -14,9 +14,9 @@ from ..fields import (
     as_typed,
     check_address,
     check_units_agree,
+    errors_in_typed_units,
     in_unit,
     range_in_words,
-    told_as_typed,
     typed_unit,
     unit_at,
     with_values,
@@ -99,7 +99,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
         bounds = range_in_words(low, high, symbol, typed_unit(given))
         raise InputError(f"sample.{path} = {bounds}: the low end must be below the high one")
     unit_typed = typed_unit(given)
-    with told_as_typed({path: unit_typed}):
+    with errors_in_typed_units({path: unit_typed}):
         with_values(design, scenario, {path: np.array([low, high])})  # checks the field's own range
     if scale is None:
         scale = "log" if low > 0.0 and high > DECADE * low else "linear"

@@ -26,8 +26,8 @@ from .paths import replace as replace
 from .paths import unit as unit
 from .units import as_typed as as_typed
 from .units import check_units_agree as check_units_agree
+from .units import errors_in_typed_units as errors_in_typed_units
 from .units import in_unit as in_unit
 from .units import in_words as in_words
 from .units import range_in_words as range_in_words
-from .units import told_as_typed as told_as_typed
 from .units import typed_unit as typed_unit

@@ -133,7 +133,7 @@ def range_in_words(low: float, high: float, unit: str, typed: str = "") -> str:
 
 
 @contextlib.contextmanager
-def told_as_typed(units: Mapping[str, str]) -> Iterator[None]:
+def errors_in_typed_units(units: Mapping[str, str]) -> Iterator[None]:
     """Errors of numbers out of range tell them in the ``units`` that were typed, by path."""
     try:
         yield

@@ -104,7 +104,7 @@ def front_record(front: "Front", table: tuple[list[str], Iterable[Sequence[Any]]
         "kind": front.problem.mechanism.name,
         "objectives": list(front.objectives),
         "scenarios": len(front.problem.cases),
-        "sampled": front.problem.sampled,
+        "samples": front.problem.samples,
         "points": [dict(zip(header, row, strict=True)) for row in rows],
         "design": record(front.problem.design),
         "jaxbuffer": version(),

@@ -20,8 +20,8 @@ MANY = 4  # variables that are named
 def abstract(every: Sequence[Results]) -> list[str]:
     """A few sentences on each result, the folder's name before them where several have results of its kind."""
     kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
-    told = [[(found, text) for found in every if (text := kind(found, every))] for kind in kinds]
-    return [f"{found.folder}: {text}" if len(some) > 1 else text for some in told for found, text in some]
+    by_kind = [[(found, text) for found in every if (text := kind(found, every))] for kind in kinds]
+    return [f"{found.folder}: {text}" if len(some) > 1 else text for some in by_kind for found, text in some]
 
 
 def _tuning(found: Results, every: Sequence[Results]) -> str:
@@ -36,8 +36,8 @@ def _tuning(found: Results, every: Sequence[Results]) -> str:
     way = "left" if same(before, after) else "lowered" if after < before else "raised"
     change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
     count = len(tuned["scenarios"])
-    held = standing(found, every)
-    kept = " keeps every limit" if held is None or not held.faults else " does not keep every limit"
+    limits = standing(found, every)
+    kept = " keeps every limit" if limits is None or not limits.faults else " does not keep every limit"
     objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
     ends = f"from {factor * before:.4g} to {factor * after:.4g} {symbol}".rstrip(" -") + change
     where = "its scenario" if count == 1 else f"the {count} scenarios"
@@ -60,8 +60,8 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
     moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
     for it in moved[:MANY]:
         symbol, typed = unit(usual, it["path"]), it.get("shown_in", "")
-        (first, told), (last, _) = (as_typed(it[name], symbol, typed) for name in ("before", "value"))
-        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {told}".rstrip(" -"))
+        (first, shown_in), (last, _) = (as_typed(it[name], symbol, typed) for name in ("before", "value"))
+        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {shown_in}".rstrip(" -"))
     left = len(moved) - len(texts)
     return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
 
@@ -83,12 +83,12 @@ def _run(found: Results, every: Sequence[Results]) -> str:
     text = f"At {label} the {mechanism.run_name} ends after {values['end_time']:.4g} s: {reason}."
     if values.get("peak_force") is not None:
         text += f" Its largest contact force is {values['peak_force']:.4g} N."
-    held = standing(found, every) if found.tuned is None else None
-    if held is None:
+    limits = standing(found, every) if found.tuned is None else None
+    if limits is None:
         return text
-    told = [f"{held.broken} limit{'s are' if held.broken > 1 else ' is'} broken."] if held.broken else []
-    told += [f"It does not end {words(mechanism.success or '')}, as it must."] if held.missed else []
-    return " ".join([text, *(told or ["It keeps every limit."])])
+    faults = [f"{limits.broken} limit{'s are' if limits.broken > 1 else ' is'} broken."] if limits.broken else []
+    faults += [f"It does not end {words(mechanism.success or '')}, as it must."] if limits.missed else []
+    return " ".join([text, *(faults or ["It keeps every limit."])])
 
 
 def _sensitivity(found: Results, every: Sequence[Results]) -> str:
@@ -101,9 +101,9 @@ def _sensitivity(found: Results, every: Sequence[Results]) -> str:
     if not rows:
         return ""
     most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
-    told = f"{most['elasticity [-]']:+.2g} % ({'not certified' if verdict is None else verdict})"
+    change = f"{most['elasticity [-]']:+.2g} % ({'not certified' if verdict is None else verdict})"
     moved = f"{most['parameter']} moves the {_title(mechanism, name)} most"
-    return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {told}."
+    return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
 
 
 def _sweep(found: Results, every: Sequence[Results]) -> str:

@@ -158,7 +158,7 @@ def front(found: Results) -> Section | None:
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
     objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
     over = (
-        f"{sampled}, no bound" if (sampled := record.get("sampled")) else f"{count} scenario{'s' if count > 1 else ''}"
+        f"{sampled}, no bound" if (sampled := record.get("samples")) else f"{count} scenario{'s' if count > 1 else ''}"
     )
     text = [
         f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {over}:"

@@ -18,12 +18,12 @@ from ..fields import (
     by_path,
     check_address,
     choice,
+    errors_in_typed_units,
     in_unit,
     metadata,
     number,
     paths,
     replace,
-    told_as_typed,
     typed_unit,
     unit,
 )
@@ -114,7 +114,7 @@ class Config:
         options = self.options
         if options.solver != Options.solver:
             raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
-        with told_as_typed(self.units):
+        with errors_in_typed_units(self.units):
             return read_problem(
                 self.table,
                 self.design,
@@ -151,7 +151,7 @@ def loads(content: bytes, name: str | Path) -> Config:
         raise InputError(f"{name} is not valid TOML: {no_toml(text, error)}") from None
     try:
         units = dict(_typed_units(data))
-        with told_as_typed(units):
+        with errors_in_typed_units(units):
             return dataclasses.replace(_config(data), folder=Path(name).parent, units=units)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
@@ -169,7 +169,7 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
     scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
     units = {**config.units, **{path: typed for path, text in values.items() if (typed := typed_unit(text))}}
-    with told_as_typed(units):
+    with errors_in_typed_units(units):
         return dataclasses.replace(
             config,
             design=_replaced(config.design, design),

@@ -17,9 +17,9 @@ from ..fields import (
     check_address,
     check_alone,
     check_units_agree,
+    errors_in_typed_units,
     in_unit,
     in_words,
-    told_as_typed,
     typed_unit,
     unit_at,
     value_at,
@@ -191,7 +191,7 @@ def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
     values = span(f"sweep.{path}", asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
     found = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(asked))
-    with told_as_typed({path: found.typed}):
+    with errors_in_typed_units({path: found.typed}):
         with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
     return found
 

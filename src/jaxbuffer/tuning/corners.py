@@ -57,11 +57,11 @@ class Corners:
         if lost < count:
             where = label(int(np.nanargmax(self.values)))
             parts.append(f"the largest objective there is {said(self.largest)}, at {where}")
-        found = [f"{which} of the {self.ranges} sampled ranges{at}: {'; '.join(parts)}"]
+        lines = [f"{which} of the {self.ranges} sampled ranges{at}: {'; '.join(parts)}"]
         if broken := self.broken[self.worst]:
-            found.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
+            lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
         middle = said(self.middle) if np.isfinite(self.middle) else "can not be simulated"
-        return [*found, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]
+        return [*lines, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]
 
 
 def corners(goal: Goal, evaluator: Evaluator, scaled: Float[np.ndarray, " variables"], rtol: float) -> Corners | None:
@@ -71,16 +71,16 @@ def corners(goal: Goal, evaluator: Evaluator, scaled: Float[np.ndarray, " variab
         return None
     scenarios = [it if isinstance(it, Case) else Case(it) for it in problem.scenarios]
     cases, middle = problem.scatter.corners(scenarios), problem.scatter.middle(scenarios)
-    (found,) = evaluator([scaled], rtol, slopes=False, cases=(*cases, *middle))
+    (evaluation,) = evaluator([scaled], rtol, slopes=False, cases=(*cases, *middle))
     first = Goal(problem, problem.objective)
-    values = np.where(found.solved, found.quantities @ first.weights(problem.objective), np.nan)
+    values = np.where(evaluation.solved, evaluation.quantities @ first.weights(problem.objective), np.nan)
     count, ranges = len(cases), len(problem.scatter.distributions)
-    broken = [tuple(first.broken_in(found, k)) for k in range(len(found.code))]
+    broken = [tuple(first.broken_in(evaluation, k)) for k in range(len(evaluation.code))]
     return Corners(
         cases=cases,
         broken=tuple(broken[:count]),
         values=values[:count],
-        worst=next(k for k in first.worst_first(found) if k < count),
+        worst=next(k for k in first.worst_first(evaluation) if k < count),
         ranges=ranges,
         whole=count == len(scenarios) * 2**ranges,
         middle=float(np.max(values[count:])),

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def front_table(front: "Front") -> str:
     """Each point's objectives, limits and certificate, and what is not on the front."""
     catalogue = front.problem.catalogue
-    sampled = front.problem.sampled
+    sampled = front.problem.samples
     over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
     shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
     shown.add_column("point", justify="right")

@@ -200,7 +200,7 @@ class Problem:
         return tuple(v.path for v in self.variables)
 
     @property
-    def sampled(self) -> str:
+    def samples(self) -> str:
         """The samples that the cases are, in words: "24 samples at each of 3 scenarios"; "" where nothing scatters."""
         if self.scatter is None:
             return ""
@@ -209,7 +209,7 @@ class Problem:
 
     def worded(self, objective: Objective) -> str:
         """An objective of this problem in words."""
-        return objective.worded(self.sampled)
+        return objective.worded(self.samples)
 
     def shown(self, path: str, value: float) -> tuple[float, str]:
         """A number of the design in the unit that people are shown, and that unit."""

@@ -153,14 +153,19 @@ def _at_bound(variable: Variable, value: float) -> str:
     return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
 
 
+def objective_in_words(value: float, unit: str, digits: int) -> str:
+    """An objective's value in the unit that people are shown: "7.1 mm"."""
+    symbol, factor = FIGURES.get(unit, (unit, 1.0))
+    return f"{factor * value:.{digits}g} {symbol}".rstrip(" -")
+
+
 def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None = None) -> str:
     """One evaluation of a tuning on one line; ``success``: how runs should end, as the mechanism calls it; ``most``
     evaluations that there can be."""
     count = "" if most is None else f"{it['evaluation'] + 1} of at most {most}, "
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
-    unit, factor = FIGURES.get(it["unit"], (it["unit"], 1.0))
-    text = f"{count}{stage}{where}: {factor * it['objective']:.5g} {unit}"
+    text = f"{count}{stage}{where}: {objective_in_words(it['objective'], it['unit'], 5)}"
     if not it["feasible"]:
         met = it["succeeded"]
         text += "" if all(met) else f", {sum(met)} of {len(met)} {success or 'solved'}"
