@@ -74,13 +74,13 @@ if TYPE_CHECKING:
     from .sweeps.sweep import Sweep as Sweep
     from .sweeps.sweep import sweep as sweep
     from .sweeps.swept import Swept as Swept
+    from .tuning.cases import Case as Case
     from .tuning.derived import Derived as Derived
     from .tuning.objective import Limits as Limits
     from .tuning.objective import Objective as Objective
     from .tuning.objective import Then as Then
     from .tuning.pareto import Front as Front
     from .tuning.pareto import pareto as pareto
-    from .tuning.problem import Case as Case
     from .tuning.problem import Problem as Problem
     from .tuning.problem import Variable as Variable
     from .tuning.tune import tune as tune
@@ -113,10 +113,11 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sweeps.stored": ("StoredSweep",),
     "sweeps.sweep": ("Sweep", "sweep"),
     "sweeps.swept": ("Swept",),
+    "tuning.cases": ("Case",),
     "tuning.derived": ("Derived",),
     "tuning.objective": ("Limits", "Objective", "Then"),
     "tuning.pareto": ("Front", "pareto"),
-    "tuning.problem": ("Case", "Problem", "Variable"),
+    "tuning.problem": ("Problem", "Variable"),
     "tuning.tune": ("tune",),
     "tuning.tuned": ("Tuned",),
     **{f"mechanisms.{folder}": names for folder, names in FOLDERS.items()},

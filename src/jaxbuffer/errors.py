@@ -40,6 +40,52 @@ class InputError(ValueError):
     def __init__(self, message: object) -> None:
         super().__init__(" ".join(str(message).split()))
 
+    def between(self, before: str = "", after: str = "") -> "InputError":
+        """The same error with words before and after its own."""
+        return InputError(f"{before}{self}{after}")
+
+
+class OutOfRange(InputError):
+    """A number outside of its range, told in the unit of its field, or in one that a person has typed.
+
+    **Arguments:**
+
+    - ``path``, ``value``, ``unit``: as of `check_number`.
+    - ``limits``: low and high end [``unit``], and whether each is open.
+    - ``before``, ``after``: further words.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        value: float,
+        unit: str,
+        limits: tuple[float, float, bool, bool],
+        before: str = "",
+        after: str = "",
+    ) -> None:
+        symbol = "" if unit in ("", "-") else f" {unit}"
+        allowed = f"{range_text(*limits)}{symbol}"
+        hint = meant(value, unit, **dict(zip(("low", "high", "low_open", "high_open"), limits, strict=True)))
+        super().__init__(f"{before}{path} = {value:g}{symbol} is out of range; allowed: {allowed}{hint}{after}")
+        self.path, self.value, self.unit, self.limits, self.before, self.after = (
+            path,
+            value,
+            unit,
+            limits,
+            before,
+            after,
+        )
+
+    def between(self, before: str = "", after: str = "") -> "OutOfRange":
+        """See `InputError.between`."""
+        return OutOfRange(
+            self.path, self.value, self.unit, self.limits, f"{before}{self.before}", f"{self.after}{after}"
+        )
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str]]:
+        return InputError, (str(self),)
+
 
 def shown(value: Any) -> str:
     """A value as a message shows it: on one line, cut where it is long."""
@@ -128,8 +174,7 @@ def check_number(
     bad = ~inside(array, **limits)
     if np.any(bad):
         first = float(array[bad].flat[0])
-        hint = meant(first, unit, **limits)
-        raise InputError(f"{path} = {first:g}{shown_unit} is out of range; allowed: {allowed}{hint}")
+        raise OutOfRange(path, first, unit, (low, high, low_open, high_open))
 
 
 def meant(value: float, unit: str, **limits: Any) -> str:
@@ -163,7 +208,7 @@ def check_entries(
         try:
             check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
         except InputError as error:
-            raise InputError(f"{error}{too_low if 0.0 < number <= floor else ''}") from None
+            raise error.between(after=too_low if 0.0 < number <= floor else "") from None
 
 
 def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":

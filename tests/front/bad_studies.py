@@ -8,7 +8,7 @@ STUDIES = [
     line("simulate study.toml", "not valid TOML", "numbers have a point, not a comma", study="[active]\nmass = 420,5"),
     toml("[buffer]\nk_A = '5 kg'", "buffer.k_A = '5 kg': kg is a mass, expected a number in N/m", "(0, inf) N/m"),
     toml("[buffer]\nk_A = '5 kn/m'", "buffer.k_A = '5 kn/m': the unit kn is unknown; did you mean kN?"),
-    toml("[buffer]\nk_A = '-5 kN/m'", "buffer.k_A = -5000 N/m is out of range; allowed: (0, inf) N/m"),
+    toml("[buffer]\nk_A = '-5 kN/m'", "buffer.k_A = -5 kN/m is out of range; allowed: (0, inf) kN/m"),
     toml("[buffer]\nk_T = '5 Nm/rad'", "buffer.k_T = '5 Nm/rad': the unit Nm is unknown; did you mean N m?"),
     toml("[buffer]\nk_T = '5 N m'", "N m is a torque or an energy, expected a number in N m/rad; write N m/rad"),
     toml("[buffer]\nk_A = '5'", "buffer.k_A: '5' is not a number; expected (0, inf) N/m"),
@@ -88,7 +88,15 @@ STUDIES = [
         "[[scenarios]] and [problem.sample]",
         "keep one",
     ),
-    toml("[problem.grid]\n[problem.sample]", "problem.grid and problem.sample are both given; choose one"),
+    toml("[problem.grid]\n[problem.sample]", "sample: nothing scatters"),
+    toml(
+        "[problem.grid]\napproach_speed = [0.1]\n[problem.sample]\nscenario.approach_speed = {uniform = [0.1, 0.2]}",
+        "problem.sample.scenario.approach_speed and problem.grid.approach_speed both give approach_speed; keep one",
+    ),
+    toml(
+        "[problem.sample]\nscenario.approach_speed = {normal = [0.1, 0.06]}",
+        "scenario.approach_speed = -0.02 m/s is out of range; allowed: (0, inf) m/s",
+    ),
     # settings
     toml("[options]\nduration = 0", "options.duration = 0 s is out of range; allowed: (0, inf) s"),
     toml("[options]\nduration = 'long'", "options.duration: 'long' is not a number; expected (0, inf) s"),

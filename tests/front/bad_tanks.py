@@ -81,7 +81,11 @@ BESIDE = "m is out of range; allowed: (0.0025, 0.2575) m, where the whole plate 
 TOGETHER = [
     _study(f"{THIN}[wall]\ntop = 0.025", f"wall.top = 0.025 {BELOW}"),
     line("sweep study.toml", f"wall.top = 0.025 {BELOW}", study=f"{KIND}{THIN}[sweep]\nwall.top = [0.01, 0.025]"),
-    line("simulate study.toml --wall.lower_side 20mm", f"wall.lower_side = 0.02 {BELOW}", study=KIND + THIN),
+    line(
+        "simulate study.toml --wall.lower_side 20mm",
+        "wall.lower_side = 20 mm is out of range; allowed: (0, 20) mm, less than tank.corner_radius",
+        study=KIND + THIN,
+    ),
     line("tune study.toml --wall.top 0.021", f"wall.top = 0.021 {BELOW}", study=KIND + THIN),
     line("sweep study.toml --over wall.bottom=5mm:30mm:2", f"wall.bottom = 0.03 {BELOW}", study=KIND + THIN),
     call(
@@ -103,7 +107,7 @@ TOGETHER = [
 WORDS = [
     _study("[wall]\ntop = 12", 'wall.top = 12 m is out of range; allowed: (0, 0.03] m; "12 mm" if that is meant'),
     _study("[scenario]\nfill = 60", 'allowed: [0.15, 0.95]; "60 %" if that is meant'),
-    _study("[scenario]\nfill = '96 %'", "scenario.fill = 0.96 is out of range; allowed: [0.15, 0.95]"),
+    _study("[scenario]\nfill = '96 %'", "scenario.fill = 96 % is out of range; allowed: [15, 95] %"),
     _study("[scenario]\nfill = nan", "scenario.fill = nan is out of range; allowed: [0.15, 0.95]"),
     _study("[cushion]\nstiffness = '4 N/m'", "'4 N/m': N/m is a stiffness, expected a number in Pa/m"),
     _study("[mesh]\nrefinement = 0", "mesh.refinement = 0 must be a whole number from 1 to 8"),
@@ -120,7 +124,7 @@ WORDS = [
     _study("[scenario]\napproach_speed = 2", "approach_speed is unknown; known: scenario.height, scenario.fill"),
     _study("[options]\nduration = inf", "duration = inf s is out of range; allowed: (0, inf) s"),
     _study(
-        "[problem.variables]\nwall.top = ['4 mm', '50 mm']", "wall.top = 0.05 m is out of range; allowed: (0, 0.03]"
+        "[problem.variables]\nwall.top = ['4 mm', '50 mm']", "wall.top = 50 mm is out of range; allowed: (0, 30] mm"
     ),
     _study(
         "[problem.constraints]\nstroke = 0.1", "constraints.stroke is unknown; known: captured, impacts, peak_force"

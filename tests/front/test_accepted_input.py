@@ -61,7 +61,7 @@ def test_scenarios_are_told_apart_by_their_values():
     slow, fast = Scenario(approach_speed=0.1), Scenario(approach_speed=0.2, misalignment=np.radians(3.0))
     assert (scenario_label(slow), scenario_label(fast)) == ("0.1 m/s, 0°", "0.2 m/s, +3°")
     turning = Scenario(passive_rate=0.05)
-    assert scenario_label(turning, (slow, turning)) == "0.1 m/s, 0°, passive rate 0.05 rad/s"
+    assert scenario_label(turning, (slow, turning)) == "0.1 m/s, 0°, passive rate 2.86479 deg/s"
     assert scenario_label(Scenario(misalignment=-0.0)) == "0.1 m/s, 0°"
 
 

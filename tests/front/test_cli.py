@@ -322,7 +322,7 @@ def test_a_run_outside_the_studys_limits_exits_with_1_and_says_which(computed, c
     (tmp_path / "study.toml").write_text(f"[problem.constraints]\n{limits}")
     assert run([command, "study.toml", "--output", "out"]) == 1
     shown = capsys.readouterr()
-    kept = "error: [problem.constraints] not kept: stroke 0.0075 m is above 0.005 m; end_time 0.04 s is below 0.05 s"
+    kept = "error: [problem.constraints] not kept: stroke 7.5 mm is above 5 mm; end_time 0.04 s is below 0.05 s"
     assert shown.err.splitlines()[-1] == kept
     assert shown.out and any((tmp_path / "out").iterdir()), "the result is saved and shown all the same"
     computed.outcome = Outcome.timeout
@@ -484,6 +484,6 @@ def test_a_tuned_design_is_run_as_long_as_it_was_tuned_and_says_its_objectives_u
     written = load(tmp_path / "out" / "design.toml")
     assert (written.options.duration, written.options.rtol) == (2.0, 1e-5)
     assert "# stroke, worst over the cases, before and after: " in (text := (tmp_path / "out/design.toml").read_text())
-    assert re.search(r"before and after: \S+ m, \S+ m\.\n", text)
+    assert re.search(r"before and after: \S+ mm, \S+ mm\.\n", text)
     assert run(["simulate", "out/design.toml"]) == 0
     assert computed.asked("simulate")["duration"] == 2.0

@@ -152,7 +152,10 @@ BAD = [
     ("[problem.then]\nstroke = 1\nslack = 0", ("then.slack = 0", "(0, 1]")),
     ("[problem.grid]\napproach_speed = []", ("problem.grid.approach_speed = []", "list of numbers in m/s")),
     ("[problem.grid]\nspeed = [1]", ("problem.grid.speed is unknown",)),
-    ("[problem.grid]\n[problem.sample]", ("problem.grid and problem.sample are both given",)),
+    (
+        "[problem.grid]\nmisalignment = [0]\n[problem.sample]\nscenario.misalignment = {uniform = [0, 1]}",
+        ("problem.sample.scenario.misalignment and problem.grid.misalignment", "keep one"),
+    ),
     ("[problem.sample]\ncount = 0\nscenario.approach_speed = {uniform = [1, 2]}", ("sample.count = 0",)),
     ("[problem.sample]\ncount = 4", ("nothing scatters",)),
     ("[problem.sample]\nscenario.approach_speed = 1", ("approach_speed = 1", "{ uniform = [low, high] }")),

@@ -233,6 +233,43 @@ def test_a_section_for_every_kind_of_result(folders):
     Outline(page.html())
 
 
+WHAT_WAS_FOUND = {
+    "run": "the capture ends after 0.04 s: captured: the tip centre crossed the capture plane inwards. Its largest"
+    " contact force is 250 N. It keeps every limit.",
+    "missed": "escaped: the tip left the cone. Its largest contact force is 250 N. It does not end"
+    " captured, as it must.",
+    "sensitivity": "Of 5 numbers probe.tip_mass moves the peak contact force most: 1 % more of it changes it by"
+    " +0.05 % (trusted).",
+    "tuned": "Tuning lowered peak force, worst over the scenarios, from 250 to 200 N (-20 %); the design keeps every"
+    " limit in its scenario. It changes buffer.k_A from 500 to 300 N/m, buffer.c_A from 5 to 3 N s/m,",
+    "sweep": "6 of 6 captures end captured in a sweep over approach speed and k_A. The largest contact force is 110 to"
+    " 400 N. 4 of 6 keep every limit.",
+    "sample": "32 of 32 captures end captured in a sample of 2 numbers. The peak contact force is scattered most by"
+    " scenario.approach_speed",
+    "front": "1 of 2 tuned designs are on the front of peak force and stroke. The worst peak contact force on it is"
+    " 200 N. The worst buffer stroke on it is 10 mm.",
+}
+
+
+@pytest.mark.parametrize("name", WHAT_WAS_FOUND)
+def test_a_page_begins_with_what_was_found(folders, name):
+    """The first paragraph below the title, before badges and sections, in the units that tables have."""
+    (paragraph,) = review([load(folders[name])]).abstract
+    assert WHAT_WAS_FOUND[name] in paragraph
+    page = review([load(folders[name])]).html()
+    header = page[page.index("<header>") : page.index('class="verdicts"')]
+    assert f'<p class="abstract">{paragraph}</p>' in header
+
+
+def test_a_page_of_several_begins_with_a_paragraph_for_each(folders):
+    every = [load(folder) for folder in folders.values()]
+    said = review(every).abstract
+    assert len(said) == len(folders)
+    runs = [text for text in said if "the capture ends" in text]
+    assert [text.partition(":")[0] for text in runs] == [str(folders[name]) for name in ("run", "other", "missed")]
+    assert len(comparison([load(folders[name]) for name in ("run", "other")]).abstract) == 2
+
+
 def test_the_safe_rectangle_in_words(folders):
     record = json.loads((folders["sweep"] / "sweep.json").read_text())["envelope"]
     section, text, _ = section_text(review([load(folders["sweep"])]), "Envelope")

@@ -13,13 +13,18 @@ from jsonschema import Draft7Validator
 
 import jaxbuffer
 from jaxbuffer.cli.entry import run
-from jaxbuffer.fields import get, metadata, paths
-from jaxbuffer.fields.meaning import meaning
+from jaxbuffer.fields import get, meaning, metadata, paths
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named
 from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
 from jaxbuffer.study.schema import study_schema
 
+SCATTER = """[problem.sample]
+count = 24
+[problem.sample.scenario]
+approach_speed = {normal = ["10 cm/s", "1 cm/s"]}
+[problem.sample.factors]
+"""
 KINDS = [mechanism.name for mechanism in all_mechanisms()]
 
 
@@ -67,7 +72,7 @@ def test_default_bounds_that_do_not_hold_the_start_are_said_not_refused(computed
     assert (
         "buffer.k_T = 10.77 N m/rad is outside the default bounds [50, 1500]: tune needs [problem.variables]" in shown
     )
-    assert "stroke ≤ 0.02 m" in shown and "needs [problem.variables] first" in shown
+    assert "stroke ≤ 20 mm" in shown and "needs [problem.variables] first" in shown
     assert run(["tune", "tuned.toml"]) == 2
     assert "default bounds [50, 1500] N m/rad; give bounds in [problem.variables]" in capsys.readouterr().err
     (tmp_path / "bounded.toml").write_text("[problem.variables]\nbuffer.k_A = [600, 2000]\n")
@@ -105,8 +110,8 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "options.duration 4 s (default 8 s)",
         "scenario.misalignment 3 deg = 0.0523599 rad (default 0 rad)",
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
-        "stroke ≤ 0.025 m",
-        "stroke ≥ 0.001 m",
+        "stroke ≤ 25 mm",
+        "stroke ≥ 1 mm",
         "every case must end captured",
         "buffer.k_A 100, 200 N/m",
         "buffer.c_A 1 to 9 N s/m, 8 values, linear",
@@ -159,18 +164,62 @@ def test_the_schema_knows_samples_and_choices_that_are_swept():
         ('[sample]\nmethod = "random"', False),
         ('[sweep]\nbuffer.damping = ["physical", "published"]', True),
         ('[sweep]\nbuffer.damping = ["fysical"]', False),
+        (f"{SCATTER}buffer.k_A = {{uniform = [0.9, 1.1]}}", True),
+        (f"{SCATTER}buffer.k_A = {{uniform = [0.9]}}", False),
+        (f"{SCATTER}buffer.k_B = {{uniform = [0.9, 1.1]}}", False),
+        (f"{SCATTER}buffer.k_A = {{triangle = [0.9, 1.1]}}", False),
+        ("[problem.sample]\ncount = 2.5", False),
+        ("[problem.sample]\ncuont = 2", False),
     ):
         assert described_by(schema, tomllib.loads(text)) is right, text
 
 
-def test_meanings_come_from_docstrings():
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_example_shows_how_designs_scatter(kind, tmp_path):
+    """The lines of [problem.sample], made to hold, are a study with so many cases, which its schema takes too."""
+    text = example_toml(mechanism_named(kind)).split("[tune]")[1].partition("\n\n")[2]
+    shown = r"^# (\[problem\.sample.*\].*|count = .*|seed = .*|.* = \{uniform.*)$"
+    text = re.sub(shown, r"\1", text, flags=re.MULTILINE)
+    text = f'kind = "{kind}"\n{text}'
+    assert len(loads(text.encode(), "example").problem().cases) == 24
+    assert described_by(study_schema(mechanism_named(kind)), tomllib.loads(text))
+
+
+@pytest.mark.parametrize("word", ["robust", "tolerance"])
+def test_a_search_of_the_docs_finds_how_designs_scatter(word):
+    """In a heading, which a search ranks first, of a page that shows the section; and in the example of a study."""
+    found = [
+        page.name
+        for page in (Path(__file__).parents[2] / "docs").glob("*.md")
+        if re.search(rf"^#.*{word}", text := page.read_text(encoding="utf-8"), re.MULTILINE | re.IGNORECASE)
+        and "[problem.sample]" in text
+    ]
+    assert found == ["studies.md"]
+    assert word in "".join(re.findall(r".*problem\.sample.*", example_toml(mechanism_named("bar_drop"))))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_field_has_a_meaning_that_is_listed(kind, capsys):
+    """One of its own: more than its name, and where two fields have the same words a section tells them apart."""
+    mechanism = mechanism_named(kind)
+    assert run(["fields", kind]) == 0
+    listed = " ".join(capsys.readouterr().out.split())
+    for part in (mechanism.design(), mechanism.scenario()):
+        for path in paths(part):
+            said, name = meaning(part, path), path.rpartition(".")[2]
+            assert metadata(part, path)["doc"] == said and len(said.split()) > 1, path
+            assert said.lower() not in (name.lower(), name.replace("_", " ").lower()), path
+            assert all(word in listed for word in said.split()), path
+
+
+def test_meanings_are_declared_with_the_fields():
     crank = mechanism_named("slider_crank").design()
     capture = mechanism_named("probe_cone").design()
     assert meaning(crank, "crank.length") == "length from the shaft to the crank pin"
     assert meaning(capture, "buffer.k_A") == "stiffness along the cylinder"
     assert meaning(capture, "buffer.c_T") == "damping about the hinge"
-    assert meaning(capture, "probe.free_tip") == "whether the tip spins freely"
-    assert meaning(capture, "active.mass") == "mass m_S"
+    assert meaning(capture, "probe.free_tip") == "whether the tip spins freely about its centre"
+    assert meaning(capture, "active.mass") == "mass m_S of the active vehicle"
 
 
 def test_a_shell_completes_commands(tmp_path):

@@ -153,6 +153,9 @@ def test_a_kink_that_is_no_minimum_does_not_count_as_converged(solve):
     stated = problem([SHIFT - 5] * 2, [SHIFT + 5] * 2, [SHIFT + 4.9, SHIFT - 4.9])
     tuned, _ = solve(stated, [shifted(CB2, SHIFT)], iterations=1)
     assert not tuned.converged and "limit of 1 steps" in tuned.message and tuned.residual > 1e-2
+    assert "To go on, raise iterations (now 1) in [tune] of the study or by --iterations" in tuned.message
+    settled, _ = solve(stated, [shifted(CB2, SHIFT)])
+    assert settled.converged and "iterations" not in settled.message
 
 
 def test_many_starts_find_the_lower_of_two_valleys(solve):

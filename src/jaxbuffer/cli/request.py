@@ -85,7 +85,8 @@ class Request:
             read = self.config.read_text(encoding="utf-8", errors="replace")
         duration = options.duration if options.duration is not None else study.mechanism.defaults.duration
         settings = {"solver": options.solver, "rtol [-]": float(options.rtol), "duration [s]": float(duration)}
-        return made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
+        about = made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
+        return {**about, "units": dict(study.units)}
 
     def files(self, *names: str, resumable: Sequence[str] = (), resume: bool = False) -> "Output":
         """Files to write later; everything that can go wrong with it is found now, before computing them.

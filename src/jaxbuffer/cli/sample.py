@@ -162,17 +162,24 @@ def _told(
     from .progress import working
 
     (indices, surface), told, refused = asked, Told(), None
+    varying = list[str]()
+    for name in names if indices or surface else ():
+        try:
+            found.check_varies(name, "indices and response surface")
+            varying.append(name)
+        except InputError as error:  # a quantity that is the same everywhere takes nothing from the others
+            refused = error
     try:
         if surface:
             from ..experiments.surface import response_surface
 
             told.surfaces = working(
-                "fitting response surfaces", lambda: [response_surface(found, name) for name in names]
+                "fitting response surfaces", lambda: [response_surface(found, name) for name in varying]
             )
-        if indices:
+        if indices and varying:
             from ..experiments.indices import sobol_indices
 
-            told.indices = working("resampling", lambda: sobol_indices(found, names))
+            told.indices = working("resampling", lambda: sobol_indices(found, varying))
     except InputError as error:
         refused = error
     shown = "\n\n".join(map(repr, [found, *([told.indices] if told.indices else []), *told.surfaces]))

@@ -18,6 +18,7 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
         return INTERRUPTED
     from ..errors import InputError
     from ..study.designs import tuned_toml
+    from ..tuning.summary import objective_in_words
     from ..tuning.tune import best_so_far
 
     try:
@@ -29,7 +30,7 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
         return INTERRUPTED
     which = "the problem's then" if best.stage else "the objective"
     kept = "within all limits" if best.feasible else "limits broken"
-    value = f"{best.objective:.6g} {best.unit}"
+    value = objective_in_words(best.objective, best.unit, 6)
     words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {kept}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
     note(f"the same command with --resume goes on in {files.folder}")

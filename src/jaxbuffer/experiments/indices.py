@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, check_names, check_number, check_whole
 from .points import points
-from .sample import Sample
+from .sample import ROUNDING, Sample
 from .surface import Surface, response_surface
 
 THROUGH = 2**12  # points at which a response surface is asked
@@ -96,6 +96,8 @@ def sobol_indices(
     check_number("confidence", confidence, "", low=0.0, high=1.0, low_open=True, high_open=True)
     check_whole("resamples", resamples, 99)
     names, axes = check_names("quantities", quantities, "peak_force"), sample.grid.axes
+    for name in names:
+        sample.check_varies(name, "indices")
     how = (confidence, resamples, seed)
     if sample.grid.method == "saltelli":
         values = {name: np.where(sample.succeeded, sample.quantity(name), np.nan) for name in names}
@@ -130,9 +132,12 @@ def estimated(
     rows = blocks.shape[1]
     if rows < LEAST:
         raise InputError(f"indices of {name}: {rows} rows of the sample have all their runs; at least {LEAST} must")
+    size = float(np.max(np.abs(blocks)))
     blocks = blocks - np.mean(blocks[:2])  # a multiplier of the variance less [Sobol' and Levitan 1999]
-    if not np.var(blocks[:2]) > 0.0:
-        raise InputError(f"indices of {name}: it is the same in all runs, so that it has no variance to share out")
+    if not np.std(blocks[:2]) > ROUNDING * size:
+        raise InputError(
+            f"indices of {name}: it is the same in all runs but for rounding, so that it has no variance to share out"
+        )
 
     def of_rows(chosen: np.ndarray) -> np.ndarray:
         return estimators(blocks[:, chosen])

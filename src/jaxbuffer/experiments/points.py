@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_whole
-from ..fields import Part, with_values
+from ..fields import Part, in_words, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 from ..sweeps.grid import Batch
@@ -43,7 +43,9 @@ class Points:
     def point(self, index: int) -> str:
         """One run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
         values = (axis.at(self.shares[index, k]) for k, axis in enumerate(self.axes))
-        return ", ".join(f"{a.name} {v:.6g} {a.unit}".rstrip(" -") for a, v in zip(self.axes, values, strict=True))
+        return ", ".join(
+            f"{a.name} {in_words(float(v), a.unit, a.typed)}" for a, v in zip(self.axes, values, strict=True)
+        )
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
         """All runs, with an array (n,) for each field that is sampled."""

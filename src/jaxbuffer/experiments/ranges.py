@@ -9,7 +9,18 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_choice, check_number, check_type, shown
-from ..fields import Part, check_address, check_units_agree, in_unit, unit_at, with_values
+from ..fields import (
+    Part,
+    as_typed,
+    check_address,
+    check_units_agree,
+    errors_in_typed_units,
+    in_unit,
+    range_in_words,
+    typed_unit,
+    unit_at,
+    with_values,
+)
 from ..sweeps.grid import SCALES
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
@@ -19,13 +30,15 @@ DECADE = 10.0  # a range whose ends are further apart than this factor is spread
 @dataclasses.dataclass(frozen=True)
 class Range:
     """A number that is sampled: its dotted ``path`` and ``unit``, its ends ``low`` and ``high`` [unit], and the
-    ``scale`` ("linear" or "log") on which every part of the range is as likely as any other."""
+    ``scale`` ("linear" or "log") on which every part of the range is as likely as any other; ``typed``: the unit that
+    its ends were typed in, "" where none was."""
 
     path: str
     unit: str
     low: float
     high: float
     scale: str = SCALES[0]
+    typed: str = dataclasses.field(default="", compare=False)
 
     @property
     def heading(self) -> str:
@@ -53,7 +66,8 @@ class Range:
 
     def __str__(self) -> str:
         scale = ", log scale" if self.scale == "log" else ""
-        return f"{self.low:g} … {self.high:g} {self.unit}".rstrip(" -") + scale
+        (low, symbol), (high, _) = (as_typed(end, self.unit, self.typed) for end in (self.low, self.high))
+        return f"{low:g} … {high:g} {symbol}".rstrip(" -") + scale
 
 
 def ranges(asked: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
@@ -82,14 +96,17 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
     for end in numbers:
         check_number(f"sample.{path}", end, symbol)
     if not low < high:
-        raise InputError(f"sample.{path} = [{low:g}, {high:g}] {symbol}: the low end must be below the high one")
-    with_values(design, scenario, {path: np.array([low, high])})  # checks the field's own range
+        bounds = range_in_words(low, high, symbol, typed_unit(given))
+        raise InputError(f"sample.{path} = {bounds}: the low end must be below the high one")
+    unit_typed = typed_unit(given)
+    with errors_in_typed_units({path: unit_typed}):
+        with_values(design, scenario, {path: np.array([low, high])})  # checks the field's own range
     if scale is None:
         scale = "log" if low > 0.0 and high > DECADE * low else "linear"
     check_choice(f"sample.{path}: scale", scale, SCALES)
     if scale == "log" and low <= 0.0:
         raise InputError(f"sample.{path}: a logarithmic scale needs positive ends; found {low:g} and {high:g} {symbol}")
-    return Range(path, symbol, low, high, scale)
+    return Range(path, symbol, low, high, scale, unit_typed)
 
 
 def typed(text: str) -> tuple[str, list[Any]]:

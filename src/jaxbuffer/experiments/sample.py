@@ -14,6 +14,7 @@ from ..fields import Part
 from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
+from ..run.trust import SMALL
 from ..sweeps.computed import Computed
 from ..sweeps.found import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
@@ -25,6 +26,9 @@ from .ranges import ranges as checked_ranges
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+
+ROUNDING = 1e-7  # relative: a tenth of a run's default tolerance, below which differences are no effect
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,6 +67,19 @@ class Sample(Computed):
         if name not in mechanism.swept:
             raise InputError(f"quantity {name} is unknown{suggest(name, mechanism.swept)}")
         return self.found.columns[name]
+
+    def check_varies(self, name: str, what: str) -> None:
+        """Raise `InputError` for a quantity that is the same in all runs that succeeded, but for what the runs' own
+        tolerance leaves open, beside its size or a thousandth of the largest of its unit. ``what``: is made of it."""
+        catalogue, known = self.found.mechanism.quantities, self.succeeded & np.isfinite(self.quantity(name))
+        values, symbol = self.quantity(name)[known], catalogue[name].unit
+        alike = [self.found.columns[it][known] for it in self.found.mechanism.swept if catalogue[it].unit == symbol]
+        largest = max((float(np.nanmax(np.abs(it), initial=0.0)) for it in alike), default=0.0)
+        size = max(float(np.max(np.abs(values), initial=0.0)), SMALL * largest)
+        if values.size and np.std(values) <= ROUNDING * size:
+            unit, factor = catalogue[name].in_figures
+            value = f"{factor * np.mean(values):.6g} {unit}".rstrip(" -")
+            raise InputError(f"{what} of {name}: it is the same in all runs, {value}, but for rounding: nothing varies")
 
     def to_xarray(self) -> "xr.Dataset":
         """The sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted paths."""

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.table import Table
 
+from ..fields import as_typed
 from ..sweeps.computed import outcomes_table, what_was_found
 from ..tables import table, text
 
@@ -111,6 +112,6 @@ def _within(values: np.ndarray, part: tuple[float, float]) -> np.ndarray:
 
 def ends(axis: "Axis", part: tuple[float, float]) -> str:
     """A range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
-    low, high = (value + 0.0 for value in part)
-    words = f"{low:.4g} … {high:.4g} {axis.unit}".rstrip(" -")
-    return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if axis.unit == "rad" else words
+    (low, symbol), (high, _) = (as_typed(value + 0.0, axis.unit, axis.typed) for value in part)
+    words = f"{low:.4g} … {high:.4g} {symbol}".rstrip(" -")
+    return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if symbol == "rad" else words

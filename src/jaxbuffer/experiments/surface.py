@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_choice, check_whole, shown, suggest
+from ..fields import in_words
 from .ranges import Range
 from .sample import Sample
 
@@ -114,8 +115,8 @@ class Surface:
         outside = ~((given >= axis.low - slack) & (given <= axis.high + slack))
         if outside.any():
             raise InputError(
-                f"response surface: {axis.path} = {given[outside][0]:g} {axis.unit} is outside of what was sampled,"
-                f" [{axis.low:g}, {axis.high:g}] {axis.unit}; a surface knows nothing there, sample a wider range"
+                f"response surface: {axis.path} = {in_words(given[outside][0], axis.unit)} is outside of what was"
+                f" sampled, {axis}; a surface knows nothing there, sample a wider range"
             )
         return np.clip(axis.shares(np.clip(given.astype(float), axis.low, axis.high)), 0.0, 1.0)
 
@@ -164,6 +165,7 @@ def response_surface(
             f"response surface of {quantity}: {known.size} {mechanism.run_name}s are left to fit, and a surface of"
             f" {len(sample.grid.axes)} numbers needs {max(folds, 2 * terms)}; take a larger sample"
         )
+    sample.check_varies(quantity, "response surface")
     logarithmic = bool(np.all(known > 0.0))
     fitted = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray

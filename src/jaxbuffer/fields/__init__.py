@@ -19,9 +19,15 @@ from .paths import by_path as by_path
 from .paths import check_path as check_path
 from .paths import get as get
 from .paths import limits_of as limits_of
+from .paths import meaning as meaning
 from .paths import metadata as metadata
 from .paths import paths as paths
 from .paths import replace as replace
 from .paths import unit as unit
+from .units import as_typed as as_typed
 from .units import check_units_agree as check_units_agree
+from .units import errors_in_typed_units as errors_in_typed_units
 from .units import in_unit as in_unit
+from .units import in_words as in_words
+from .units import range_in_words as range_in_words
+from .units import typed_unit as typed_unit

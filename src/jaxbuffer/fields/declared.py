@@ -14,25 +14,26 @@ from ..errors import InputError, check_choice, check_flag, check_number, check_t
 from .units import as_unit, in_unit
 
 
-def number(default: float | None, unit: str, **limits: Any) -> Any:
+def number(default: float | None, unit: str, *, doc: str = "", **limits: Any) -> Any:
     """A differentiable field with its unit and allowed range; lists of numbers become arrays, and text with a unit
     ("0.5 kN/m") becomes a number in the field's.
 
     **Arguments:** ``default``: in the field's unit, None if it may be left out; ``unit``: as in messages and tables;
-    ``limits``: keywords of `check_number` that bound it (``low``, ``high``, ``low_open``, ``high_open``).
+    ``doc``: what the field means, in a few words, for tables, studies and editors; ``limits``: keywords of
+    `check_number` that bound it (``low``, ``high``, ``low_open``, ``high_open``).
     """
     convert = functools.partial(as_unit, unit=unit)
-    return eqx.field(default=default, converter=convert, metadata={"unit": unit, "limits": limits})
+    return eqx.field(default=default, converter=convert, metadata={"unit": unit, "limits": limits, "doc": doc})
 
 
-def whole(default: int, least: int, most: int | None = None) -> Any:
-    """A static field that takes whole numbers from ``least`` up, or from there to ``most``."""
-    return eqx.field(default=default, static=True, metadata={"least": least, "most": most})
+def whole(default: int, least: int, most: int | None = None, *, doc: str = "") -> Any:
+    """A static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` as of `number`."""
+    return eqx.field(default=default, static=True, metadata={"least": least, "most": most, "doc": doc})
 
 
-def choice(default: str, *options: str) -> Any:
-    """A static field that takes one of a few words. ``default``: one of them; ``options``: all."""
-    return eqx.field(default=default, static=True, metadata={"choices": options})
+def choice(default: str, *options: str, doc: str = "") -> Any:
+    """A static field that takes one of a few words, one of the ``options``; ``doc`` as of `number`."""
+    return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc})
 
 
 POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
@@ -48,10 +49,13 @@ class Part(eqx.Module):
     section: ClassVar[str] = ""
 
     def __new__(cls, *given: Any, **named: Any) -> Self:
-        known = [field.name for field in dataclasses.fields(cls)]
-        for name in named:
+        known = {field.name: field.metadata for field in dataclasses.fields(cls)}
+        for name, value in named.items():
             if name not in known:
                 raise InputError(f"{cls.__name__}: {name} is unknown{suggest(name, known)}")
+            if isinstance(value, str) and "unit" in known[name]:  # the field's converter keeps no unit for a message
+                path = f"{cls.section}.{name}" if cls.section else name
+                in_unit(path, value, known[name]["unit"], **known[name]["limits"])
         return super().__new__(cls)
 
     def __check_init__(self) -> None:

@@ -75,6 +75,11 @@ def metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:
     return {field.name: field.metadata for field in dataclasses.fields(module)}[name]
 
 
+def meaning(module: eqx.Module, path: str) -> str:
+    """What the field at ``path`` of ``module`` means, in a few words; its name where it declares none."""
+    return metadata(module, path).get("doc") or path.rpartition(".")[2].replace("_", " ")
+
+
 def limits_of(module: eqx.Module, path: str) -> Mapping[str, Any]:
     """The declared range of the numbers at ``path`` of ``module``, as keywords of `check_number`."""
     limits: Mapping[str, Any] = metadata(module, path).get("limits", {})

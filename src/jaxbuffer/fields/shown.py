@@ -14,10 +14,15 @@ DIGITS = 8
 def part_text(part: eqx.Module) -> str:
     """A field a line, its unit beside its name: ``k_A [N/m] = 500.0``.
 
-    The unit belongs to the field. In a gradient, which has a design's fields, each number is the derivative by its
-    field: its unit is the quantity's over the one shown.
+    A gradient has a design's fields, and each of its numbers is the derivative by its field: ``k_A [per N/m] = 0.2``,
+    in the quantity's unit per that of the field. It is known by a number that no design allows: derivatives by fields
+    that do nothing are zero, others negative.
     """
-    lines = _lines(part)
+    return _text(part, is_gradient(part))
+
+
+def _text(part: eqx.Module, gradient: bool) -> str:
+    lines = _lines(part, gradient)
     short = f"{type(part).__name__}({', '.join(lines)})"
     if len(lines) <= 1 or (not any("\n" in line for line in lines) and len(short) <= 100):
         return short
@@ -25,13 +30,23 @@ def part_text(part: eqx.Module) -> str:
     return f"{type(part).__name__}(\n{body},\n)"
 
 
-def _lines(part: eqx.Module) -> list[str]:
+def is_gradient(part: eqx.Module) -> bool:
+    """Whether a design's fields hold numbers that no design allows. Traced numbers are not known."""
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(part)):
+        return False
+    in_range = getattr(part, "in_range", tuple)
+    return not all(np.all(np.asarray(inside)) for inside in in_range())
+
+
+def _lines(part: eqx.Module, gradient: bool) -> list[str]:
     lines = []
     for field in dataclasses.fields(part):
         value, symbol = getattr(part, field.name), field.metadata.get("unit", "")
-        name = f"{field.name} [{symbol}]" if symbol else field.name
+        per = "per " if gradient and symbol != "-" else ""
+        name = f"{field.name} [{per}{symbol}]" if symbol else field.name
         equals = " = " if symbol else "="
-        lines.append(f"{name}{equals}{value_text(value)}")
+        inner = _text(value, gradient) if isinstance(value, eqx.Module) else value_text(value)
+        lines.append(f"{name}{equals}{inner}")
     return lines
 
 

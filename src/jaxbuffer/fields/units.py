@@ -5,13 +5,14 @@ is a dimension here, so that Hz is not taken for rad/s, and no two units share a
 text with a unit is met.
 """
 
+import contextlib
 import functools
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..errors import InputError, as_number, nearest, range_text, shown
+from ..errors import InputError, OutOfRange, as_number, inside, nearest, range_text, shown
 
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|°|[A-Za-zµμ1][^\[\]{}=,;:\"']*)\s*")
 _UNIT = re.compile(r"[\w\s*/·.^()°%²³⁻¹-]{1,40}")
@@ -78,7 +79,7 @@ def as_unit(value: Any, unit: str) -> Any:
 
 
 def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
-    """`as_unit` of the value of a field.
+    """`as_unit` of the value of a field; a text's number must be in its range, which an error tells in the text's unit.
 
     **Arguments:** ``path``: as shown to the user; ``unit``: the field's; ``limits``: its range, as in `check_number`.
 
@@ -91,7 +92,61 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
         allowed = range_text(*(limits.get(name, default) for name, default in _RANGE.items()))
         symbol = "" if unit in ("", "-") else f" {unit}"
         raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}{symbol}")
-    return as_unit(value, unit)
+    number = as_unit(value, unit)
+    if isinstance(value, str) and type(number) is float and not inside(number, **limits):
+        ends = tuple(limits.get(name, default) for name, default in _RANGE.items())
+        raise _in_unit_of(OutOfRange(path, number, unit, ends), typed_unit(value))
+    return number
+
+
+def typed_unit(value: Any) -> str:
+    """The unit that was typed with a value, or with the first of a list's or a table's that has one; "" for none."""
+    if isinstance(value, (list, tuple, Mapping)):
+        values = value.values() if isinstance(value, Mapping) else value
+        return next(filter(None, map(typed_unit, values)), "")
+    found = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    return found[2].strip() if found else ""
+
+
+def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
+    """A value in ``unit`` as one in the unit that was ``typed``, and that unit; the same where none was typed."""
+    try:
+        return (
+            (float(_registry().Quantity(value, _parsed(unit)).to(_parsed(typed)).magnitude), typed)
+            if typed
+            else (value, unit)
+        )
+    except Exception:  # pint has many: the unit does not fit, which its own error says
+        return value, unit
+
+
+def in_words(value: float, unit: str, typed: str = "", digits: int = 6) -> str:
+    """A value with its unit, or with the one that was ``typed``: "25 mm"."""
+    number, symbol = as_typed(value, unit, typed)
+    return f"{number:.{digits}g} {symbol}".rstrip(" -")
+
+
+def range_in_words(low: float, high: float, unit: str, typed: str = "") -> str:
+    """Two ends with their unit, or with the one that was ``typed``: "[1, 25] mm"."""
+    (first, symbol), (last, _) = (as_typed(end, unit, typed) for end in (low, high))
+    return f"[{first:g}, {last:g}] {symbol}".rstrip(" -")
+
+
+@contextlib.contextmanager
+def errors_in_typed_units(units: Mapping[str, str]) -> Iterator[None]:
+    """Errors of numbers out of range tell them in the ``units`` that were typed, by path."""
+    try:
+        yield
+    except OutOfRange as error:
+        raise _in_unit_of(error, units.get(error.path, "")) from None
+
+
+def _in_unit_of(error: OutOfRange, typed: str) -> OutOfRange:
+    """The error in the unit that was typed."""
+    value, symbol = as_typed(error.value, error.unit, typed)
+    low, high = (as_typed(end, error.unit, typed)[0] for end in error.limits[:2])
+    limits = (low, high, *error.limits[2:])
+    return OutOfRange(error.path, value, symbol, limits, error.before, error.after)
 
 
 def check_units_agree(where: str, values: Sequence[Any], written: Callable[..., str] | None = None) -> None:

@@ -3,17 +3,19 @@
 from typing import Any
 
 from ..errors import range_text
-from ..fields import Part, get, metadata, paths
+from ..fields import Part, get, meaning, metadata, paths
 from ..tables import table, text
 from .mechanism import Mechanism
 
 
 def described(mechanism: Mechanism) -> str:
-    """Every field with unit, default and allowed range, and every quantity with unit and meaning."""
-    fields = table(f'{mechanism.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed"))
+    """Every field with unit, default, allowed range and meaning, and every quantity with unit and meaning."""
+    fields = table(
+        f'{mechanism.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed", "meaning")
+    )
     for prefix, part in (("", mechanism.design()), ("scenario.", mechanism.scenario())):
         for path in paths(part):
-            fields.add_row(prefix + path, *_declared(part, path))
+            fields.add_row(prefix + path, *_declared(part, path), meaning(part, path))
     quantities = table("Quantities of a run", left=("quantity", "unit", "meaning", "sweep", "tune"))
     for name, quantity in mechanism.quantities.items():
         used = ("yes" if use else "" for use in (quantity.swept, quantity.tuned))

@@ -1,6 +1,7 @@
 """What a mechanism says of itself; everything else follows from that."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -101,6 +102,8 @@ def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
 
 def _shown(scenario: Part, name: str) -> str:
     value, symbol = getattr(scenario, name), unit(scenario, name)
+    if symbol == "rad":
+        return f"{math.degrees(float(value)):.4g}°"
     return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
 
 

@@ -23,12 +23,14 @@ if TYPE_CHECKING:
 
 def sweep_record(swept: "Swept", envelope: "SafeRectangle | None", made: Made) -> dict[str, Any]:
     """How many runs ended how, and what is safe; the runs themselves are in sweep.npz."""
-    axes = [
-        {"path": it.path, "unit": it.unit, "values": np.asarray(it.values).tolist(), "scale": it.scale}
-        for it in swept.grid.axes
-    ]
+    axes = [{**_field(it), "values": np.asarray(it.values).tolist(), "scale": it.scale} for it in swept.grid.axes]
     safe = None if envelope is None else _envelope(envelope)
     return _whole(swept, {"axes": axes, "envelope": safe}, made)
+
+
+def _field(axis: Any) -> dict[str, str]:
+    """A swept or sampled field: its path, the unit of its numbers, and the one in which people are shown them."""
+    return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
 
 
 def _envelope(found: "SafeRectangle") -> dict[str, Any]:
@@ -40,9 +42,7 @@ def _envelope(found: "SafeRectangle") -> dict[str, Any]:
         "runs": int(found.safe.size),
         "runs_in_rectangle": int(found.runs),
         "rectangle": [
-            {"path": axis.path, "unit": axis.unit, "low": float(part[0]), "high": float(part[1])}
-            for axis, part in ranges
-            if part is not None
+            {**_field(axis), "low": float(part[0]), "high": float(part[1])} for axis, part in ranges if part is not None
         ],
         "reasons": dict(Counter(str(reason) for reason in found.reasons[~found.safe])),
     }
@@ -56,9 +56,7 @@ def sample_record(
     told = {
         "method": points.method,
         "seed": points.seed,
-        "ranges": [
-            {"path": it.path, "unit": it.unit, "low": it.low, "high": it.high, "scale": it.scale} for it in points.axes
-        ],
+        "ranges": [{**_field(it), "low": it.low, "high": it.high, "scale": it.scale} for it in points.axes],
         "indices": [] if indices is None else _indices(indices),
         "surfaces": [_surface(surface) for surface in surfaces],
     }
@@ -106,6 +104,7 @@ def front_record(front: "Front", table: tuple[list[str], Iterable[Sequence[Any]]
         "kind": front.problem.mechanism.name,
         "objectives": list(front.objectives),
         "scenarios": len(front.problem.cases),
+        "samples": front.problem.samples,
         "points": [dict(zip(header, row, strict=True)) for row in rows],
         "design": record(front.problem.design),
         "jaxbuffer": version(),

@@ -180,7 +180,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
         "why": tuned.why,
         "broken": tuned.goal.broken(tuned.after),
         "outside_validity": tuned_warnings(tuned),
-        "objective": str(problem.objective),
+        "objective": problem.worded(problem.objective),
         "objective_unit": problem.objective.unit(problem.catalogue),
         "objective_before": _number(start),
         "objective_after": _number(end),
@@ -198,6 +198,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
                 "scale": v.scale,
                 "before": get(problem.design, v.path),
                 "value": get(tuned.design, v.path),
+                "shown_in": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
             }
             for v in problem.variables
         ],
@@ -215,8 +216,36 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
             }
             for (case, before, after), floor in zip(scenarios, floors, strict=True)
         ],
+        **_scattered(tuned),
         "design": record(tuned.design),
         "jaxbuffer": version(),
+    }
+
+
+def _scattered(tuned: "Tuned") -> dict[str, Any]:
+    """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
+    scatter, found = tuned.problem.scatter, tuned.corners
+    if scatter is None or found is None:
+        return {}
+    corners = zip(found.cases, found.values, found.broken, strict=True)
+    return {
+        "sample": {
+            "count": scatter.count,
+            "seed": scatter.seed,
+            "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
+        },
+        "corners": {
+            "said": found.lines(tuned.problem),
+            "run": len(found.cases),
+            "all": found.whole,
+            "holding": found.holding,
+            "largest_objective": _number(found.largest),
+            "objective_in_the_middle": _number(found.middle),
+            "each": [
+                {**record(case.scenario), "factors": dict(case.factors), "objective": _number(value), "broken": broken}
+                for case, value, broken in corners
+            ],
+        },
     }
 
 
@@ -251,12 +280,13 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
 def tuned_comment(tuned: "Tuned") -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
-    limits, symbol = problem.limits.lines(problem.catalogue), problem.objective.unit(problem.catalogue)
+    limits = problem.limits.lines(problem.catalogue)
+    before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
     lines = [
         f"{headline(tuned.message, tuned.feasible)}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
-        f"{problem.objective}, before and after: {start:.6g} {symbol}, {end:.6g} {symbol}.",
+        f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..fields import get, unit
+from ..fields import get
 from .figures import last_contact
 from .force_record import force_over_time
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
@@ -51,15 +51,15 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     for row, draw in enumerate(draws):
         draw(figure.add_subplot(second[row]), tuned)
     figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
-    unit = problem.objective.unit(problem.catalogue)
-    before, after = (f"{value:.5g} {unit}" for value in tuned.objective)
-    figure.suptitle(f"{_asked(problem.objective)}: {before} before, {after} after")
+    unit, factor = problem.objective.in_figures(problem.catalogue)
+    before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
+    figure.suptitle(f"{_asked(problem, problem.objective)}: {before} before, {after} after")
     return figure
 
 
-def _asked(objective: Any) -> str:
+def _asked(problem: Any, objective: Any) -> str:
     """An objective in words."""
-    return str(objective).replace("_", " ").replace("cases", "scenarios")
+    return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
 def worst_case(tuned: "Tuned") -> int:
@@ -113,9 +113,11 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
     for (name, colour, marker), places in zip(POINTS, scaled, strict=True):
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
     for k, v in enumerate(variables):
-        symbol = unit(tuned.problem.design, v.path)
-        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=7)
-    axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=7)
+        before, after = (tuned.problem.shown(v.path, each[k]) for each in values)
+        axes.text(1.03, k, f"{before[0]:.4g} → {after[0]:.4g} {after[1]}", va="center", fontsize=7)
+    ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
+    names = [f"{v.path}\n{low:.4g} to {high:.4g}" for v, (low, high) in zip(variables, ends, strict=True)]
+    axes.set_yticks(row, names, fontsize=7)
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
@@ -172,21 +174,22 @@ def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
         ("search", "o", COLOURS[2], lambda it: it["status"] != "start" and it["feasible"]),
         ("infeasible", "x", RED, lambda it: not it["feasible"]),
     ]
+    problem = tuned.problem
+    asked = problem.then.objective if stage and problem.then is not None else problem.objective
+    unit, factor = asked.in_figures(problem.catalogue)
     for name, marker, colour, chosen in kinds:
         some = [it for it in records if chosen(it)]
         if some:
-            x, y = [it["evaluation"] for it in some], [it["objective"] for it in some]
+            x, y = [it["evaluation"] for it in some], [factor * it["objective"] for it in some]
             axes.plot(x, y, marker, color=colour, markersize=4, label=name)
-    best = np.minimum.accumulate([it["objective"] if it["feasible"] else np.inf for it in records])
+    best = np.minimum.accumulate([factor * it["objective"] if it["feasible"] else np.inf for it in records])
     known = np.isfinite(best)
     if np.any(known):
         numbers = np.array([it["evaluation"] for it in records])
         axes.step(numbers[known], best[known], where="post", color=BLUE, label="best so far")
     _integer_axis(axes)
-    problem = tuned.problem
-    asked = problem.then.objective if stage and problem.then is not None else problem.objective
-    value = f"objective [{asked.unit(problem.catalogue)}]"
-    label(axes, f"Every design tried for:\n{_asked(asked)}", "evaluation [-]", value, columns=2)
+    value = f"objective [{unit}]"
+    label(axes, f"Every design tried for:\n{_asked(tuned.problem, asked)}", "evaluation [-]", value, columns=2)
 
 
 def _integer_axis(axes: "Axes") -> None:

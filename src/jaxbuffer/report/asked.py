@@ -1,16 +1,16 @@
 """What was asked: limits, scenarios, variables with their bounds; and what the model leaves out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import Part, get, paths, unit
+from ..fields import Part, as_typed, get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
 from .judged import lender_of
 from .limits import asked_limits
 from .page import Section, Table, shown
-from .records import field_name, in_figures, scenario_of, words
+from .records import field_name, in_figures, scenario_of, units_of, words
 
 TITLE = "What is asked"
 Rows = list[list[str]]
@@ -23,9 +23,10 @@ def asked(first: Results, every: Sequence[Results]) -> Section | None:
     rows = _limits(mechanism, lender_of([first, *every]))
     if tuned is not None:
         rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
-        rows += [*_scenarios(mechanism, tuned["scenarios"]), *_variables(mechanism, tuned["variables"])]
+        rows += _scenarios(mechanism, tuned["scenarios"], units_of(first))
+        rows += _variables(mechanism, tuned["variables"])
     elif run is not None:
-        rows += _scenarios(mechanism, [run["scenario"]])
+        rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
     text = [f"What the model leaves out: {' '.join(mechanism.leaves_out)}"] if mechanism.leaves_out else []
     if not rows and not text:
         return None
@@ -47,10 +48,11 @@ def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
     return rows
 
 
-def _scenarios(mechanism: Mechanism, cases: Sequence[Record]) -> Rows:
+def _scenarios(mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str]) -> Rows:
     """How many there are, and the range of each field; ranges of what is built otherwise than drawn."""
     met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
-    rows = [["scenario" if len(met) == 1 else f"{len(met)} scenarios", *_range(met, usual, p)] for p in paths(usual)]
+    name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
+    rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in paths(usual)]
     built = dict.fromkeys(path for case in cases for path in case.get("factors", {}))
     for path in built:
         factors = [case.get("factors", {}).get(path, 1.0) for case in cases]
@@ -58,18 +60,20 @@ def _scenarios(mechanism: Mechanism, cases: Sequence[Record]) -> Rows:
     return rows
 
 
-def _range(met: Sequence[Any], usual: Part, path: str) -> list[str]:
-    """A field's name, and its values from the lowest to the highest."""
+def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
+    """A field's name, and its values from the lowest to the highest; ``typed``: the unit that they were typed in."""
     values, symbol = [get(one, path) for one in met], unit(usual, path)
     if not symbol or any(value is None for value in values):
         return [field_name(path), ", ".join(dict.fromkeys(map(shown, values)))]
-    low, high = (said(float(end), symbol) for end in (min(values), max(values)))
+    ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
+    low, high = (said(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
 
 
 def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
-    usual = mechanism.design()
-    return [
-        ["variable", it["path"], f"{shown(it['low'])} to {shown(it['high'])} {unit(usual, it['path'])}".rstrip(" -")]
-        for it in variables
-    ]
+    usual, rows = mechanism.design(), list[list[str]]()
+    for it in variables:
+        typed = it.get("shown_in", "")
+        (low, symbol), (high, _) = (as_typed(it[end], unit(usual, it["path"]), typed) for end in ("low", "high"))
+        rows.append(["variable", it["path"], f"{shown(low)} to {shown(high)} {symbol}".rstrip(" -")])
+    return rows

@@ -7,6 +7,7 @@ from typing import Any
 from ..errors import InputError
 from ..fields import get, paths, unit
 from ..output.folder import Results
+from .abstract import abstract
 from .badges import badges
 from .differing import COLOURS, by_scenario, differing, limited_by_scenario
 from .figures import figure
@@ -42,7 +43,7 @@ def comparison(every: Sequence[Results]) -> Page:
         parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
     if figures := [one for found in every for one in _figures(found)]:
         parts.append(Section("Figures", figures=figures))
-    return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)])
+    return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)], abstract(every))
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:

@@ -1,11 +1,12 @@
 """The design of a page: every number with its meaning, and where it comes from."""
 
-from ..fields import get, paths, unit
-from ..fields.meaning import meaning
+from typing import Any
+
+from ..fields import as_typed, get, meaning, paths, unit
 from ..output.folder import Record, Results
 from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import by_name, same
+from .records import by_name, same, units_of
 
 
 def design(found: Results) -> Section | None:
@@ -14,13 +15,16 @@ def design(found: Results) -> Section | None:
         return None
     default = found.mechanism.design()
     tuned = {variable["path"] for variable in (found.tuned or {}).get("variables", ())}
+    typed = units_of(found)
     special: list[list[str | Cell]] = []
     usual: list[list[str | Cell]] = []
     for path in paths(default):
         before = get(default, path)
         value = get(found.design, path)
         source = "tuned" if path in tuned else "default" if same(value, before) else "given"
-        row = [path, meaning(default, path), shown(value), unit(default, path), shown(before), source]
+        symbol, as_shown = unit(default, path), typed.get(path, "")
+        (number, told), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
+        row = [path, meaning(default, path), shown(number), told, shown(usually), source]
         (usual if source == "default" else special).append(list(row))
     headings = ("field", "meaning", "value", "unit", "default", "source")
     tables = [Table("What is tuned or given", headings, special)] if special else []
@@ -36,5 +40,12 @@ def other_design(found: Results, first: Results, record: Record) -> list[str]:
     differ = [path for path in paths(usual) if path in one and not same(one[path], get(first.design, path))]
     if not differ:
         return []
-    said = ", ".join(f"{path} = {shown(one[path])} {unit(usual, path)}".rstrip() for path in differ)
+    typed = units_of(found)
+    told = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
+    said = ", ".join(f"{path} = {shown(value)} {symbol}".rstrip(" -") for path, value, symbol in told)
     return [f"Of another design than the one above: {said}."]
+
+
+def _shown(value: Any, unit: str, typed: str) -> tuple[Any, str]:
+    """A field's value in the unit that it was typed in, and that unit; what is no number as it is."""
+    return as_typed(value, unit, typed) if isinstance(value, float) else (value, unit)

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ..fields import as_typed
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import ended, field_name, in_figures, words
+from .records import UNIT, ended, field_name, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 STANDING = {"front": "good", "front, not converged": "unsure"}
@@ -37,10 +38,7 @@ def envelope_in_words(envelope: Record) -> list[str]:
     told = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
     if not envelope["rectangle"]:
         return [*told, "No run is safe, so there is no safe rectangle."]
-    ranges = " by ".join(
-        f"{field_name(part['path'])} from {_ends(part['low'], part['high'], part['unit'])}"
-        for part in envelope["rectangle"]
-    )
+    ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
     told.append(
         f"Every run of the largest safe rectangle, {envelope['runs_in_rectangle']} of them, is safe: {ranges}."
         " Between the runs nothing was computed."
@@ -53,7 +51,7 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
     """On which sides the largest safe rectangle ends where the sweep does, as a warning; none where on no side."""
     values = {axis["path"]: axis["values"] for axis in axes}
     sides = [
-        f"{field_name(part['path'])} {where} {_end(part[end], part['unit'])}"
+        f"{field_name(part['path'])} {where} {_end(part[end], part)}"
         for part in envelope["rectangle"]
         for end, where, last in (("low", "below", min), ("high", "above", max))
         if part[end] == last(values[part["path"]])
@@ -63,14 +61,16 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
     return [f"The edge of what is safe was not found on the side of {', '.join(sides)}: sweep wider."]
 
 
-def _end(value: float, unit: str) -> str:
-    return f"{math.degrees(value):+.3g}°" if unit == "rad" else f"{shown(value)} {unit}".rstrip(" -")
+def _end(value: float, field: Record) -> str:
+    """A value of a swept field: in the unit that was typed, else angles in degrees."""
+    number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
+    return f"{math.degrees(number):+.3g}°" if symbol == "rad" else f"{shown(number)} {symbol}".rstrip(" -")
 
 
-def _ends(low: float, high: float, unit: str) -> str:
-    if unit == "rad":
-        return f"{math.degrees(low):+.3g}° to {math.degrees(high):+.3g}°"
-    return f"{shown(low)} to {shown(high)} {unit}".rstrip(" -")
+def _ends(field: Record) -> str:
+    """The range of a swept field: "0.1 to 0.2 m/s"."""
+    low, high = (_end(field[end], field) for end in ("low", "high"))
+    return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
 
 
 def sample(found: Results) -> Section | None:
@@ -78,7 +78,10 @@ def sample(found: Results) -> Section | None:
     record = found.records.get("sample")
     if record is None:
         return None
-    ranges = [[r["path"], r["unit"], shown(r["low"]), shown(r["high"]), r["scale"]] for r in record["ranges"]]
+    ranges = []
+    for r in record["ranges"]:
+        (low, symbol), (high, _) = (as_typed(r[end], r["unit"], r.get("shown_in", "")) for end in ("low", "high"))
+        ranges.append([r["path"], symbol, shown(low), shown(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(found.mechanism, record["outcomes"]))
     tables += [_indices(found.mechanism, name, rows) for name, rows in _by_quantity(record["indices"]).items()]
@@ -146,19 +149,37 @@ def front(found: Results) -> Section | None:
     points = record["points"]
     kept = sum(point["standing"] in STANDING for point in points)
     rows: list[list[str | Cell]] = []
+    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
+    headings, factors = zip(*(_front_column(found, name) for name in names), strict=True)
     for point in points:
         mark = STANDING.get(point["standing"], "bad")
-        values = [shown(value) for name, value in point.items() if name not in ("point", "standing", "converged")]
+        numbers = zip((point[name] for name in names), factors, strict=True)
+        values = [shown(factor * value if isinstance(value, float) else value) for value, factor in numbers]
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
-    names = [name for name in points[0] if name not in ("point", "standing", "converged")]
     objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
+    over = (
+        f"{sampled}, no bound" if (sampled := record.get("samples")) else f"{count} scenario{'s' if count > 1 else ''}"
+    )
     text = [
-        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {count}"
-        f" scenario{'s' if count > 1 else ''}: none of them is better than another in every objective.",
+        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {over}:"
+        " none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
-    table = Table("Points of the front", ("point", *map(words, names), "standing"), rows)
+    table = Table("Points of the front", ("point", *headings, "standing"), rows)
     return Section("Front", text, figure(found, "pareto", "The front; crosses: another point is better"), [table])
+
+
+def _front_column(found: Results, name: str) -> tuple[str, float]:
+    """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
+    or its limit, or of a variable."""
+    start, symbol = UNIT.match(name).groups() if UNIT.match(name) else (name, "")  # type: ignore[union-attr]
+    quantity = found.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
+    shown_in, factor = symbol, 1.0
+    if quantity is not None:
+        shown_in, factor = quantity.in_figures
+    elif typed := units_of(found).get(start):
+        factor, shown_in = as_typed(1.0, symbol, typed)
+    return (f"{words(start)} [{shown_in}]" if symbol else words(name)), factor
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

@@ -88,12 +88,14 @@ class Section:
 
 @dataclasses.dataclass(frozen=True)
 class Page:
-    """A whole page: ``title``, a line below it, the ``verdicts`` that matter most, and sections."""
+    """A whole page: ``title``, a line below it, the ``verdicts`` that matter most, and sections; ``abstract``: what was
+    found, in plain words, a paragraph for each result."""
 
     title: str
     subtitle: str
     verdicts: Sequence[Cell]
     sections: Sequence[Section]
+    abstract: Sequence[str] = ()
 
     @property
     def generator(self) -> str:

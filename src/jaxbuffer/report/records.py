@@ -7,7 +7,8 @@ from typing import Any
 
 from ..fields import paths
 from ..mechanisms.mechanism import Mechanism
-from ..output.folder import Record
+from ..output.folder import Record, Results
+from ..output.provenance import MADE
 from ..output.words import called
 from .page import Cell, shown
 
@@ -30,6 +31,11 @@ def same(value: Any, other: Any) -> bool:
 def words(name: str) -> str:
     """A name as one reads it."""
     return name.replace("_", " ")
+
+
+def units_of(found: Results) -> Mapping[str, str]:
+    """The units that a folder's numbers were typed with, by path, in which people are shown them."""
+    return next((it[MADE]["units"] for it in found.records.values() if "units" in it.get(MADE, {})), NONE)
 
 
 def field_name(path: str) -> str:

@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from ..output.folder import Results
+from .abstract import abstract
 from .asked import asked
 from .badges import INFEASIBLE, badges
 from .designs import design
@@ -36,7 +37,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
         title = title or f"{first.mechanism.title}: design review"
     else:
         title = f"{title or f'{first.mechanism.title}, design review'}: {INFEASIBLE}"
-    return Page(title, subtitle, badges(every, every), [*parts, origin(every), verification()])
+    return Page(title, subtitle, badges(every, every), [*parts, origin(every), verification()], abstract(every))
 
 
 def distinct(parts: Parts) -> list[Section]:

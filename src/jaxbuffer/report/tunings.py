@@ -1,6 +1,6 @@
 """What a page says of a tuning: scenarios before and after, the search."""
 
-from ..fields import unit
+from ..fields import as_typed, unit
 from ..output.folder import Record, Results
 from .figures import figure
 from .judged import case_labels
@@ -32,7 +32,15 @@ def scenarios(found: Results) -> Section | None:
         headings += [f"{title}\n[{symbol}] before", "\nafter"]
     worst = found.records.get("force", {}).get("scenario", "")
     curves = forces(found, f"Contact force of the worst scenario ({worst}), before and after tuning")
-    return Section("Scenarios", curves=curves, tables=[Table("Before and after tuning", headings, rows)])
+    tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
+    if corners is None:
+        return Section("Scenarios", curves=curves, tables=tables)
+    said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
+    holds = corners["holding"] == corners["run"]
+    text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
+    found_there = said[:-1]
+    text, warnings = ([text[0], *found_there, text[1]], []) if holds else (text, found_there)
+    return Section("Scenarios", text, curves=curves, tables=tables, warnings=warnings)
 
 
 def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:
@@ -46,7 +54,10 @@ def search(found: Results) -> Section | None:
     if tuned is None:
         return None
     usual, numbers = found.mechanism.design(), ("low", "high", "before", "value")
-    rows = [[v["path"], unit(usual, v["path"]), *(shown(v[n]) for n in numbers), _bound(v)] for v in tuned["variables"]]
+    rows = []
+    for v in tuned["variables"]:
+        told = [as_typed(v[name], unit(usual, v["path"]), v.get("shown_in", "")) for name in numbers]
+        rows.append([v["path"], told[0][1], *(shown(value) for value, _ in told), _bound(v)])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [

@@ -1,8 +1,9 @@
 """Studies as TOML: read into a `Config`, override fields by dotted path, write a design back."""
 
 import dataclasses
+import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,11 +18,13 @@ from ..fields import (
     by_path,
     check_address,
     choice,
+    errors_in_typed_units,
     in_unit,
     metadata,
     number,
     paths,
     replace,
+    typed_unit,
     unit,
 )
 from ..files import write
@@ -53,9 +56,11 @@ class Options(Part):
     """
 
     section = "options"
-    duration: float | None = number(None, "s", **POSITIVE)
-    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2)
-    solver: str = choice("automatic", *SOLVER_NAMES)
+    duration: float | None = number(
+        None, "s", **POSITIVE, doc="time after which a run is over; not set: the mechanism's"
+    )
+    rtol: float = number(DEFAULT_TOLERANCE, "-", low=1e-13, high=1e-2, doc="relative error of a step")
+    solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
 
     def stepper(self) -> Solver:
         """The solver that ``solver`` names."""
@@ -67,7 +72,8 @@ class Config:
     """A study: one design, the scenario to simulate, the scenarios to tune for (default: that one), and settings.
 
     ``table``: the ``[problem]`` section as read, checked when the `problem` is made; ``folder``: the file's own, where
-    the Python files lie that it names.
+    the Python files lie that it names; ``units``: those that numbers were typed with, by address, in which people are
+    told them.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -80,6 +86,7 @@ class Config:
     sample: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # count, method, seed, and ranges by path
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)  # typed with a unit, by address
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
@@ -91,7 +98,7 @@ class Config:
             try:
                 check_pair(mechanism, self.design, scenario)
             except InputError as error:
-                raise InputError(f"[[scenarios]] number {i} ({mechanism.label(scenario)}): {error}") from None
+                raise error.between(f"[[scenarios]] number {i} ({mechanism.label(scenario)}): ") from None
         if not self.scenarios:
             object.__setattr__(self, "scenarios", (self.scenario,))
 
@@ -107,8 +114,17 @@ class Config:
         options = self.options
         if options.solver != Options.solver:
             raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
-        listed = self.scenarios
-        return read_problem(self.table, self.design, self.scenario, listed, options.duration, options.rtol, self.folder)
+        with errors_in_typed_units(self.units):
+            return read_problem(
+                self.table,
+                self.design,
+                self.scenario,
+                self.scenarios,
+                options.duration,
+                options.rtol,
+                self.folder,
+                self.units,
+            )
 
 
 def load(path: str | Path | None) -> Config:
@@ -134,7 +150,9 @@ def loads(content: bytes, name: str | Path) -> Config:
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
         raise InputError(f"{name} is not valid TOML: {no_toml(text, error)}") from None
     try:
-        return dataclasses.replace(_config(data), folder=Path(name).parent)
+        units = dict(_typed_units(data))
+        with errors_in_typed_units(units):
+            return dataclasses.replace(_config(data), folder=Path(name).parent, units=units)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 
@@ -150,12 +168,15 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     meeting = {path: _typed(config.scenario, path, text) for path, text in meeting.items()}
     design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
     scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
-    return dataclasses.replace(
-        config,
-        design=_replaced(config.design, design),
-        scenario=_replaced(config.scenario, meeting, "scenario."),
-        scenarios=tuple(dict.fromkeys(scenarios)),
-    )
+    units = {**config.units, **{path: typed for path, text in values.items() if (typed := typed_unit(text))}}
+    with errors_in_typed_units(units):
+        return dataclasses.replace(
+            config,
+            design=_replaced(config.design, design),
+            scenario=_replaced(config.scenario, meeting, "scenario."),
+            scenarios=tuple(dict.fromkeys(scenarios)),
+            units=units,
+        )
 
 
 def apply_options(settings: T, typed: Mapping[str, str]) -> T:
@@ -250,6 +271,21 @@ def _config(data: dict[str, Any]) -> Config:
     typed = fields | {f"{SCENARIO}{name}": value for name, value in _table(data, "scenario").items()}
     texts = {path: value for path, value in typed.items() if isinstance(value, str)}
     return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, texts=texts)
+
+
+def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
+    """The unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
+    sampled. ``path``: of ``value`` in the file."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from _typed_units(inner, f"{path}.{name}".lstrip("."))
+    elif path == "scenarios" and isinstance(value, list):
+        for inner in value:
+            yield from _typed_units(inner, "scenario")
+    elif symbol := typed_unit(value):
+        path = re.sub(r"\.(from|to|uniform|normal)$", "", path)
+        path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
+        yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:

@@ -9,8 +9,7 @@ from typing import Any
 import tomli_w
 
 from ..errors import range_text
-from ..fields import Part, get, metadata, unit_at
-from ..fields.meaning import meanings
+from ..fields import Part, get, meaning, metadata, unit_at
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.settings import Settings
 from .config import Options, sections
@@ -43,10 +42,9 @@ def example_toml(mechanism: Mechanism) -> str:
 
 def _fields(part: Part, commented: bool) -> Iterator[str]:
     """A line for each field; ``commented``: whether a field that has a value is a comment too."""
-    said = meanings(type(part))
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
-        words = [_allowed(known), said[name]]
+        words = [_allowed(known), meaning(part, name)]
         if value is None:
             yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
         else:
@@ -88,9 +86,27 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     first = _numbers(mechanism)[0]
     yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"
     yield f"# {first} = {[float(getattr(mechanism.scenario(), first))]}"
+    yield from _sampled(mechanism, first)
     yield "# [problem.then]  # what decides among designs that are about as good as the best"
     yield f"# {mechanism.tuned[-1]} = 1.0"
     yield "# slack = 0.01"
+
+
+def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
+    """The section of tolerances; ``field``: of the scenario."""
+    value = float(getattr(mechanism.scenario(), field))
+    low, high = 0.9 * value, 1.1 * value
+    yield "# [problem.sample]  # robust designs: what scatters; each sample at every point of a grid, if there is one"
+    yield _line(
+        "# count = 24", "samples; the worst of them is no bound, so the result is run in the ranges' corners too"
+    )
+    yield _line("# seed = 0", "the same seed draws the same samples")
+    yield "# [problem.sample.scenario]"
+    yield _line(
+        f"# {field} = {{uniform = [{low:g}, {high:g}]}}", "or {normal = [mean, deviation]}, in the field's unit"
+    )
+    yield "# [problem.sample.factors]  # tolerances: by which the built design's numbers differ from the drawn ones"
+    yield _line(f"# {mechanism.defaults.parameters[0]} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
 
 
 def _numbers(mechanism: Mechanism) -> list[str]:

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..fields import Part, get, metadata, paths, unit
+from ..fields import Part, get, metadata, paths, range_in_words, unit
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from .config import Config, Options
@@ -33,11 +33,11 @@ def explained(study: Config, name: str) -> str:
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
-        "objective": [] if problem is None else [str(problem.objective)],
+        "objective": [] if problem is None else [problem.worded(problem.objective)],
         "own quantities": [] if problem is None else _own(problem),
         "limits": [] if problem is None else _limits(problem),
-        "then": [] if problem is None or problem.then is None else [str(problem.then.objective)],
-        "sweep": [f"{axis.path} {_axis(axis)}" for axis in swept.axes] if study.sweep else [],
+        "then": [] if problem is None or problem.then is None else [problem.worded(problem.then.objective)],
+        "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
     lines = [f"Study {name}: valid"]
@@ -84,7 +84,8 @@ def _scenarios(study: Config) -> list[str]:
 def _variables(problem: Problem) -> list[str]:
     design = problem.design
     return [
-        f"{v.path} in [{v.low:g}, {v.high:g}] {_unit(design, v.path)}, {v.scale}, from {_value(design, v.path)}"
+        f"{v.path} in {range_in_words(v.low, v.high, _unit(design, v.path), problem.units.get(v.path, ''))}, {v.scale},"
+        f" from {problem.said(v.path, get(design, v.path))}"
         for v in problem.variables
     ]
 
@@ -134,14 +135,6 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
         return [*told, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
     return [*told, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
-
-
-def _axis(axis: Any) -> str:
-    values = axis.values
-    unit = "" if axis.unit == "-" else f" {axis.unit}"
-    if len(values) <= 5:
-        return ", ".join(f"{value:g}" for value in values) + unit
-    return f"{values[0]:g} to {values[-1]:g}{unit}, {len(values)} values, {axis.scale}"
 
 
 def _shown(part: Part, path: str, prefix: str = "") -> str:

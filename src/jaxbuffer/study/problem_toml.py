@@ -7,12 +7,25 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
-from ..fields import Part, by_path, check_path, check_units_agree, get, in_unit, limits_of, paths, unit
+from ..fields import (
+    Part,
+    by_path,
+    check_path,
+    check_units_agree,
+    get,
+    in_unit,
+    in_words,
+    limits_of,
+    paths,
+    range_in_words,
+    typed_unit,
+    unit,
+)
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
-from ..tuning.cases import KINDS, Distribution, grid, sample
-from ..tuning.problem import SCALES, Case, Limits, Objective, Problem, Then, Variable
+from ..tuning.cases import KINDS, Case, Distribution, Scatter, grid
+from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
 SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then", "quantities")
@@ -28,33 +41,40 @@ def read_problem(
     duration: float | None,
     rtol: float,
     folder: Path,
+    units: Mapping[str, str],
 ) -> Problem:
-    """A problem from its TOML table. ``listed``: the study's scenarios, which a grid or a sample here replaces;
-    ``folder``: the study's, beside which its Python files are."""
+    """A problem from its TOML table.
+
+    **Arguments:** ``listed``: the study's scenarios, which a grid or a sample here replaces; where both are here, every
+    sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
+    as of `Config`.
+    """
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    units = _units(table, mechanism)
+    symbols = _units(table, mechanism)
     variables = _variables_of(table, design)
-    _check_start(design, variables, "variables" in table)
+    _check_start(design, variables, "variables" in table, units)
     try:
         return Problem(
             design=design,
-            scenarios=_cases(table, design, base, listed),
+            scenarios=_scenarios(table, base, listed),
             variables=variables,
-            objective=_objective(_table(table, "objective", {}), "objective", units),
+            objective=_objective(_table(table, "objective", {}), "objective", symbols),
             limits=limits(table, mechanism),
-            then=_then(_table(table, "then", {}), units) if "then" in table else None,
+            then=_then(_table(table, "then", {}), symbols) if "then" in table else None,
             duration=duration,
             rtol=rtol,
             quantities=own_quantities(table, mechanism, folder),
+            scatter=_scatter(table, design, base),
+            units=units,
         )
     except InputError as error:
         if not str(error).startswith(SECTIONS):
             raise
         asked = limits(table, mechanism).at_most
         broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
-        hints = (meant(asked[name], units[name], low=0.0) for name in broken)
-        raise InputError(f"problem.{error}{next(hints, '')}") from None
+        hints = (meant(asked[name], symbols[name], low=0.0) for name in broken)
+        raise error.between("problem.", next(hints, "")) from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
@@ -62,7 +82,10 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     _variables_of(table, design)
-    _cases(table, design, base, ())
+    if (scatter := _scatter(table, design, base)) is not None:
+        scatter.cases(_scenarios(table, base, ()), design)
+    else:
+        _scenarios(table, base, ())
     units = _units(table, mechanism)
     _objective(_table(table, "objective", {}), "objective", units)
     limits(table, mechanism)
@@ -85,18 +108,18 @@ def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...
     return tuple(_variable(path, given, design) for path, given in by_name.items())
 
 
-def _check_start(design: Part, variables: Sequence[Variable], own: bool) -> None:
+def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: Mapping[str, str]) -> None:
     """Raise `InputError` for a start outside its bounds. ``own``: whether the study gives them."""
     for v in variables:
-        value, symbol = get(design, v.path), f" {unit(design, v.path)}".rstrip(" -")
+        value, symbol, typed = get(design, v.path), unit(design, v.path), units.get(v.path, "")
         if isinstance(value, float) and not v.low <= value <= v.high:
-            bounds = f"bounds [{v.low:g}, {v.high:g}]{symbol}"
+            bounds = f"bounds {range_in_words(v.low, v.high, symbol, typed)}"
             told = (
                 f"its {bounds}; widen the bounds in [problem.variables] or change the start"
                 if own
                 else f"the default {bounds}; give bounds in [problem.variables] or change the start"
             )
-            raise InputError(f"the start, {v.path} = {value:g}{symbol}, is outside {told}")
+            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {told}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -115,22 +138,18 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
     for bound in (low, high):
         check_number(where, bound, symbol, **limits_of(design, path))
     if not low < high:
-        raise InputError(f"{where} = [{low:g}, {high:g}] {symbol}: the low bound must be below the high one")
+        bounds = range_in_words(low, high, symbol, typed_unit(given))
+        raise InputError(f"{where} = {bounds}: the low bound must be below the high one")
     return Variable(path, low, high, scale)
 
 
-def _cases(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
-    if "grid" in table and "sample" in table:
-        raise InputError("problem.grid and problem.sample are both given; choose one")
+def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -> tuple[Case, ...]:
+    """The grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
         _known(fields, tuple(paths(base)), "problem.grid")
-        for name, values in fields.items():
-            fields = {**fields, name: _grid_values(name, values, base)}
-        return grid(fields, base)
-    if "sample" in table:
-        return _sampled(_table(table, "sample", {}), design, base)
-    return tuple(Case(scenario) for scenario in listed)
+        return grid({name: _grid_values(name, values, base) for name, values in fields.items()}, base)
+    return tuple(Case(scenario) for scenario in ((base,) if "sample" in table else listed))
 
 
 def _grid_values(name: str, values: Any, base: Part) -> list[float]:
@@ -146,23 +165,28 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
     return read
 
 
-def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, ...]:
-    _known(table, SAMPLE, "problem.sample")
+def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | None:
+    """How scenarios and design scatter; None where they do not."""
+    if "sample" not in table:
+        return None
+    asked, spanned = _table(table, "sample", {}), _table(table, "grid", {})
+    _known(asked, SAMPLE, "problem.sample")
     fields, factors = (
-        by_path(_table(table, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
+        by_path(_table(asked, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
     )
     _known(fields, tuple(paths(base)), "problem.sample.scenario")
     _known(factors, tuple(paths(design)), "problem.sample.factors")
-    seed = table.get("seed", 0)
+    for name in fields:
+        if name in spanned:
+            raise InputError(f"problem.sample.scenario.{name} and problem.grid.{name} both give {name}; keep one")
+    seed = asked.get("seed", 0)
     check_whole("problem.sample.seed", seed, 0)
     read = lambda name, given, symbol: _distribution(f"problem.sample.{name}", given, symbol)  # noqa: E731
-    return sample(
-        table.get("count", 16),
+    return Scatter(
+        asked.get("count", 16),
         {name: read(f"scenario.{name}", given, unit(base, name)) for name, given in fields.items()},
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
-        seed=seed,
-        base=base,
-        design=design,
+        seed,
     )
 
 

@@ -9,8 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..experiments.points import METHODS
-from ..fields import Part, get, metadata, paths
-from ..fields.meaning import meanings
+from ..fields import Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
 from ..sweeps.grid import SCALES as RANGES
 from ..tuning.problem import SCALES
@@ -54,12 +53,12 @@ def _object(properties: Mapping[str, Schema], **others: Any) -> Schema:
 
 def _part(part: Part) -> Schema:
     """Of a section: each field with its range or choices, its unit and meaning in words."""
-    said = meanings(type(part))
     fields = {}
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
         symbol = known.get("unit", "-")
-        schema = _field(known) | {"description": said[name] if symbol == "-" else f"[{symbol}] {said[name]}"}
+        said = meaning(part, name)
+        schema = _field(known) | {"description": said if symbol == "-" else f"[{symbol}] {said}"}
         fields[name] = schema if value is None else schema | {"default": value}
     return _object(fields)
 
@@ -122,6 +121,29 @@ def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
     return {"type": "array", "items": items, "minItems": 2, "maxItems": 3, "description": words}
 
 
+def _scatter(numbers: Mapping[str, Mapping[str, Any]], scenario: Mapping[str, Mapping[str, Any]]) -> Schema:
+    """Of how the cases of a tuning scatter."""
+    factors = {path: _distribution("[-] of the drawn number") for path in numbers}
+    fields = {path: _distribution(f"[{known['unit']}]") for path, known in scenario.items() if "unit" in known}
+    parts: dict[str, Schema] = {
+        "count": {"type": "integer", "minimum": 1, "description": "samples of each scenario; their worst is no bound"},
+        "seed": {"type": "integer", "minimum": 0, "description": "the same seed draws the same samples"},
+        "scenario": _object(fields, description="how the scenario's fields scatter"),
+        "factors": _by_path(factors) | {"description": "tolerances: factors on the design's numbers, 1 being as drawn"},
+    }
+    return _object(parts, description="robust designs: samples of scenarios and tolerances that a tuning serves")
+
+
+def _distribution(words: str) -> Schema:
+    """Of a number that scatters."""
+    two: Schema = {"type": "array", "items": {"anyOf": [{"type": "number"}, TEXT]}, "minItems": 2, "maxItems": 2}
+    uniform, normal = (
+        two | {"description": f"{words}, low and high"},
+        two | {"description": f"{words}, mean, deviation"},
+    )
+    return _object({"uniform": uniform, "normal": normal}, minProperties=1, maxProperties=1)
+
+
 def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
     variables = {path: _range(known, SCALES) for path, known in numbers.items()}
@@ -135,7 +157,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
         {
             "variables": _by_path(variables),
             "grid": _object(listed),
-            "sample": {"type": "object"},
+            "sample": _scatter(numbers, {path: metadata(scenario, path) for path in paths(scenario)}),
             "objective": _open(weights | over),
             "constraints": _open(_quantities(mechanism, mechanism.tuned, sides) | limits),
             "quantities": {

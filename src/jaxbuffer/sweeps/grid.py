@@ -11,12 +11,26 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
-from ..fields import Part, check_address, check_alone, check_units_agree, in_unit, unit_at, value_at, with_values
+from ..fields import (
+    Part,
+    as_typed,
+    check_address,
+    check_alone,
+    check_units_agree,
+    errors_in_typed_units,
+    in_unit,
+    in_words,
+    typed_unit,
+    unit_at,
+    value_at,
+    with_values,
+)
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
+FEW = 5  # values that are listed in words
 BYTES = 2000  # for each run: inputs, results, its row of text while files are written
 EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
 
@@ -40,12 +54,14 @@ class Span:
 
 @dataclasses.dataclass(frozen=True)
 class Axis:
-    """One field's values: its dotted ``path``, ``unit`` ("" of a choice), and the values asked for [unit]."""
+    """One field's values: its dotted ``path``, ``unit`` ("" of a choice), and the values asked for [unit]; ``typed``:
+    the unit that they were typed in, "" where none was."""
 
     path: str
     unit: str
     asked: Span | tuple[Any, ...]
     scale: str = SCALES[0]  # on which it is drawn
+    typed: str = dataclasses.field(default="", compare=False)
 
     def __len__(self) -> int:
         return len(self.asked)
@@ -69,8 +85,18 @@ class Axis:
         """One of the values in words: "0.1 m/s", "hertz", "true"."""
         if not self.unit:
             return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
-        degrees = f" ({np.degrees(value):+.3g}°)" if self.unit == "rad" else ""
-        return f"{value:.{digits}g} {self.unit}".rstrip(" -") + degrees
+        degrees = f" ({np.degrees(value):+.3g}°)" if self.unit == "rad" and not self.typed else ""
+        return in_words(value, self.unit, self.typed, digits) + degrees
+
+    def spanned(self) -> str:
+        """All values in a few words: "5 to 30 cm/s, 6 values, linear"."""
+        if not self.unit:
+            return ", ".join(map(self.words, self.values))
+        shown = [as_typed(value, self.unit, self.typed)[0] for value in self.values.tolist()]
+        symbol = as_typed(0.0, self.unit, self.typed)[1]
+        if len(shown) <= FEW:
+            return f"{', '.join(f'{value:g}' for value in shown)} {symbol}".rstrip(" -")
+        return f"{shown[0]:g} to {shown[-1]:g} {symbol}".rstrip(" -") + f", {len(shown)} values, {self.scale}"
 
 
 class Batch(NamedTuple):
@@ -164,8 +190,10 @@ def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
         return Axis(path, "", _chosen(path, asked, design, scenario))
     values = span(f"sweep.{path}", asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
-    with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
-    return Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0])
+    found = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(asked))
+    with errors_in_typed_units({path: found.typed}):
+        with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
+    return found
 
 
 def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from rich.table import Table
 
+from ..fields import as_typed
 from ..tables import html, text
 from .computed import Computed, outcomes_table, what_was_found
 from .grid import Axis, Grid
@@ -80,12 +81,12 @@ def swept_parts(swept: Swept) -> list[str | Table]:
 
 
 def _values(axis: Axis) -> str:
-    values = axis.values
     if not axis.unit:
-        return ", ".join(axis.words(value) for value in values)
-    few = [f"{value:g}" for value in values]
+        return axis.spanned()
+    typed = [as_typed(value, axis.unit, axis.typed) for value in axis.values.tolist()]
+    few, symbol = [f"{value:g}" for value, _ in typed], typed[0][1]
     listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
-    if axis.unit == "rad":
-        low, high = np.degrees([min(values), max(values)])
+    if symbol == "rad":
+        low, high = np.degrees([min(axis.values), max(axis.values)])
         return f"{listed} rad ({low:+.3g}° … {high:+.3g}°)"
-    return f"{listed} {axis.unit}".rstrip(" -")
+    return f"{listed} {symbol}".rstrip(" -")

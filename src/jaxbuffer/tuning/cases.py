@@ -1,4 +1,5 @@
-"""Many cases from few words: a grid over scenario fields, or a sample of an envelope with distributions."""
+"""The runs that a design must serve, and many of them from few words: a grid over scenario fields, or samples and
+corners of what scatters."""
 
 import dataclasses
 import itertools
@@ -9,14 +10,61 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
-from ..fields import Part, check_path, get, unit
+from ..fields import Part, check_path, get, replace, unit
 from ..mechanisms import mechanism_named
 from ..mechanisms.registry import mechanism_of_scenario
-from .problem import Case
 
 KINDS = ("uniform", "normal")
 MOST = 100_000  # cases in a sample
+WHOLE_CORNERS = 6  # ranges up to which each corner of them is run
+DEVIATIONS = 2.0  # of a normal distribution, from its mean to the ends of its range
 ONE_NUMBER = "a distribution has two numbers"
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """One run the design must serve.
+
+    **Arguments:**
+
+    - ``scenario``: of the design's mechanism.
+    - ``factors``: pairs of a dotted path of the design and the factor by which the built mechanism's number differs
+      from the drawn one's [-].
+
+    **Raises:** `InputError` for what is no scenario, and for factors that are not such pairs.
+
+    **Example:** a spring that came out 10 % too stiff.
+
+    >>> case = jb.Case(jb.Scenario(approach_speed=0.2), factors=(("buffer.k_A", 1.1),))
+    >>> print(f"{case.label()}: {case.of(jb.table2()).buffer.k_A:g} N/m")
+    0.2 m/s, 0°, 1.1 buffer.k_A: 550 N/m
+    """
+
+    scenario: Part
+    factors: tuple[tuple[str, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        try:
+            mechanism_of_scenario(self.scenario)
+        except InputError as error:
+            raise InputError(f"case's {error}; write Case(Scenario(approach_speed=0.2))") from None
+        for pair in self.factors:
+            if not isinstance(pair, tuple) or len(pair) != 2:
+                raise InputError(
+                    f"case's factors = {shown(self.factors)}; write Case(scenario, (('buffer.k_A', 1.1),))"
+                )
+            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
+
+    def label(self, among: Sequence["Case"] = ()) -> str:
+        """What people call the case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
+        factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
+        return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
+            factors
+        )
+
+    def of(self, design: Part) -> Part:
+        """The mechanism as built."""
+        return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,6 +88,97 @@ class Distribution:
         if self.kind == "uniform":
             return self.first + share * (self.second - self.first)
         return np.asarray(norm.ppf(share, self.first, self.second))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Its ends; of a normal distribution two deviations on either side of the mean."""
+        if self.kind == "uniform":
+            return self.first, self.second
+        return self.first - DEVIATIONS * self.second, self.first + DEVIATIONS * self.second
+
+
+@dataclasses.dataclass(frozen=True)
+class Scatter:
+    """How scenarios and the built design scatter.
+
+    **Arguments:**
+
+    - ``count``: samples of each scenario, a Latin hypercube: each distribution is met evenly even by few of them.
+    - ``fields``: distributions of the scenario's fields, in their units.
+    - ``factors``: distributions of factors on numbers of the design [-], 1 being as drawn, by dotted path.
+    - ``seed``: the same one draws the same samples.
+
+    **Raises:** `InputError` for counts and seeds that are no such numbers, and where nothing scatters.
+    """
+
+    count: int
+    fields: Mapping[str, Distribution]
+    factors: Mapping[str, Distribution] = dataclasses.field(default_factory=dict)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_whole("sample.count", self.count, 1)
+        check_whole("sample.seed", self.seed, 0)
+        if not self.fields and not self.factors:
+            raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
+        for name, given in (*self.fields.items(), *self.factors.items()):
+            check_type(f"sample.{name}", given, Distribution, "Distribution('uniform', 0.9, 1.1)")
+
+    @property
+    def distributions(self) -> dict[str, Distribution]:
+        """All of them, the scenario's first, by the address of their number."""
+        return {f"scenario.{name}": given for name, given in self.fields.items()} | dict(self.factors)
+
+    def cases(self, scenarios: Sequence[Case], design: Part) -> tuple[Case, ...]:
+        """The samples, each at every scenario. ``design``: to check the paths of ``factors`` with.
+
+        **Raises:** `InputError` for unknown fields, those that are no numbers, ends of a range that a scenario does not
+        allow, and too many cases.
+        """
+        from scipy.stats import qmc
+
+        if (most := MOST // len(scenarios)) < self.count:
+            raise InputError(f"sample.count = {self.count} is out of range; allowed: [1, {most}]")
+        for scenario in scenarios:
+            for name in self.fields:
+                check_path(scenario.scenario, name)
+        for path in self.factors:
+            value = get(design, path)
+            if value is None or isinstance(value, (str, bool)):
+                raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
+        self.corners(scenarios)  # raises for ends of a range that a scenario does not allow
+        shares = qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
+        spread = [d.at(s) for d, s in zip(self.distributions.values(), shares, strict=True)]
+        return self._at(scenarios, np.array(spread).T)
+
+    def corners(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
+        """The corners of all ranges, each at every scenario: every one of up to six ranges, of more a fraction.
+
+        In the fraction each two ranges, and each three of up to 32, take all combinations of their ends equally often.
+        It is a two-level fractional factorial design (Box and Hunter, 1961): a range is at its high end where an odd
+        number of the basic factors in its own set are. The sets are distinct, those of odd size first.
+        """
+        count = len(self.distributions)
+        basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
+        sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
+        high = np.array([[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)])
+        ends = np.array([given.range for given in self.distributions.values()])
+        return self._at(scenarios, np.where(high, ends[:, 1], ends[:, 0]))
+
+    def middle(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
+        """The middle of all ranges at every scenario."""
+        return self._at(scenarios, np.array([[np.mean(given.range) for given in self.distributions.values()]]))
+
+    def _at(self, scenarios: Sequence[Case], rows: Float[np.ndarray, "n numbers"]) -> tuple[Case, ...]:
+        """Each row of numbers at every scenario, all rows of the first one first."""
+        split, names, found = len(self.fields), [*self.distributions], list[Case]()
+        for case, row in itertools.product(scenarios, rows.tolist()):
+            scenario = dataclasses.replace(case.scenario, **dict(zip(self.fields, row[:split], strict=True)))
+            drawn = dict(zip(names[split:], row[split:], strict=True))
+            factors = dict(case.factors)
+            factors |= {path: factor * factors.get(path, 1.0) for path, factor in drawn.items()}
+            found.append(Case(scenario, tuple(factors.items())))
+        return tuple(found)
 
 
 def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:
@@ -67,35 +206,7 @@ def sample(
     base: Part | None = None,
     design: Part | None = None,
 ) -> tuple[Case, ...]:
-    """Cases drawn from distributions of scenario ``fields`` and of ``factors`` on design numbers (1 is as drawn).
-
-    A Latin hypercube: each distribution is met evenly even by few cases; the same ``seed`` draws the same ones.
-    ``design``: to check the paths of ``factors`` with.
-    """
-    from scipy.stats import qmc
-
-    base, factors = mechanism_named("probe_cone").scenario() if base is None else base, factors or {}
-    check_whole("sample.count", count, 1)
-    if count > MOST:
-        raise InputError(f"sample.count = {count} is out of range; allowed: [1, {MOST}]")
-    check_whole("sample.seed", seed, 0)
-    if not fields and not factors:
-        raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
-    for name, given in (*fields.items(), *factors.items()):
-        check_type(f"sample.{name}", given, Distribution, "Distribution('uniform', 0.9, 1.1)")
-    for name in fields:
-        check_path(base, name)
-    for path in factors:
-        value = get(mechanism_of_scenario(base).design() if design is None else design, path)
-        if value is None or isinstance(value, (str, bool)):
-            raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
-    shares = qmc.LatinHypercube(len(fields) + len(factors), rng=seed).random(count).T
-    spread = [d.at(s) for d, s in zip((*fields.values(), *factors.values()), shares, strict=True)]
-    split = len(fields)
-    return tuple(
-        Case(
-            dataclasses.replace(base, **{name: float(x[k]) for name, x in zip(fields, spread[:split], strict=True)}),
-            tuple((path, float(x[k])) for path, x in zip(factors, spread[split:], strict=True)),
-        )
-        for k in range(count)
-    )
+    """The cases of a `Scatter` about one scenario, ``base``; ``design``: to check the paths of ``factors`` with."""
+    base = mechanism_named("probe_cone").scenario() if base is None else base
+    design = mechanism_of_scenario(base).design() if design is None else design
+    return Scatter(count, fields, factors or {}, seed).cases([Case(base)], design)

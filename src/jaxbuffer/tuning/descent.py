@@ -83,7 +83,7 @@ def descended(
 def _message(goal: Goal, after: Evaluation, ended: str, best: Branch) -> str:
     if not goal.feasible(after):
         return infeasible(goal, after, ended)
-    return f"{ended}; {left_to_gain(best)}"
+    return f"{ended}; {left_to_gain(best)}; iterations, in [tune] of a study, allow more steps"
 
 
 def _descent(

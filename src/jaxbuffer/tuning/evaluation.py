@@ -1,7 +1,7 @@
 """All cases of a design problem at one design: values and first derivatives, on all cores."""
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +16,9 @@ from ..mechanisms.run import Run
 from ..run.request import check_pair
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
+from .cases import Case
 from .composed import check_start, composed
-from .problem import Case, Problem
+from .problem import Problem
 
 PEAKS = (
     24  # highest impacts of each run that are listed: at a step's length from the top none below them has yet mattered
@@ -80,20 +81,25 @@ class Evaluator:
         self._pool.close()
 
     def __call__(
-        self, points: Iterable[np.ndarray], rtol: float | None = None, slopes: bool | None = None
+        self,
+        points: Iterable[np.ndarray],
+        rtol: float | None = None,
+        slopes: bool | None = None,
+        cases: Sequence[Case] | None = None,
     ) -> list[Evaluation]:
-        """Evaluate designs, each given by its scaled variables, together; ``rtol`` [-] defaults to the problem's,
-        ``slopes`` to the evaluator's."""
+        """Evaluate designs, each given by its scaled variables, together; ``rtol`` [-] and ``cases`` default to the
+        problem's, ``slopes`` to the evaluator's."""
         problem, with_slopes = self.problem, self.slopes if slopes is None else slopes
+        cases = problem.cases if cases is None else cases
         points = [np.asarray(point, float) for point in points]
-        jobs = [(fitted(problem, point, case), case.scenario) for point in points for case in problem.cases]
+        jobs = [(fitted(problem, point, case), case.scenario) for point in points for case in cases]
         fitting = [(design, scenario) for design, scenario in jobs if design is not None]
         one = functools.partial(_measured, Wanted.of(problem), problem.duration, rtol or problem.rtol, with_slopes)
         measured = iter(self._pool.map(one, fitting))
         found = [Measured.lost(problem) if design is None else next(measured) for design, _ in jobs]
         self.captures += len(jobs)
-        count = len(problem.cases)
-        return [_gathered(problem, point, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+        count = len(cases)
+        return [_gathered(problem, point, cases, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
 
 
 def fitted(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
@@ -202,10 +208,10 @@ def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndar
     return peaks, slopes
 
 
-def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Evaluation:
+def _gathered(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], found: list[Measured]) -> Evaluation:
     """The cases' numbers as arrays, the own quantities among them. A case where one of these is not finite counts as
     failed, and is an error at the problem's start."""
-    factors = [dict(case.factors) for case in problem.cases]
+    factors = [dict(case.factors) for case in cases]
     values = problem.values(scaled)
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
@@ -221,7 +227,7 @@ def _gathered(problem: Problem, scaled: np.ndarray, found: list[Measured]) -> Ev
     peak, rest = run["peaks"][:, 0], run["rest"]
     own = composed(problem, peak, rest, run["rest_slope"])
     if np.any(without := ~own.finite & ~lost):
-        if np.array_equal(scaled, problem.start()):
+        if cases is problem.cases and np.array_equal(scaled, problem.start()):
             check_start(problem, peak, rest, int(np.argmax(without)))
         run = _settled(problem, stacked, lost | without)
     kept, others = run["solved"][:, None], len(problem.mechanism.tuned) - 1

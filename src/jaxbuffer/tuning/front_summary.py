@@ -13,10 +13,13 @@ if TYPE_CHECKING:
 def front_table(front: "Front") -> str:
     """Each point's objectives, limits and certificate, and what is not on the front."""
     catalogue = front.problem.catalogue
-    shown = table(f"Front of {' and '.join(front.objectives)}, worst over the scenarios ({len(front.problem.cases)})")
+    sampled = front.problem.samples
+    over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
+    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
     shown.add_column("point", justify="right")
-    for name in front.objectives:
-        shown.add_column(f"{name} [{catalogue[name].unit}]", justify="right")
+    units, factors = zip(*(catalogue[name].in_figures for name in front.objectives), strict=True)
+    for name, unit in zip(front.objectives, units, strict=True):
+        shown.add_column(f"{name} [{unit}]", justify="right")
     for name in front.objectives[1:]:
         shown.add_column(f"{name} ≤", justify="right")
     shown.add_column("residual [-]", justify="right")
@@ -25,8 +28,8 @@ def front_table(front: "Front") -> str:
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         shown.add_row(
             str(k + 1),
-            *(f"{value:.6g}" for value in values),
-            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits),
+            *(f"{value:.6g}" for value in values * np.array(factors)),
+            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits * np.array(factors[1:])),
             f"{point.residual:.1e}",
             f"{point.gradient_error:.1e}",
             standing(front, k),
@@ -37,6 +40,11 @@ def front_table(front: "Front") -> str:
         lines.append(f"{count} left out: another point is as good or better in every objective")
     if lost:
         lines.append(f"{lost} left out: no design was found that keeps to the limits")
+    if any(point.ended == "limit_of_steps" for point in front.points):
+        iterations = front.points[0].settings.iterations
+        lines.append(
+            f"searches stopped at their limit of {iterations} steps: raise iterations in [tune] or --iterations"
+        )
     return text(
         shown, "; ".join(lines), "Values at rtol 1e-9; residual: what first-order information there still gains."
     )

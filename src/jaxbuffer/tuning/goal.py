@@ -136,22 +136,24 @@ class Goal:
     def broken(self, evaluation: Evaluation) -> list[str]:
         """One sentence for each constraint that fails, naming the case by its values, the worst case first."""
         lines, cases = [], self.problem.cases
-        for k in self._worst_first(evaluation):
-            found = self._broken_in(evaluation, k)
+        for k in self.worst_first(evaluation):
+            found = self.broken_in(evaluation, k)
             if found:
                 where = cases[k].label(cases)
                 lines += [f"{where}: {text}" for text in found]
         if self.ceiling is not None and (now := self.first_value(evaluation)) > self.ceiling.value:
-            lines.append(f"{self.ceiling.objective}: {now:.5g} N is above {self.ceiling.value:.5g} N")
+            objective, catalogue = self.ceiling.objective, self.problem.catalogue
+            limit = objective.said(self.ceiling.value, catalogue)
+            lines.append(f"{objective}: {objective.said(now, catalogue)} is above {limit}")
         return lines
 
-    def _worst_first(self, evaluation: Evaluation) -> list[int]:
+    def worst_first(self, evaluation: Evaluation) -> list[int]:
         """The cases by how far they are above their limits, those without numbers first."""
-        count, excess = len(self.problem.cases), self.excess(evaluation)
+        excess = self.excess(evaluation)
         if self.ceiling is not None:
             rows = len(self.rows(evaluation.quantities, evaluation.margin))
             excess = np.delete(excess, rows - 1)  # the ceiling's, which is no case's
-        total = np.sum(np.nan_to_num(excess.reshape(-1, count), nan=np.inf), axis=0)
+        total = np.sum(np.nan_to_num(excess.reshape(-1, len(evaluation.code)), nan=np.inf), axis=0)
         return [int(k) for k in np.argsort(-total, kind="stable")]
 
     def first_value(self, evaluation: Evaluation) -> float:
@@ -159,9 +161,11 @@ class Goal:
         assert self.ceiling is not None
         return self._value(self.ceiling.objective, evaluation.quantities)
 
-    def _broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
+    def broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
         """What fails in one case."""
-        found, limits, margin, mechanism = [], self.problem.limits, evaluation.margin[k], self.problem.mechanism
+        found, margin, mechanism = [], evaluation.margin[k], self.problem.mechanism
+        asked = self.problem.limits
+        limits = dataclasses.replace(asked, at_most={**mechanism.always, **asked.at_most})
         outcome = mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
             own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from .corners import corners
 from .evaluation import Evaluation, Evaluator
 from .floor import floor
 from .goal import Goal, Tangent
@@ -36,7 +37,9 @@ def judged(
     """
     problem, scaled = goal.problem, best.scaled
     stepping = problem.mechanism.stepping
-    before, after = evaluator([first, scaled], rtol=TIGHT if stepping is None else stepping.tight)
+    tight = TIGHT if stepping is None else stepping.tight
+    before, after = evaluator([first, scaled], rtol=tight)
+    in_corners = corners(goal, evaluator, scaled, tight)
     return Tuned(
         problem=problem,
         settings=settings,
@@ -50,6 +53,7 @@ def judged(
         floor=floor(problem, scaled),
         records=tuple(records),
         captures=evaluator.captures,
+        corners=in_corners,
     )
 
 

@@ -37,9 +37,12 @@ def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, 
         f"raise starts (now {settings.starts}) or rounds (now {settings.rounds}), or change seed, in [tune] of the"
         " study; starts and seed also by --starts and --seed"
     )
+    steps = f"raise iterations (now {settings.iterations}) in [tune] of the study or by --iterations"
     if not goal.feasible(after):
+        more = f"{steps}, or {more}" if ending(branch, settings) == "limit_of_steps" else more
         return f"{infeasible(goal, after, _counted(progress.searches))}. To search on within the bounds, {more}"
-    return f"{_ending(branch, settings)}. {borne_out(progress, more)}"
+    further = f". To go on, {steps}" if ending(branch, settings) == "limit_of_steps" else ""
+    return f"{_ending(branch, settings)}{further}. {borne_out(progress, more)}"
 
 
 def infeasible(goal: Goal, after: Evaluation, searched: str) -> str:

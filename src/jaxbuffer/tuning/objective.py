@@ -56,6 +56,17 @@ class Objective:
         (name, weight), *more = self.weights.items()
         return "N" if more or weight != 1.0 else catalogue[name].unit
 
+    def in_figures(self, catalogue: Catalogue) -> tuple[str, float]:
+        """The unit in which people are shown its value, and how many of those its own unit is."""
+        unit = self.unit(catalogue)
+        (name, *_) = self.weights
+        return catalogue[name].in_figures if unit == catalogue[name].unit else (unit, 1.0)
+
+    def said(self, value: float, catalogue: Catalogue, digits: int = 5) -> str:
+        """Its value in words, in the unit that people are shown: "7.1 mm"."""
+        unit, factor = self.in_figures(catalogue)
+        return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
+
     def cap(self, cases: int) -> float:
         """The largest weight of a case: each aggregate is max w·f over weights that sum to 1 and stay below it."""
         if self.over == "mean":
@@ -79,9 +90,14 @@ class Objective:
         return weights
 
     def __str__(self) -> str:
+        return self.worded()
+
+    def worded(self, samples: str = "") -> str:
+        """The objective in words. ``samples``: "24 samples", where the cases are such: their worst is no bound."""
         names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
-        return f"{' + '.join(names)}, {over} over the cases"
+        no_bound = ", no bound" if self.over == "worst" else ""
+        return f"{' + '.join(names)}, {over} " + (f"of {samples}{no_bound}" if samples else "over the cases")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,7 +147,7 @@ class Limits:
         """A line for each limit that a run with these quantities and this number of impacts does not keep to."""
         sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
         found = [
-            f"{name} {values[name]:.4g} {catalogue[name].unit} is {side} {limit:g} {catalogue[name].unit}"
+            f"{name} {_in_words(catalogue, name, values[name], 4)} is {side} {_in_words(catalogue, name, limit)}"
             for side, limits, sign in sides
             for name, limit in limits.items()
             if sign * values[name] > sign * limit
@@ -160,7 +176,7 @@ class Limits:
         """Each limit on a quantity: "stroke ≤ 0.025 m"."""
         sides = (("≤", self.at_most), ("≥", self.at_least))
         return [
-            f"{name} {sign} {limit:g} {catalogue[name].unit}".rstrip(" -")
+            f"{name} {sign} {_in_words(catalogue, name, limit)}"
             for sign, limits in sides
             for name, limit in limits.items()
         ]
@@ -192,6 +208,12 @@ class Then:
     def __post_init__(self) -> None:
         check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
         check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
+
+
+def _in_words(catalogue: Catalogue, name: str, value: float, digits: int = 6) -> str:
+    """A quantity's value in the unit that people are shown."""
+    unit, factor = catalogue[name].in_figures
+    return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
 
 
 def _units() -> dict[str, str]:

@@ -17,11 +17,12 @@ from ..errors import (
     shown,
     suggest,
 )
-from ..fields import Part, get, paths, replace, unit
+from ..fields import Part, as_typed, get, paths, replace, unit
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
-from ..mechanisms.registry import mechanism_of, mechanism_of_scenario
+from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from .cases import Case, Scatter
 from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then
 
@@ -69,52 +70,6 @@ class Variable:
 
 
 @dataclasses.dataclass(frozen=True)
-class Case:
-    """One run the design must serve.
-
-    **Arguments:**
-
-    - ``scenario``: of the design's mechanism.
-    - ``factors``: pairs of a dotted path of the design and the factor by which the built mechanism's number differs
-      from the drawn one's [-].
-
-    **Raises:** `InputError` for what is no scenario, and for factors that are not such pairs.
-
-    **Example:** a spring that came out 10 % too stiff.
-
-    >>> case = jb.Case(jb.Scenario(approach_speed=0.2), factors=(("buffer.k_A", 1.1),))
-    >>> print(f"{case.label()}: {case.of(jb.table2()).buffer.k_A:g} N/m")
-    0.2 m/s, 0°, 1.1 buffer.k_A: 550 N/m
-    """
-
-    scenario: Part
-    factors: tuple[tuple[str, float], ...] = ()
-
-    def __post_init__(self) -> None:
-        try:
-            mechanism_of_scenario(self.scenario)
-        except InputError as error:
-            raise InputError(f"case's {error}; write Case(Scenario(approach_speed=0.2))") from None
-        for pair in self.factors:
-            if not isinstance(pair, tuple) or len(pair) != 2:
-                raise InputError(
-                    f"case's factors = {shown(self.factors)}; write Case(scenario, (('buffer.k_A', 1.1),))"
-                )
-            check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
-
-    def label(self, among: Sequence["Case"] = ()) -> str:
-        """What people call the case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
-        factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
-        return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
-            factors
-        )
-
-    def of(self, design: Part) -> Part:
-        """The mechanism as built."""
-        return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
-
-
-@dataclasses.dataclass(frozen=True)
 class Problem:
     """A design problem.
 
@@ -128,6 +83,9 @@ class Problem:
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
     - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
+    - ``units``: in which people are shown the numbers at some dotted paths; default: each in its own.
+    - ``scatter``: how each of the ``scenarios`` and the design scatter, a `jaxbuffer.tuning.Scatter`; ``cases`` are
+      then samples of that, each at every scenario, and a tuning runs its result in the corners of the ranges too.
 
     **Raises:** `InputError` for names that are unknown, empty lists, bounds that are crossed or do not hold the start.
 
@@ -151,6 +109,8 @@ class Problem:
     duration: float | None = None
     rtol: float = DEFAULT_TOLERANCE
     quantities: Mapping[str, Derived] = dataclasses.field(default_factory=dict)
+    scatter: Scatter | None = None
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         mechanism = mechanism_of(self.design)
@@ -159,6 +119,9 @@ class Problem:
             object.__setattr__(self, "duration", mechanism.defaults.duration)
         self._check_parts(mechanism)
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
+        if self.scatter is not None and cases:
+            check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
+            cases = self.scatter.cases(cases, self.design)
         object.__setattr__(self, "cases", cases)
         object.__setattr__(self, "variables", tuple(self.variables))
         if not cases:
@@ -168,7 +131,7 @@ class Problem:
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
-                raise InputError(f"scenario {number} ({case.label(cases)}): {error}") from None
+                raise error.between(f"scenario {number} ({case.label(cases)}): ") from None
         mechanism.check_problem(self)
 
     def _check_parts(self, mechanism: Mechanism) -> None:
@@ -235,6 +198,27 @@ class Problem:
     def paths(self) -> tuple[str, ...]:
         """The variables' dotted paths."""
         return tuple(v.path for v in self.variables)
+
+    @property
+    def samples(self) -> str:
+        """The samples that the cases are, in words: "24 samples at each of 3 scenarios"; "" where nothing scatters."""
+        if self.scatter is None:
+            return ""
+        scenarios = len(self.cases) // self.scatter.count
+        return f"{self.scatter.count} samples" + (f" at each of {scenarios} scenarios" if scenarios > 1 else "")
+
+    def worded(self, objective: Objective) -> str:
+        """An objective of this problem in words."""
+        return objective.worded(self.samples)
+
+    def shown(self, path: str, value: float) -> tuple[float, str]:
+        """A number of the design in the unit that people are shown, and that unit."""
+        return as_typed(float(value), unit(self.design, path), self.units.get(path, ""))
+
+    def said(self, path: str, value: float, digits: int = 6) -> str:
+        """The same in words: "25 mm"."""
+        number, symbol = self.shown(path, value)
+        return f"{number:.{digits}g} {symbol}".rstrip(" -")
 
     def start(self) -> Float[np.ndarray, " variables"]:
         """The design's scaled variables [-]."""

@@ -15,12 +15,20 @@ class Settings(Part):
     """
 
     section: ClassVar[str] = "tune"
-    iterations: int = whole(40, 1)
-    starts: int = whole(32, 1)
-    searches: int = whole(2, 1)
-    rounds: int = whole(6, 1)
-    seed: int = whole(0, 0)
-    tolerance: float = number(1e-4, "-", low=0.0, high=1.0, low_open=True, high_open=True)
+    iterations: int = whole(40, 1, doc="steps of each local search at most")
+    starts: int = whole(32, 1, doc="designs screened in a round; 1: the start alone, and no further round")
+    searches: int = whole(2, 1, doc="how many of the best of them are followed")
+    rounds: int = whole(6, 1, doc="rounds at most")
+    seed: int = whole(0, 0, doc="of the samples of starts")
+    tolerance: float = number(
+        1e-4,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        high_open=True,
+        doc="a search has converged when slopes predict no larger relative gain",
+    )
 
     @property
     def most_evaluations(self) -> int:

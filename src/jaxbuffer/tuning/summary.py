@@ -1,12 +1,13 @@
 """A tuning's summary: before and after, what limits it, where it lies beyond the contact law's validity."""
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 import numpy as np
 from rich.table import Table
 
-from ..fields import get, unit
+from ..fields import get
 from ..tables import table, text
 from .message import headline
 from .problem import Variable
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from .tuned import Tuned
 
 SHOWN = 12  # scenarios in a table
+FIGURES = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}  # units that people are shown
 OWN = 3  # own quantities in that table, in place of the usual ones
 
 
@@ -30,12 +32,14 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
     for heading in ("", "before", "after"):
         summary_.add_column(heading, justify="left" if not heading else "right")
     change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
-    unit = problem.objective.unit(problem.catalogue)
-    summary_.add_row(f"{problem.objective} [{unit}]", f"{start:.6g}", f"{end:.6g}{change}")
+    unit, factor = problem.objective.in_figures(problem.catalogue)
+    summary_.add_row(
+        f"{problem.worded(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
+    )
     if problem.then is not None and tuned.goal.ceiling is not None:
-        then = [tuned.goal.value(point) for point in (tuned.before, tuned.after)]
-        unit = problem.then.objective.unit(problem.catalogue)
-        summary_.add_row(f"then {problem.then.objective} [{unit}]", *(f"{value:.6g}" for value in then))
+        unit, factor = problem.then.objective.in_figures(problem.catalogue)
+        then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
+        summary_.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
     ended = f"cases {problem.mechanism.success or 'solved'}"
     summary_.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
@@ -46,6 +50,7 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
         f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
         f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
     ]
+    facts += [] if tuned.corners is None else tuned.corners.lines(problem)
     facts += tuned_warnings(tuned)
     facts += [f"limit {line}" for line in tuned.why]
     broken = tuned.goal.broken(tuned.after)
@@ -132,8 +137,9 @@ def _tuned_variables(tuned: "Tuned") -> Table:
     problem = tuned.problem
     for variable in problem.variables:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
-        numbers = [f"{x:.5g}" for x in (start, value, variable.low, variable.high)]
-        variables.add_row(variable.path, *numbers, unit(problem.design, variable.path), _at_bound(variable, value))
+        numbers = [problem.shown(variable.path, x) for x in (start, value, variable.low, variable.high)]
+        texts = [f"{number:.5g}" for number, _ in numbers]
+        variables.add_row(variable.path, *texts, numbers[0][1], _at_bound(variable, value))
     return variables
 
 
@@ -147,13 +153,19 @@ def _at_bound(variable: Variable, value: float) -> str:
     return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
 
 
+def objective_in_words(value: float, unit: str, digits: int) -> str:
+    """An objective's value in the unit that people are shown: "7.1 mm"."""
+    symbol, factor = FIGURES.get(unit, (unit, 1.0))
+    return f"{factor * value:.{digits}g} {symbol}".rstrip(" -")
+
+
 def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None = None) -> str:
     """One evaluation of a tuning on one line; ``success``: how runs should end, as the mechanism calls it; ``most``
     evaluations that there can be."""
     count = "" if most is None else f"{it['evaluation'] + 1} of at most {most}, "
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
-    text = f"{count}{stage}{where}: {it['objective']:.5g} {it['unit']}"
+    text = f"{count}{stage}{where}: {objective_in_words(it['objective'], it['unit'], 5)}"
     if not it["feasible"]:
         met = it["succeeded"]
         text += "" if all(met) else f", {sum(met)} of {len(met)} {success or 'solved'}"

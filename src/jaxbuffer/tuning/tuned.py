@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..fields import Part
+from .corners import Corners
 from .evaluation import Evaluation
 from .floor import Floor
 from .goal import Goal
@@ -35,6 +36,7 @@ class Tuned:
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
+    - ``corners``: the design in the corners of the ranges that the problem scatters over; None where nothing scatters.
 
     **Example:**
 
@@ -58,6 +60,7 @@ class Tuned:
     floor: Floor | None
     records: tuple[Record, ...]
     captures: int
+    corners: Corners | None = None
 
     @property
     def objective(self) -> tuple[float, float]:

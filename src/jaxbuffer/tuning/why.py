@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import unit
 from .evaluation import Evaluation
 from .goal import Goal
 from .problem import Variable
@@ -147,10 +146,10 @@ def reason(goal: Goal, point: Evaluation, stated: Stated) -> str:
 
 def _beyond(goal: Goal, stated: Stated, it: Helping) -> str:
     """A variable beyond its bound, and how far about it would have to go."""
-    symbol = unit(goal.problem.design, it.variable.path)
-    bound = f"{it.variable.high if it.up else it.variable.low:g} {symbol}".rstrip(" -")
+    path, problem = it.variable.path, goal.problem
+    bound = problem.said(path, it.variable.high if it.up else it.variable.low)
     enough = _enough(stated, it)
-    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {enough:.2g} {symbol}".rstrip(" -")
+    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {problem.said(path, enough, 2)}"
     return f"{it.variable.path} {'above' if it.up else 'below'} its bound of {bound}{far} {_effect(stated, it)}"
 
 
@@ -181,6 +180,7 @@ def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
         count = f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
         found.append(BrokenLimit(np.inf, count))
     if goal.ceiling is not None and (now := goal.first_value(point)) > goal.ceiling.value:
-        heading = f"{goal.ceiling.objective}: {now:.5g} N is above {goal.ceiling.value:.5g} N"
+        first, catalogue = goal.ceiling.objective, problem.catalogue
+        heading = f"{first}: {first.said(now, catalogue)} is above {first.said(goal.ceiling.value, catalogue)}"
         found.append(BrokenLimit(now / goal.ceiling.scale - goal.ceiling.value / goal.ceiling.scale, heading))
     return found

@@ -25,13 +25,13 @@ class Bar(Part):
     """
 
     section: ClassVar[str] = "bar"
-    length: Scalar = number(0.24, "m", **POSITIVE)
-    diameter: Scalar = number(0.004, "m", **POSITIVE)
-    density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
-    ball_radius: Scalar = number(0.002, "m", **POSITIVE)
-    modes: int = whole(0, 0)
-    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
-    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+    length: Scalar = number(0.24, "m", **POSITIVE, doc="length from the hinge to the ball's centre")
+    diameter: Scalar = number(0.004, "m", **POSITIVE, doc="diameter of the bar")
+    density: Scalar = number(7850.0, "kg/m³", **POSITIVE, doc="density of the bar and its ball")
+    ball_radius: Scalar = number(0.002, "m", **POSITIVE, doc="radius of the ball at its end")
+    modes: int = whole(0, 0, doc="how many modes bend the bar, 0 for a rigid one")
+    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the bar, for its bending")
 
     def check_together(self) -> None:
         if self.modes == 1:
@@ -57,17 +57,23 @@ class Impact(Part):
     """
 
     section: ClassVar[str] = "impact"
-    law: str = choice("adams", *LAWS)
-    stiffness: Scalar = number(SEED_STIFFNESS, "N/m^e", **POSITIVE)
-    exponent: Scalar = number(2.2, "-", low=1.0)
-    damping: Scalar = number(1000.0, "N s/m", **NON_NEGATIVE)
-    ramp_depth: Scalar = number(1e-5, "m", **POSITIVE)
-    restitution: Scalar = number(0.9, "-", low=0.0, high=1.0, low_open=True)
-    linear_stiffness: Scalar = number(1e7, "N/m", **POSITIVE)
-    friction: Scalar = number(0.0, "-", **NON_NEGATIVE)
-    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE)
-    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
-    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True)
+    law: str = choice("adams", *LAWS, doc="contact law; it takes those of the other fields that it has")
+    stiffness: Scalar = number(SEED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
+    exponent: Scalar = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
+    damping: Scalar = number(1000.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws adams and kelvin-voigt")
+    ramp_depth: Scalar = number(1e-5, "m", **POSITIVE, doc="depth over which the damping of adams sets in")
+    restitution: Scalar = number(
+        0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
+    )
+    linear_stiffness: Scalar = number(1e7, "N/m", **POSITIVE, doc="stiffness of the law kelvin-voigt")
+    friction: Scalar = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction between ball and plate")
+    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
+    young_modulus: Scalar = number(
+        2.07e11, "Pa", **POSITIVE, doc="Young's modulus of ball and plate, for Hertz's stiffness"
+    )
+    poisson_ratio: Scalar = number(
+        0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of ball and plate, for Hertz's stiffness"
+    )
 
     def check_together(self) -> None:
         exponent = concrete(self.exponent)
@@ -92,14 +98,16 @@ class Plate(Part):
     """
 
     section: ClassVar[str] = "plate"
-    modes: int = whole(0, 0)
-    length: Scalar = number(0.3, "m", **POSITIVE)
-    width: Scalar = number(0.1, "m", **POSITIVE)
-    thickness: Scalar = number(0.006, "m", **POSITIVE)
-    support: str = choice("supported", "supported", "clamped")
-    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0)
-    density: Scalar = number(7850.0, "kg/m³", **POSITIVE)
-    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE)
+    modes: int = whole(0, 0, doc="how many modes bend the plate, 0 for a rigid one")
+    length: Scalar = number(0.3, "m", **POSITIVE, doc="length between the supports")
+    width: Scalar = number(0.1, "m", **POSITIVE, doc="width along the supports")
+    thickness: Scalar = number(0.006, "m", **POSITIVE, doc="thickness of the plate")
+    support: str = choice(
+        "supported", "supported", "clamped", doc="supported: free to turn at the supports; or clamped"
+    )
+    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    density: Scalar = number(7850.0, "kg/m³", **POSITIVE, doc="density of the plate")
+    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the plate, for its bending")
 
     @property
     def strip(self) -> UniformBar:
@@ -150,8 +158,8 @@ class BarDropScenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    height: Scalar = number(0.194, "m", **POSITIVE)
-    gravity: Scalar = number(9.81, "m/s²", **POSITIVE)
+    height: Scalar = number(0.194, "m", **POSITIVE, doc="height H of the ball end above where it touches the plate")
+    gravity: Scalar = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity g_0")
 
 
 def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:

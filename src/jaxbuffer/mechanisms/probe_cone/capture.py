@@ -28,7 +28,8 @@ class Capture(Run):
     - ``peak_buffer_force``: largest force of the axial spring and damper [N].
     - ``peak_stop_force``: largest force of the end stop [N], 0 without one.
     - ``stroke``: the buffer's largest [m].
-    - ``stroke_margin``: stroke left before the buffer's end, of a bottomed run minus how much is missing [m].
+    - ``stroke_margin``: stroke left before the buffer's end [m]; below zero for a bottomed run, which is no
+      measure of what is missing.
     - ``stroke_rising``: rate of the stroke at the end of the run if it is largest there, else 0 [m/s].
     - ``hinge_angle``: the largest [rad].
     - ``hinge_angle_rising``: rate of its size at the end of the run if it is largest there, else 0 [rad/s].

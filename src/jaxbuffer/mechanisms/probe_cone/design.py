@@ -81,10 +81,22 @@ class Scenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    approach_speed: Scalar = number(0.1, "m/s", **POSITIVE)
-    contact_distance: Scalar = number(0.0435, "m", **POSITIVE)
-    misalignment: Scalar = number(0.0, "rad", low=-math.pi / 2, high=math.pi / 2, low_open=True, high_open=True)
-    passive_rate: Scalar = number(0.0, "rad/s")
+    approach_speed: Scalar = number(
+        0.1, "m/s", **POSITIVE, doc="speed v0 of the active vehicle towards the passive one"
+    )
+    contact_distance: Scalar = number(
+        0.0435, "m", **POSITIVE, doc="b, slant distance of the first contact from the throat's edge"
+    )
+    misalignment: Scalar = number(
+        0.0,
+        "rad",
+        low=-math.pi / 2,
+        high=math.pi / 2,
+        low_open=True,
+        high_open=True,
+        doc="angle θ_T0 of the passive vehicle at the start",
+    )
+    passive_rate: Scalar = number(0.0, "rad/s", doc="rate θ̇_T0 of the passive vehicle's turning at the start")
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...fields import unit
+from ...fields import in_words, unit
 from .design import Scenario
 
 
@@ -15,7 +15,9 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     speed = float(scenario.approach_speed)
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
     label = f"{speed:{'.9g' if alike else '.4g'}} m/s, {angle:{'+' if angle else ''}.4g}°"
-    for name in ("contact_distance", "passive_rate"):
+    for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         if len({float(getattr(other, name)) for other in among}) > 1:
-            label += f", {name.replace('_', ' ')} {float(getattr(scenario, name)):g} {unit(scenario, name)}"
+            label += (
+                f", {name.replace('_', ' ')} {in_words(float(getattr(scenario, name)), unit(scenario, name), shown)}"
+            )
     return label

@@ -44,10 +44,12 @@ def _rising(last: Float[Array, ""], rate: Float[Array, ""], largest: Float[Array
 def stroke_margin(
     mechanism: CaptureMechanism, log: Log, stroke: Float[Array, ""], bottomed: Bool[Array, ""]
 ) -> Float[Array, ""]:
-    """How much stroke is left before the buffer's end [m]; of a bottomed run minus how much is missing.
+    """How much stroke is left before the buffer's end [m]; less than zero for a bottomed run.
 
-    What is missing is ½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
-    through the joints. So the margin is continuous, and zero, where a run just reaches the end.
+    There it is -½ m ṡ²/F, the way on which the buffer's force at its end would stop the mass m that its ends meet
+    through the joints. So the margin is continuous, and zero, where a run just reaches the end, and its slope leads out
+    of it. It is no measure of the stroke that is missing: m is hardly more than the probe, and the vehicles behind it
+    push on in later impacts. Runs with a longer stroke need 1 to 1000 times as much.
     """
     last = jnp.maximum(log.count - 1, 0)
     at = mechanism.posture(log.rows[last, 0])

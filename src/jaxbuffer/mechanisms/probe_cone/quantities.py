@@ -95,7 +95,7 @@ QUANTITIES: dict[str, Quantity] = {
     "stroke_margin": Quantity(
         "m",
         lambda c: c.stroke_margin,
-        "stroke left before the buffer's end; of a bottomed run minus what is missing",
+        "stroke left before the buffer's end; below zero where it bottoms, no measure of what is missing",
         "stroke margin",
         signed=True,
         swept=True,

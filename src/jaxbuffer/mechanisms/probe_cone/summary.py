@@ -111,11 +111,21 @@ def _rising(rate: Any, factor: float, symbol: str) -> str:
     return f", still rising at the end of the run at {factor * float(rate):.3g} {symbol}" if float(rate) > 0.0 else ""
 
 
+def _bottomed(capture: "Capture") -> str:
+    """What would keep the buffer from its end. By how much it is too short is not said: after the end come further
+    impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
+    buffer = capture.design.buffer
+    longer = (
+        "buffer.free_length" if buffer.max_stroke is None or buffer.stop_stiffness is not None else "buffer.max_stroke"
+    )
+    return f"none: raise {longer}, buffer.k_A or buffer.c_A; only a run that does not bottom says what stroke it needs"
+
+
 def _margin(capture: "Capture") -> str:
     """The capture margin with what it is a distance of."""
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
-        return f"{1e3 * margin:.4g} mm: about so much stroke is missing"
+        return _bottomed(capture)
     if margin == float(capture.stroke_margin):
         return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
     return (

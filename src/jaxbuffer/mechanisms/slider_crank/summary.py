@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
-    """A start in a few words: "from 523.6 rad/s at 0 rad"."""
+    """A start in a few words: "from 523.6 rad/s at 0°"."""
     weight = float(scenario.gravity)
-    start = f"from {float(scenario.crank_speed):.4g} rad/s at {float(scenario.crank_angle):.4g} rad"
+    start = f"from {float(scenario.crank_speed):.4g} rad/s at {np.degrees(float(scenario.crank_angle)) + 0.0:.4g}°"
     return f"{start}, gravity {weight:.4g} m/s²" if weight else start
 
 

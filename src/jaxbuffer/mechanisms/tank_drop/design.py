@@ -24,12 +24,12 @@ class Wall(Part):
     """
 
     section: ClassVar[str] = "wall"
-    bottom: Scalar = number(0.005, "m", **THICKNESS)
-    lower_corner: Scalar = number(0.005, "m", **THICKNESS)
-    lower_side: Scalar = number(0.005, "m", **THICKNESS)
-    upper_side: Scalar = number(0.005, "m", **THICKNESS)
-    upper_corner: Scalar = number(0.005, "m", **THICKNESS)
-    top: Scalar = number(0.005, "m", **THICKNESS)
+    bottom: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the bottom")
+    lower_corner: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower corner")
+    lower_side: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower side")
+    upper_side: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper side")
+    upper_corner: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper corner")
+    top: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the top")
 
 
 class Tank(Part):
@@ -39,10 +39,10 @@ class Tank(Part):
     """
 
     section: ClassVar[str] = "tank"
-    width: Scalar = number(0.6, "m", **POSITIVE)
-    height: Scalar = number(0.3, "m", **POSITIVE)
-    corner_radius: Scalar = number(0.04, "m", **POSITIVE)
-    length: Scalar = number(0.7, "m", **POSITIVE)
+    width: Scalar = number(0.6, "m", **POSITIVE, doc="outer width")
+    height: Scalar = number(0.3, "m", **POSITIVE, doc="outer height")
+    corner_radius: Scalar = number(0.04, "m", **POSITIVE, doc="outer radius of the corners")
+    length: Scalar = number(0.7, "m", **POSITIVE, doc="length along which nothing changes")
 
     def check_together(self) -> None:
         known = [concrete(x) for x in (self.corner_radius, self.height, self.width)]
@@ -69,9 +69,9 @@ class Plates(Part):
     """
 
     section: ClassVar[str] = "plates"
-    kind: str = choice("none", "none", "perforated")
-    thickness: Scalar = number(0.005, "m", **THICKNESS)
-    position: Scalar = number(0.15, "m", **POSITIVE)
+    kind: str = choice("none", "none", "perforated", doc="none, or two perforated baffle plates inside")
+    thickness: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of a plate without holes that is as stiff")
+    position: Scalar = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
 
 
 class TankMaterial(Part):
@@ -83,13 +83,21 @@ class TankMaterial(Part):
     """
 
     section: ClassVar[str] = "material"
-    kind: str = choice("plastic", "plastic", "composite")
-    density: Scalar = number(950.0, "kg/m³", **POSITIVE)
-    young_modulus: Scalar = number(1.0e9, "Pa", **POSITIVE)
-    poisson_ratio: Scalar = number(0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True)
-    yield_stress: Scalar = number(25e6, "Pa", **POSITIVE)
-    hardening: Scalar = number(40e6, "Pa", **NON_NEGATIVE)
-    failure_strain: Scalar = number(0.6, "-", **POSITIVE)
+    kind: str = choice(
+        "plastic", "plastic", "composite", doc="plastic: the fields below; composite: the section composite"
+    )
+    density: Scalar = number(950.0, "kg/m³", **POSITIVE, doc="density of the wall")
+    young_modulus: Scalar = number(1.0e9, "Pa", **POSITIVE, doc="Young's modulus of the wall")
+    poisson_ratio: Scalar = number(
+        0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True, doc="Poisson's ratio of the wall"
+    )
+    yield_stress: Scalar = number(25e6, "Pa", **POSITIVE, doc="yield stress of the wall")
+    hardening: Scalar = number(
+        40e6, "Pa", **NON_NEGATIVE, doc="rise of the yield stress over equivalent plastic strain"
+    )
+    failure_strain: Scalar = number(
+        0.6, "-", **POSITIVE, doc="equivalent plastic strain at which an element is deleted"
+    )
 
 
 class Contents(Part):
@@ -99,9 +107,9 @@ class Contents(Part):
     """
 
     section: ClassVar[str] = "contents"
-    kind: str = choice("liquid", "liquid", "none")
-    density: Scalar = number(740.0, "kg/m³", **POSITIVE)
-    sound_speed: Scalar = number(1150.0, "m/s", **POSITIVE)
+    kind: str = choice("liquid", "liquid", "none", doc="what the tank holds: liquid or none")
+    density: Scalar = number(740.0, "kg/m³", **POSITIVE, doc="density of the liquid")
+    sound_speed: Scalar = number(1150.0, "m/s", **POSITIVE, doc="speed of sound in the liquid")
 
 
 class Cushion(Part):
@@ -111,9 +119,9 @@ class Cushion(Part):
     """
 
     section: ClassVar[str] = "cushion"
-    thickness: Scalar = number(0.15, "m", **POSITIVE)
-    stiffness: Scalar = number(4e6, "Pa/m", **POSITIVE)
-    damping: Scalar = number(1e4, "Pa s/m", **NON_NEGATIVE)
+    thickness: Scalar = number(0.15, "m", **POSITIVE, doc="thickness of the layer under the slider")
+    stiffness: Scalar = number(4e6, "Pa/m", **POSITIVE, doc="stiffness of an area of it")
+    damping: Scalar = number(1e4, "Pa s/m", **NON_NEGATIVE, doc="damping of an area of it")
 
 
 class Slider(Part):
@@ -123,7 +131,7 @@ class Slider(Part):
     """
 
     section: ClassVar[str] = "slider"
-    mass: Scalar = number(348.0, "kg", **POSITIVE)
+    mass: Scalar = number(348.0, "kg", **POSITIVE, doc="mass of what falls, which is rigid and wider than the tank")
 
 
 class Support(Part):
@@ -133,8 +141,8 @@ class Support(Part):
     """
 
     section: ClassVar[str] = "support"
-    method: str = choice("penalty", *METHODS)
-    stiffness: Scalar = number(5e9, "Pa/m", **POSITIVE)
+    method: str = choice("penalty", *METHODS, doc="how the force of the support is computed")
+    stiffness: Scalar = number(5e9, "Pa/m", **POSITIVE, doc="stiffness of a penalty, of an area")
 
 
 class Mesh(Part):
@@ -145,7 +153,9 @@ class Mesh(Part):
     """
 
     section: ClassVar[str] = "mesh"
-    refinement: int = whole(1, 1, 8)
+    refinement: int = whole(
+        1, 1, 8, doc="1: elements of some 20 mm and one across the wall; 2: twice as many either way; up to 8"
+    )
 
 
 class TankDrop(Part):
@@ -197,9 +207,9 @@ class TankDropScenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    height: Scalar = number(2.04, "m", **POSITIVE)
-    fill: Scalar = number(0.8, "-", **FILL)
-    gravity: Scalar = number(9.81, "m/s²", **POSITIVE)
+    height: Scalar = number(2.04, "m", **POSITIVE, doc="height through which it falls before the cushion touches")
+    fill: Scalar = number(0.8, "-", **FILL, doc="height of the liquid over the inner height")
+    gravity: Scalar = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity")
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
@@ -210,12 +220,12 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
         except InputError as error:
-            raise InputError(f"{error}, less than tank.corner_radius") from None
+            raise error.between(after=", less than tank.corner_radius") from None
     if design.plates.kind != "none":
         try:
             check_entries("plates.position", design.plates.position, "m", *_between(design))
         except InputError as error:
-            raise InputError(f"{error}, where the whole plate stands on the flat bottom") from None
+            raise error.between(after=", where the whole plate stands on the flat bottom") from None
     above = "; the liquid must be higher than the lower corner, tank.corner_radius"
     check_entries("scenario.fill", scenario.fill, "-", _corner(design), FILL["high"], too_low=above, high_open=False)
 

@@ -22,17 +22,17 @@ class Composite(Part):
     """
 
     section: ClassVar[str] = "composite"
-    density: Scalar = number(1580.0, "kg/m³", **POSITIVE)
-    along: Scalar = number(130e9, "Pa", **POSITIVE)
-    across: Scalar = number(4.65e9, "Pa", **POSITIVE)
-    shear: Scalar = number(4.65e9, "Pa", **POSITIVE)
-    poisson: Scalar = number(0.35, "-", low=0.0, high=1.0, high_open=True)
-    along_tension: Scalar = number(1200e6, "Pa", **POSITIVE)
-    along_compression: Scalar = number(1000e6, "Pa", **POSITIVE)
-    across_tension: Scalar = number(50e6, "Pa", **POSITIVE)
-    across_compression: Scalar = number(120e6, "Pa", **POSITIVE)
-    shear_strength: Scalar = number(75e6, "Pa", **POSITIVE)
-    criterion: str = choice("tsai-hill", *CRITERIA)
+    density: Scalar = number(1580.0, "kg/m³", **POSITIVE, doc="density of the plies")
+    along: Scalar = number(130e9, "Pa", **POSITIVE, doc="Young's modulus along the fibres")
+    across: Scalar = number(4.65e9, "Pa", **POSITIVE, doc="Young's modulus across the fibres")
+    shear: Scalar = number(4.65e9, "Pa", **POSITIVE, doc="shear modulus in the ply's plane")
+    poisson: Scalar = number(0.35, "-", low=0.0, high=1.0, high_open=True, doc="Poisson's ratio in the ply's plane")
+    along_tension: Scalar = number(1200e6, "Pa", **POSITIVE, doc="strength along the fibres in tension")
+    along_compression: Scalar = number(1000e6, "Pa", **POSITIVE, doc="strength along the fibres in compression")
+    across_tension: Scalar = number(50e6, "Pa", **POSITIVE, doc="strength across the fibres in tension")
+    across_compression: Scalar = number(120e6, "Pa", **POSITIVE, doc="strength across the fibres in compression")
+    shear_strength: Scalar = number(75e6, "Pa", **POSITIVE, doc="strength in shear in the ply's plane")
+    criterion: str = choice("tsai-hill", *CRITERIA, doc="failure criterion of a ply")
 
     @property
     def laminate(self) -> Laminate:

@@ -1,0 +1,166 @@
+"""The first paragraph of a page: what was found, in plain words."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fields import as_typed, unit
+from ..mechanisms.mechanism import Mechanism
+from ..output.folder import Record, Results
+from .experiments import OPEN, STANDING
+from .limits import standing
+from .page import shown
+from .records import by_name, field_name, in_figures, same, scenario_of, words
+
+MANY = 4  # variables that are named
+
+
+def abstract(every: Sequence[Results]) -> list[str]:
+    """A few sentences on each result, the folder's name before them where several have results of its kind."""
+    kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
+    by_kind = [[(found, text) for found in every if (text := kind(found, every))] for kind in kinds]
+    return [f"{found.folder}: {text}" if len(some) > 1 else text for some in by_kind for found, text in some]
+
+
+def _tuning(found: Results, every: Sequence[Results]) -> str:
+    """From where to where the objective went, whether limits are kept, by which numbers, and how the search ended."""
+    tuned, mechanism = found.tuned, found.mechanism
+    if tuned is None:
+        return ""
+    if not tuned["feasible"]:
+        return f"No design was found that keeps every limit: {'; '.join(tuned.get('why') or [tuned['message']])}."
+    before, after, symbol = tuned["objective_before"], tuned["objective_after"], tuned["objective_unit"]
+    symbol, factor = _objective_unit(mechanism, tuned["objective"], symbol)
+    way = "left" if same(before, after) else "lowered" if after < before else "raised"
+    change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
+    count = len(tuned["scenarios"])
+    limits = standing(found, every)
+    kept = " keeps every limit" if limits is None or not limits.faults else " does not keep every limit"
+    objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
+    ends = f"from {factor * before:.4g} to {factor * after:.4g} {symbol}".rstrip(" -") + change
+    where = "its scenario" if count == 1 else f"the {count} scenarios"
+    text = f"Tuning {way} {objective}, {ends}; the design{kept} in {where}."
+    ended = (
+        "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
+    )
+    return " ".join([text, _variables(mechanism, tuned), ended, *_corners(tuned)])
+
+
+def _objective_unit(mechanism: Mechanism, objective: str, symbol: str) -> tuple[str, float]:
+    """The unit in which people are shown an objective, and how many of those its own unit is."""
+    known = mechanism.quantities.get(objective.partition(",")[0])
+    return known.in_figures if known is not None and known.unit == symbol else (symbol, 1.0)
+
+
+def _variables(mechanism: Mechanism, tuned: Record) -> str:
+    """What became of the variables that changed, the first ones."""
+    usual, texts = mechanism.design(), list[str]()
+    moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
+    for it in moved[:MANY]:
+        symbol, typed = unit(usual, it["path"]), it.get("shown_in", "")
+        (first, shown_in), (last, _) = (as_typed(it[name], symbol, typed) for name in ("before", "value"))
+        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {shown_in}".rstrip(" -"))
+    left = len(moved) - len(texts)
+    return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
+
+
+def _corners(tuned: Record) -> list[str]:
+    """How far samples say what is worst."""
+    corners = tuned.get("corners")
+    if corners is None:
+        return []
+    return [f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['said'][0]}."]
+
+
+def _run(found: Results, every: Sequence[Results]) -> str:
+    record, mechanism = found.records.get("run"), found.mechanism
+    if record is None:
+        return ""
+    values, label = by_name(record), mechanism.label(scenario_of(mechanism, record["scenario"]))
+    reason = mechanism.outcomes[record["outcome"]].reason
+    text = f"At {label} the {mechanism.run_name} ends after {values['end_time']:.4g} s: {reason}."
+    if values.get("peak_force") is not None:
+        text += f" Its largest contact force is {values['peak_force']:.4g} N."
+    limits = standing(found, every) if found.tuned is None else None
+    if limits is None:
+        return text
+    faults = [f"{limits.broken} limit{'s are' if limits.broken > 1 else ' is'} broken."] if limits.broken else []
+    faults += [f"It does not end {words(mechanism.success or '')}, as it must."] if limits.missed else []
+    return " ".join([text, *(faults or ["It keeps every limit."])])
+
+
+def _sensitivity(found: Results, every: Sequence[Results]) -> str:
+    """Which number moves the first quantity most."""
+    record, mechanism = found.sensitivity, found.mechanism
+    if record is None or not record["derivatives"]:
+        return ""
+    name = record["derivatives"][0]["quantity"]
+    rows = [row for row in record["derivatives"] if row["quantity"] == name and row["elasticity [-]"] is not None]
+    if not rows:
+        return ""
+    most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
+    change = f"{most['elasticity [-]']:+.2g} % ({'not certified' if verdict is None else verdict})"
+    moved = f"{most['parameter']} moves the {_title(mechanism, name)} most"
+    return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
+
+
+def _sweep(found: Results, every: Sequence[Results]) -> str:
+    """How the runs ended, how far the largest force goes, and how many runs are safe."""
+    if found.sweep is None:
+        return ""
+    mechanism, names = found.mechanism, found.sweep.outcome.values.astype(str).ravel()
+    over = " and ".join(field_name(str(path)) for path in found.sweep.sizes)
+    text = f"{_ended(mechanism, Counter(names.tolist()))} in a sweep over {over}."
+    force = np.asarray(found.sweep["peak_force"].values, float) if "peak_force" in found.sweep else np.zeros(0)
+    if np.any(np.isfinite(force)):
+        text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
+    envelope = found.records.get("sweep", {}).get("envelope")
+    safe = "" if envelope is None else f" {envelope['safe_runs']} of {envelope['runs']} keep every limit."
+    return text + safe
+
+
+def _sample(found: Results, every: Sequence[Results]) -> str:
+    """How the runs ended, and whose scatter matters most for each quantity."""
+    record, mechanism = found.records.get("sample"), found.mechanism
+    if record is None:
+        return ""
+    text = f"{_ended(mechanism, record['outcomes'])} in a sample of {len(record['ranges'])} numbers."
+    largest: dict[str, Record] = {}
+    for row in record["indices"]:
+        if row["total [-]"] > largest.get(row["quantity"], {"total [-]": -np.inf})["total [-]"]:
+            largest[row["quantity"]] = row
+    for name, row in largest.items():
+        share = f"{100.0 * row['total [-]']:.2g} % of its variance"
+        text += f" The {_title(mechanism, name)} is scattered most by {row['number']} ({share})."
+    return text
+
+
+def _front(found: Results, every: Sequence[Results]) -> str:
+    """How many designs are on a front, and between which ends it trades."""
+    record, mechanism = found.records.get("front"), found.mechanism
+    if record is None:
+        return ""
+    points = [point for point in record["points"] if point["standing"] in STANDING]
+    text = f"{len(points)} of {len(record['points'])} tuned designs are on the front of"
+    text += f" {' and '.join(map(words, record['objectives']))}."
+    open_ends = sum(not point["converged"] for point in points)
+    for name in record["objectives"] if points else ():
+        values = [by_name(point)[f"worst {name}"] for point in points]
+        known = mechanism.quantities.get(name)
+        symbol, factor = ("", 1.0) if known is None else known.in_figures
+        ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
+        text += f" The worst {_title(mechanism, name)} on it is {' to '.join(ends)} {symbol}".rstrip(" -") + "."
+    return text + (f" {open_ends} of them did not converge." if open_ends else "")
+
+
+def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
+    """How many runs ended as they should."""
+    should, every = mechanism.success or mechanism.time_is_up, sum(counts.values())
+    text = f"{counts.get(should, 0)} of {every} {mechanism.run_name}s end {words(should)}"
+    return text + (f", {counts[OPEN]} are {OPEN}" if OPEN in counts else "")
+
+
+def _title(mechanism: Mechanism, name: str) -> str:
+    return in_figures(mechanism, name)[0] if name in mechanism.quantities else words(name)
