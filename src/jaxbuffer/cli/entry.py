@@ -46,6 +46,8 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
     except Exception as error:
+        if isinstance(error, ValueError) and "jax" not in sys.modules:  # JAX reads its switches as it is imported
+            return fail(f"JAX cannot be imported with the switches in this environment: {error}", BAD_INPUT)
         if not hasattr(error, "format_message"):  # what typer's usage errors have in common, in all its versions
             raise
         message = error.format_message()
