@@ -31,7 +31,8 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
     try:
         with naming(path):
             with draft.open("wb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
+                # A path's bytes that are no UTF-8 are surrogates in Python, which UTF-8 has not: written as \udc80.
+                file.write(content.encode(errors="backslashreplace") if isinstance(content, str) else content)
                 file.flush()
                 os.fsync(file.fileno())
             if overwrite:

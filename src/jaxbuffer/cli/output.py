@@ -1,5 +1,6 @@
 """Result files: refused before computing if they exist; saved at the end, and only then is anything printed."""
 
+import errno
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,6 +14,17 @@ from .streams import note, show
 def _vector(name: str) -> tuple[str, ...]:
     """Every figure is written as SVG too."""
     return (f"{name.removesuffix('.png')}.svg",) if name.endswith(".png") else ()
+
+
+def is_figure(name: str) -> bool:
+    """Whether a file is a figure, which shows what other files hold."""
+    return name.endswith((".png", ".svg"))
+
+
+def undrawn(path: Path, error: Exception) -> OSError:
+    """What is said of a figure that matplotlib fails to draw."""
+    told = next((line for line in str(error).splitlines() if line.strip()), "")
+    return OSError(errno.EIO, f"cannot be drawn, {type(error).__name__}: {told}".rstrip(": "), str(path))
 
 
 def _listed(paths: Sequence[str]) -> str:
@@ -54,19 +66,24 @@ class Output:
     def save_and_show(
         self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
     ) -> None:
-        """Write every file, then print the result and what was written; for --json the ``record`` alone on stdout.
+        """Write every file, figures last, then print the result and what was written; with --json print the ``record``
+        alone on stdout.
 
-        A file that cannot be written leaves the others and the printing alone. **Raises:** the first such `OSError`.
+        A file that cannot be made or written leaves the others and the printing alone. **Raises:** the first such
+        error, an `OSError` for a figure that cannot be drawn.
         """
-        failure = None
+        failure: Exception | None = None
         written: list[Path] = []
         try:
             if self.folder is not None:
-                for name, content in contents().items():
+                for name, content in sorted(contents().items(), key=lambda item: is_figure(item[0])):
+                    path = self.folder / name
                     try:
-                        written.append(self._write(self.folder / name, content()))
+                        written.append(self._write(path, content()))
                     except OSError as error:
                         failure = failure or error
+                    except Exception as error:
+                        failure = failure or (undrawn(path, error) if is_figure(name) else error)
         finally:
             if self.as_json and record is not None:
                 for path in written:
