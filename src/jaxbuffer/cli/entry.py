@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import InputError
+from ..files import Lock
 from . import streams
 from .app import app
 from .exits import BAD_INPUT, FAILED, INTERRUPTED, OK, fail
@@ -54,6 +55,8 @@ def run(arguments: Sequence[str]) -> int:
         quotes = '; a value with its unit needs quotes: "-4 deg"' if "unexpected extra argument" in message else ""
         none = "; 'jaxbuffer COMMAND --help' says what it needs" if "Missing argument" in message else ""
         return fail(f"{message.rstrip('.')}{quotes}{none}", BAD_INPUT)
+    finally:
+        Lock.release_lent()
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..files import write, write_beside
+from ..files import Lock, write, write_beside
 from ..output.formats import Contents
 from .streams import note, show
 
@@ -33,7 +33,7 @@ def _listed(paths: Sequence[str]) -> str:
 
 
 class Output:
-    """The files of one command in a folder, or nothing at all without a folder."""
+    """The files of one command in a folder, which is its own until `entry.run` ends, or nothing at all without one."""
 
     def __init__(
         self,
@@ -51,6 +51,9 @@ class Output:
         parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
         if not parent.is_dir():
             raise InputError(f"{parent} is a file; --output needs a folder")
+        if not os.access(parent, os.W_OK | os.X_OK):
+            raise InputError(f"{folder}: no permission to write there")
+        Lock(folder).lend()
         taken = [str(folder / name) for name in (*names, *resumable) if (folder / name).exists()]
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         if taken and not self.force:
@@ -60,8 +63,6 @@ class Output:
             raise InputError(f"{_listed(taken)} {exist}; {goes_on}--force overwrites, {keeps}")
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
-        if not os.access(parent, os.W_OK | os.X_OK):
-            raise InputError(f"{folder}: no permission to write there")
 
     def save_and_show(
         self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
