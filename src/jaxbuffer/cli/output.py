@@ -10,6 +10,8 @@ from ..files import Lock, write, write_beside
 from ..output.formats import Contents
 from .streams import note, show
 
+ENDINGS = (".csv", ".gif", ".html", ".json", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")  # of result files
+
 
 def _vector(name: str) -> tuple[str, ...]:
     """Every figure is written as SVG too."""
@@ -47,6 +49,9 @@ class Output:
         self.folder, self.force, self.as_json = folder, force or resume, as_json
         if folder is None:
             return
+        if folder.suffix.lower() in ENDINGS and not folder.exists():
+            plain = folder.with_suffix("")
+            raise InputError(f"--output {folder} has the ending of a file and names a folder; write --output {plain}")
         names = [name for one in names for name in (one, *_vector(one))]
         parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
         if not parent.is_dir():

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_choice, check_number, check_type, shown
 from ..fields import Part, check_address, check_units_agree, in_unit, unit_at, with_values
-from ..sweeps.grid import SCALES
+from ..sweeps.grid import SCALES, literal
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
 DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale
@@ -95,12 +95,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
 def typed(text: str) -> tuple[str, list[Any]]:
     """A path and its range as typed on a command line: PATH=LOW:HIGH or PATH=LOW:HIGH:SCALE."""
     path, equals, values = text.partition("=")
-    words: list[Any] = values.split(":")
+    words = values.split(":")
     if not path or not equals or len(words) not in (2, 3):
         raise InputError(f"--over {text}: expected FIELD=LOW:HIGH or FIELD=LOW:HIGH:log, buffer.k_A=200:2000 say")
-    for k in range(2):
-        try:
-            words[k] = float(words[k])
-        except ValueError:
-            raise InputError(f"--over {text}: {words[k]!r} is not a number") from None
-    return path, words
+    return path, [*map(literal, words[:2]), *words[2:]]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -15,7 +16,7 @@ from ..mechanisms.registry import mechanism_of_scenario
 from .problem import Case
 
 KINDS = ("uniform", "normal")
-MOST = 100_000  # cases in a sample
+MOST = 100_000  # cases
 ONE_NUMBER = "a distribution has two numbers"
 
 
@@ -52,6 +53,8 @@ def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tup
             raise InputError(f"grid.{name} = {shown(values)} is not a list of values in {unit(base, name)}")
         if not len(values):
             raise InputError(f"grid.{name} is empty; list at least one value in {unit(base, name)}")
+    if (count := math.prod(len(values) for values in fields.values())) > MOST:
+        raise InputError(f"grid: {count:.4g} combinations of values are too many to tune for; at most {MOST}")
     return tuple(
         Case(dataclasses.replace(base, **dict(zip(fields, values, strict=True))))
         for values in itertools.product(*fields.values())
@@ -75,7 +78,7 @@ def sample(
     from scipy.stats import qmc
 
     base, factors = mechanism_named("probe_cone").scenario() if base is None else base, factors or {}
-    check_whole("sample.count", count, 1)
+    check_whole("sample.count", count, 1, MOST)
     if count > MOST:
         raise InputError(f"sample.count = {count} is out of range; allowed: [1, {MOST}]")
     check_whole("sample.seed", seed, 0)

@@ -16,7 +16,7 @@ class Settings(Part):
 
     section: ClassVar[str] = "tune"
     iterations: int = whole(40, 1)
-    starts: int = whole(32, 1)
+    starts: int = whole(32, 1, 2**20)
     searches: int = whole(2, 1)
     rounds: int = whole(6, 1)
     seed: int = whole(0, 0)
