@@ -76,6 +76,9 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
     scale = parts.pop() if len(parts) == 3 else None
     check_units_agree(f"sample.{path}", parts)
     numbers = [as_number(in_unit(f"sample.{path}", part, symbol)) for part in parts]
+    for number in numbers:
+        if isinstance(number, str):  # with a unit that fits it would be a number
+            check_number(f"sample.{path}", number, symbol)
     if len(numbers) != 2 or not all(type(number) is float for number in numbers):
         raise InputError(f"sample.{path} = {shown(given)} must be low and high end in {symbol}: {EXAMPLE}")
     low, high = numbers

@@ -196,7 +196,7 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
 def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
     options = {name: table[name] for name in OPTIONS if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
-    _known(weights, (*OPTIONS, *units), f"problem.{where}")
+    _known(weights, (*units, *OPTIONS), f"problem.{where}")
     for name, weight in weights.items():
         check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
@@ -228,7 +228,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
-    _known(table, ("slack", *OPTIONS, *units), "problem.then")
+    _known(table, (*units, *OPTIONS, "slack"), "problem.then")
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}

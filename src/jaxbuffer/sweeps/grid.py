@@ -18,7 +18,7 @@ from ..run.request import check_pair
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
 BYTES = 2000  # for each run: inputs, results, its row of text while files are written
-MOST_VALUES, MOST_RUNS = 10**8, 10**15  # of a field, of a grid
+MOST = 10**15  # values of a field, and runs of a grid
 EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
 
 
@@ -99,8 +99,8 @@ class Grid:
         told = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
         if self.held and need > have:
             raise InputError(f"{told}, which need {_size(need)} of memory; {_size(have)} are free")
-        if runs > MOST_RUNS:
-            raise InputError(f"{told}; at most {MOST_RUNS:.0e} are allowed")
+        if runs > MOST:
+            raise InputError(f"{told}; at most {MOST:.0e} are allowed")
 
     def __len__(self) -> int:
         return math.prod(self.shape)
@@ -193,7 +193,7 @@ def typed(text: str) -> tuple[str, Any]:
     return path, {name: literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
-def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST_VALUES) -> Span:
+def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> Span:
     """A span from {from, to, count, scale}, its ends in ``unit`` or with their own.
 
     ``where``: its name in messages, as in "sweep.scenario.approach_speed"; ``most``: values at most.
@@ -206,7 +206,9 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST_VALUE
             raise InputError(f"{where}: {name} is missing; expected {EXAMPLE}")
     count, scale = table["count"], table.get("scale", SCALES[0])
     count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
-    check_whole(f"{where}: count", count, 1, most)
+    check_whole(f"{where}: count", count, 1)
+    if count > most:
+        raise InputError(f"{where}: count = {count:.4g} is out of range; allowed: [1, {most:.0e}]")
     check_choice(f"{where}: scale", scale, SCALES)
     ends = [table[name] for name in SPAN[:2]]
     check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')

@@ -78,7 +78,7 @@ def sample(
     from scipy.stats import qmc
 
     base, factors = mechanism_named("probe_cone").scenario() if base is None else base, factors or {}
-    check_whole("sample.count", count, 1, MOST)
+    check_whole("sample.count", count, 1)
     if count > MOST:
         raise InputError(f"sample.count = {count} is out of range; allowed: [1, {MOST}]")
     check_whole("sample.seed", seed, 0)
