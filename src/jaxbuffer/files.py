@@ -101,13 +101,13 @@ class Lock:
     **Raises:** `InputError` while another run has it.
     """
 
-    lent: ClassVar[dict[Path, "Lock"]] = {}  # by the command that this process runs, to what it computes
+    of_command: ClassVar[dict[Path, "Lock"]] = {}  # whose folder the sweeps and tunings in it share
 
     def __init__(self, folder: Path) -> None:
         self.path, self.descriptor = folder.resolve() / LOCK, -1
-        if self.path in Lock.lent:
+        if self.path in Lock.of_command:
             return
-        self.made = [path for path in (self.path.parent, *self.path.parent.parents) if not path.exists()]
+        self.new_folders = [path for path in (self.path.parent, *self.path.parent.parents) if not path.exists()]
         with naming(self.path):
             while not self._acquired(folder):
                 pass
@@ -141,20 +141,20 @@ class Lock:
     def release(self) -> None:
         """Let others write there; may be called again."""
         if self.descriptor >= 0:
-            Lock.lent.pop(self.path, None)
+            Lock.of_command.pop(self.path, None)
             self.path.unlink(missing_ok=True)
             os.close(self.descriptor)
             self.descriptor = -1
 
     def lend(self) -> None:
         """Let other locks of this folder in this process be this one, until `release`."""
-        Lock.lent.setdefault(self.path, self)
+        Lock.of_command.setdefault(self.path, self)
 
     @staticmethod
-    def release_lent() -> None:
+    def release_all() -> None:
         """Release what was lent, and remove folders that were made for it and are empty."""
-        for lock in list(Lock.lent.values()):
+        for lock in list(Lock.of_command.values()):
             lock.release()
             with contextlib.suppress(OSError):  # the first that is not empty
-                for folder in lock.made:
+                for folder in lock.new_folders:
                     folder.rmdir()

@@ -63,8 +63,8 @@ def test_what_a_command_computes_has_its_folder_too(tmp_path):
     with pytest.raises(InputError, match="in use by another run"):
         Lock(tmp_path / "out" / "point-1")
     other.release()
-    Lock.release_lent()
-    assert not (tmp_path / "out" / LOCK).exists() and not Lock.lent
+    Lock.release_all()
+    assert not (tmp_path / "out" / LOCK).exists() and not Lock.of_command
 
 
 @pytest.mark.slow

@@ -56,7 +56,7 @@ def run(arguments: Sequence[str]) -> int:
         none = "; 'jaxbuffer COMMAND --help' says what it needs" if "Missing argument" in message else ""
         return fail(f"{message.rstrip('.')}{quotes}{none}", BAD_INPUT)
     finally:
-        Lock.release_lent()
+        Lock.release_all()
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK

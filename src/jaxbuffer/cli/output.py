@@ -23,7 +23,7 @@ def is_figure(name: str) -> bool:
     return name.endswith((".png", ".svg"))
 
 
-def undrawn(path: Path, error: Exception) -> OSError:
+def drawing_error(path: Path, error: Exception) -> OSError:
     """What is said of a figure that matplotlib fails to draw."""
     told = next((line for line in str(error).splitlines() if line.strip()), "")
     return OSError(errno.EIO, f"cannot be drawn, {type(error).__name__}: {told}".rstrip(": "), str(path))
@@ -89,7 +89,7 @@ class Output:
                     except OSError as error:
                         failure = failure or error
                     except Exception as error:
-                        failure = failure or (undrawn(path, error) if is_figure(name) else error)
+                        failure = failure or (drawing_error(path, error) if is_figure(name) else error)
         finally:
             if self.as_json and record is not None:
                 for path in written:

@@ -41,7 +41,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     seen = run.history
     if seen is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
-    known, times = np.asarray(seen.time), checked(times)
+    known, times = np.asarray(seen.time), instants_of(times)
     if not times.size:
         return jax.tree.map(lambda values: np.asarray(values)[:0], at_times(run, known[:1]))
     times = np.clip(times, known[0], known[-1])
@@ -61,7 +61,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *found)
 
 
-def checked(times: Any) -> Float[np.ndarray, " instants"]:
+def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
     """Times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
     found = concrete(times)
     if found is None or found.ndim != 1 or not np.all(np.isfinite(found)):

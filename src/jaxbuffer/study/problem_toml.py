@@ -150,7 +150,7 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
 def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, ...]:
     _known(table, SAMPLE, "problem.sample")
     fields, factors = (
-        _scattered(_table(table, name, {}), tuple(paths(part)), f"problem.sample.{name}")
+        _distributions(_table(table, name, {}), tuple(paths(part)), f"problem.sample.{name}")
         for name, part in (("scenario", base), ("factors", design))
     )
     seed = table.get("seed", 0)
@@ -166,7 +166,7 @@ def _sampled(table: Mapping[str, Any], design: Part, base: Part) -> tuple[Case, 
     )
 
 
-def _scattered(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
+def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
     """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
     found = by_path(table, KINDS, where)
     for path in found:
