@@ -6,6 +6,7 @@ import fcntl
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import ClassVar
 
 from .errors import InputError
 
@@ -31,7 +32,8 @@ def write(path: Path, content: str | bytes, overwrite: bool = True) -> None:
     try:
         with naming(path):
             with draft.open("wb") as file:
-                file.write(content.encode() if isinstance(content, str) else content)
+                # A path's bytes that are no UTF-8 are surrogates in Python, which UTF-8 has not: written as \udc80.
+                file.write(content.encode(errors="backslashreplace") if isinstance(content, str) else content)
                 file.flush()
                 os.fsync(file.fileno())
             if overwrite:
@@ -99,9 +101,13 @@ class Lock:
     **Raises:** `InputError` while another run has it.
     """
 
+    of_command: ClassVar[dict[Path, "Lock"]] = {}  # whose folder the sweeps and tunings in it share
+
     def __init__(self, folder: Path) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        self.path = folder / LOCK
+        self.path, self.descriptor = folder.resolve() / LOCK, -1
+        if self.path in Lock.of_command:
+            return
+        self.new_folders = [path for path in (self.path.parent, *self.path.parent.parents) if not path.exists()]
         with naming(self.path):
             while not self._acquired(folder):
                 pass
@@ -109,12 +115,17 @@ class Lock:
 
     def _acquired(self, folder: Path) -> bool:
         """Lock the file; False if its former owner removed it meanwhile, and it is to be made anew."""
-        self.descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o644)
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            self.descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o644)
+        except FileNotFoundError:  # its former owner removed the folder
+            return False
         try:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             owner = os.read(self.descriptor, 20).decode(errors="replace").strip() or "unknown"
             os.close(self.descriptor)
+            self.descriptor = -1
             raise InputError(f"{folder} is in use by another run, process {owner}; choose another folder") from None
         try:
             current = os.stat(self.path).st_ino == os.fstat(self.descriptor).st_ino
@@ -130,6 +141,20 @@ class Lock:
     def release(self) -> None:
         """Let others write there; may be called again."""
         if self.descriptor >= 0:
+            Lock.of_command.pop(self.path, None)
             self.path.unlink(missing_ok=True)
             os.close(self.descriptor)
             self.descriptor = -1
+
+    def lend(self) -> None:
+        """Let other locks of this folder in this process be this one, until `release`."""
+        Lock.of_command.setdefault(self.path, self)
+
+    @staticmethod
+    def release_all() -> None:
+        """Release what was lent, and remove folders that were made for it and are empty."""
+        for lock in list(Lock.of_command.values()):
+            lock.release()
+            with contextlib.suppress(OSError):  # the first that is not empty
+                for folder in lock.new_folders:
+                    folder.rmdir()

@@ -30,7 +30,7 @@ LINES = [
     line("tune --solver implicit", "No such option", "--solver"),
     line("tune --iterations few", "--iterations = 'few' must be a whole number of at least 1"),
     line("tune --iterations 0", "--iterations = 0 must be a whole number of at least 1"),
-    line("tune --starts 1.5", "--starts = 1.5 must be a whole number of at least 1"),
+    line("tune --starts 1.5", "--starts = 1.5 must be a whole number from 1 to 1048576"),
     line("tune --seed -1", "--seed = -1 must be a whole number of at least 0"),
     line("simulate --outptu x", "No such option", "--outptu"),
     line("simulate --approach_speed 0.1", "No such option: --approach_speed; did you mean --scenario.approach_speed?"),

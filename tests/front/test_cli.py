@@ -27,8 +27,8 @@ from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
 
-SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.png", "capture.svg")
-SIMULATED += ("motion.png", "motion.svg", "capture.nc")
+SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc")
+SIMULATED += ("capture.png", "capture.svg", "motion.png", "motion.svg")
 DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
 TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"
@@ -256,7 +256,7 @@ def test_bad_options_are_one_line_and_exit_code_2(computed, capsys, tmp_path, co
     [
         ("[buffer]\nk_A = -1", "study.toml: buffer.k_A = -1 N/m is out of range; allowed: (0, inf) N/m"),
         ("[bufer]\nk_A = 1", "study.toml: [bufer] is unknown; did you mean buffer?"),
-        ("[buffer]\nk_A = '1'", "study.toml: buffer.k_A: '1' is not a number; expected (0, inf) N/m"),
+        ("[buffer]\nk_A = '1'", "study.toml: buffer.k_A = '1': a text needs a unit; write 1 without quotes"),
         ("[buffer", "study.toml is not valid TOML"),
         ('["a\\nb"]', "is unknown"),
     ],

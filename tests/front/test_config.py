@@ -128,7 +128,7 @@ BAD = [
     ("[buffer]\ndamping = 'phisical'", ("buffer.damping = 'phisical' is unknown", "did you mean physical?")),
     ("[options]\nsolver = 'implicid'", ("options.solver = 'implicid' is unknown", "did you mean implicit?")),
     # TOML types
-    ("[buffer]\nk_A = '800'", ("buffer.k_A: '800' is not a number", "(0, inf) N/m")),
+    ("[buffer]\nk_A = '800'", ("buffer.k_A = '800': a text needs a unit", "(0, inf) N/m")),
     ("[buffer]\nk_A = true", ("buffer.k_A: 'true' is not a number", "(0, inf) N/m")),
     ("[buffer]\nk_A = [1, 2]", ("buffer.k_A: '[1, 2]' is not a number", "(0, inf) N/m")),
     ("[buffer]\nk_A = 2026-01-01", ("buffer.k_A: '2026-01-01' is not a number", "(0, inf) N/m")),

@@ -1,5 +1,6 @@
 """`jaxbuffer animate`: a run of the mechanism as an animation."""
 
+import dataclasses
 from typing import Annotated
 
 import typer
@@ -9,10 +10,12 @@ from .exits import OK, fail
 from .request import Request, ScenarioNumber
 from .simulate import simulated
 
-Format = Annotated[str, typer.Option("--format", metavar="gif|mp4", help="gif (default), or mp4 where ffmpeg is.")]
+Format = Annotated[
+    str | None, typer.Option("--format", metavar="gif|mp4", help="gif (default), or mp4 where ffmpeg is.")
+]
 
 
-def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Format = "gif") -> int:
+def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Format = None) -> int:
     """Simulate one run and draw it moving, in scale, with its contact forces as arrows.
 
     Time runs evenly, and slower around the three largest impacts; a clock says the time and how much slower.
@@ -20,18 +23,29 @@ def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Form
     \b
     Files in DIR:
       motion.gif or motion.mp4
+    A DIR that ends in .gif or .mp4 is the file itself.
 
     \b
-    Example: jaxbuffer animate --scenario.misalignment 0.05 --output results
+    Examples:
+      jaxbuffer animate --scenario.misalignment 0.05 --output results
+      jaxbuffer animate --output results/docking.gif
     """
     study = request.one_scenario(scenario_number)
     if request.output is None:
-        raise InputError("animate needs --output DIR, the folder for its file")
-    from ..output.animation import animation, check_format, frames_of
+        raise InputError("animate needs --output DIR, the folder for its file, or the file")
+    from ..output.animation import FORMATS, animation, check_format, frames_of
     from .progress import sweeping
 
+    ending = request.output.suffix.removeprefix(".").lower()
+    if ending in FORMATS and not request.output.is_dir():
+        if kind not in (None, ending):
+            raise InputError(f"--format {kind} and --output {request.output} contradict; keep one")
+        kind, name = ending, request.output.name
+        request = dataclasses.replace(request, output=request.output.parent)
+    else:
+        kind = kind or FORMATS[0]
+        name = f"motion.{kind}"
     check_format(kind)
-    name = f"motion.{kind}"
     files = request.files(name)
     run, _ = simulated(study, history=True, again=False)
     if run.outcome.failed:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import typer
 
 from ..errors import InputError
+from ..files import Lock
 from . import streams
 from .app import app
 from .exits import BAD_INPUT, FAILED, INTERRUPTED, OK, fail
@@ -46,12 +47,16 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED
     except Exception as error:
+        if isinstance(error, ValueError) and "jax" not in sys.modules:  # JAX reads its switches as it is imported
+            return fail(f"JAX cannot be imported with the switches in this environment: {error}", BAD_INPUT)
         if not hasattr(error, "format_message"):  # what typer's usage errors have in common, in all its versions
             raise
         message = error.format_message()
         quotes = '; a value with its unit needs quotes: "-4 deg"' if "unexpected extra argument" in message else ""
         none = "; 'jaxbuffer COMMAND --help' says what it needs" if "Missing argument" in message else ""
         return fail(f"{message.rstrip('.')}{quotes}{none}", BAD_INPUT)
+    finally:
+        Lock.release_all()
     if code == INTERRUPTED:
         print("interrupted", file=sys.stderr, flush=True)
     return code or OK

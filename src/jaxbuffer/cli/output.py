@@ -1,18 +1,32 @@
 """Result files: refused before computing if they exist; saved at the end, and only then is anything printed."""
 
+import errno
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..files import write, write_beside
+from ..files import Lock, write, write_beside
 from ..output.formats import Contents
 from .streams import note, show
+
+ENDINGS = (".csv", ".gif", ".html", ".json", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")  # of result files
 
 
 def _vector(name: str) -> tuple[str, ...]:
     """Every figure is written as SVG too."""
     return (f"{name.removesuffix('.png')}.svg",) if name.endswith(".png") else ()
+
+
+def is_figure(name: str) -> bool:
+    """Whether a file is a figure, which shows what other files hold."""
+    return name.endswith((".png", ".svg"))
+
+
+def drawing_error(path: Path, error: Exception) -> OSError:
+    """What is said of a figure that matplotlib fails to draw."""
+    told = next((line for line in str(error).splitlines() if line.strip()), "")
+    return OSError(errno.EIO, f"cannot be drawn, {type(error).__name__}: {told}".rstrip(": "), str(path))
 
 
 def _listed(paths: Sequence[str]) -> str:
@@ -21,7 +35,7 @@ def _listed(paths: Sequence[str]) -> str:
 
 
 class Output:
-    """The files of one command in a folder, or nothing at all without a folder."""
+    """The files of one command in a folder, which is its own until `entry.run` ends, or nothing at all without one."""
 
     def __init__(
         self,
@@ -35,10 +49,16 @@ class Output:
         self.folder, self.force, self.as_json = folder, force or resume, as_json
         if folder is None:
             return
+        if folder.suffix.lower() in ENDINGS and not folder.exists():
+            plain = folder.with_suffix("")
+            raise InputError(f"--output {folder} has the ending of a file and names a folder; write --output {plain}")
         names = [name for one in names for name in (one, *_vector(one))]
         parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
         if not parent.is_dir():
             raise InputError(f"{parent} is a file; --output needs a folder")
+        if not os.access(parent, os.W_OK | os.X_OK):
+            raise InputError(f"{folder}: no permission to write there")
+        Lock(folder).lend()
         taken = [str(folder / name) for name in (*names, *resumable) if (folder / name).exists()]
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         if taken and not self.force:
@@ -48,25 +68,28 @@ class Output:
             raise InputError(f"{_listed(taken)} {exist}; {goes_on}--force overwrites, {keeps}")
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
-        if not os.access(parent, os.W_OK | os.X_OK):
-            raise InputError(f"{folder}: no permission to write there")
 
     def save_and_show(
         self, contents: Callable[[], Contents], result: object, record: Callable[[], str] | None = None
     ) -> None:
-        """Write every file, then print the result and what was written; for --json the ``record`` alone on stdout.
+        """Write every file, figures last, then print the result and what was written; with --json print the ``record``
+        alone on stdout.
 
-        A file that cannot be written leaves the others and the printing alone. **Raises:** the first such `OSError`.
+        A file that cannot be made or written leaves the others and the printing alone. **Raises:** the first such
+        error, an `OSError` for a figure that cannot be drawn.
         """
-        failure = None
+        failure: Exception | None = None
         written: list[Path] = []
         try:
             if self.folder is not None:
-                for name, content in contents().items():
+                for name, content in sorted(contents().items(), key=lambda item: is_figure(item[0])):
+                    path = self.folder / name
                     try:
-                        written.append(self._write(self.folder / name, content()))
+                        written.append(self._write(path, content()))
                     except OSError as error:
                         failure = failure or error
+                    except Exception as error:
+                        failure = failure or (drawing_error(path, error) if is_figure(name) else error)
         finally:
             if self.as_json and record is not None:
                 for path in written:

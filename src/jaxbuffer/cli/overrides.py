@@ -64,7 +64,8 @@ class Plain(TyperCommand):
 
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Check the words, then parse them."""
-        check_words(args, [name for it in self.params if getattr(it, "multiple", False) for name in it.opts])
+        if not ctx.resilient_parsing:  # of a shell's completion, in which words are still missing
+            check_words(args, [name for it in self.params if getattr(it, "multiple", False) for name in it.opts])
         return super().parse_args(ctx, args)
 
 
@@ -76,7 +77,7 @@ class Command(Plain):
 
     def parse_args(self, ctx: Context, args: list[str]) -> list[str]:
         """Parse what is left without the dotted options."""
-        rest, ctx.obj = split(args)
+        rest, ctx.obj = split(args, unfinished=ctx.resilient_parsing)
         try:
             return super().parse_args(ctx, rest)
         except Exception as error:
@@ -114,8 +115,9 @@ def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
             raise InputError(f"{name} is empty; give it a value or leave it out")
 
 
-def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Ordinary arguments, and the dotted options with their values."""
+def split(arguments: Sequence[str], unfinished: bool = False) -> tuple[list[str], dict[str, str]]:
+    """Ordinary arguments, and the dotted options with their values; ``unfinished``: whether a shell completes them, so
+    that nothing is an error yet."""
     rest, overrides = list[str](), dict[str, str]()
     words = iter(arguments)
     for word in words:
@@ -125,6 +127,8 @@ def split(arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
         elif name.startswith("--") and "." in name:
             path = name.removeprefix("--")
             given = value if equals else next(words, "--")
+            if unfinished:
+                continue
             if given.startswith("--"):
                 raise InputError(f"{path} needs a value: --{path} VALUE")
             if path in overrides:

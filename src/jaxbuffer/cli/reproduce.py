@@ -32,6 +32,7 @@ def reproduce(
     \b
     Example: jaxbuffer reproduce impact --output results/impact
     """
+    from ..compiling.backend import check_ready
     from ..compiling.process import configure
     from ..errors import check_choice
     from ..output.formats import csv_text, json_text
@@ -42,6 +43,7 @@ def reproduce(
     check_choice("PAPER", paper, tuple(PAPERS))
     require_matplotlib()
     configure(cache=cache_folder())
+    check_ready()
     from ..papers.study import judged, run_paper, runs
     from ..papers.tables import NAMED, claims_table, markdown
     from .progress import counting

@@ -57,6 +57,7 @@ class Request:
 
     def study(self) -> "Config":
         """The study with everything the command line overrides; JAX is set up on the way."""
+        from ..compiling.backend import check_ready
         from ..compiling.process import configure
 
         configure(cache=cache_folder())
@@ -64,7 +65,9 @@ class Request:
 
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
-        return dataclasses.replace(study, options=apply_options(study.options, options))
+        study = dataclasses.replace(study, options=apply_options(study.options, options))
+        check_ready()  # before a folder is made
+        return study
 
     def one_scenario(self, number: str | None) -> "Config":
         """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first

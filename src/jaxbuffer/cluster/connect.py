@@ -25,6 +25,9 @@ class SchedulerGone(ConnectionError):
     def __init__(self) -> None:
         super().__init__("the scheduler is gone")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), ()
+
 
 def require() -> None:
     """Raise `InputError` with what to install unless the extra's packages are there."""

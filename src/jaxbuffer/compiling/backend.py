@@ -7,6 +7,18 @@ import warnings
 from ..errors import InputError
 
 THRESHOLD = "xla_cpu_small_while_loop_byte_threshold"
+DISALLOWED = ("disallow", "disallow_explicit")
+UNSUITABLE: dict[str, tuple[tuple[object, ...], str]] = {
+    "jax_debug_nans": ((True,), "results hold NaN where there is no number"),
+    "jax_check_tracer_leaks": ((True,), "gradients are traced with rules of their own, which it takes for leaks"),
+    "jax_disable_jit": ((True,), "only compiled programs are fast enough"),
+    "jax_numpy_dtype_promotion": (("strict",), "whole and real numbers are combined here"),
+    "jax_transfer_guard": (DISALLOWED, "arguments are NumPy's numbers"),
+    "jax_transfer_guard_host_to_device": (DISALLOWED, "arguments are NumPy's numbers"),
+    "jax_no_tracing": ((True,), "programs are traced when they are first called"),
+    "jax_no_execution": ((True,), "nothing can be computed"),
+}
+"""JAX's switches that jaxbuffer cannot work with: the values, and why."""
 
 _told = False  # of slow loops
 _forked = False  # after JAX's backend had started
@@ -20,7 +32,10 @@ def told_of_slow_loops() -> bool:
 
 
 def check_ready() -> None:
-    """Raise unless this process computes in double precision and JAX can work in it; warn, once, if loops are slow."""
+    """Raise unless this process computes in double precision and JAX can work in it; warn, once, if loops are slow.
+
+    **Raises:** `InputError` that names the switch of JAX that is in the way.
+    """
     import jax
     import numpy as np
 
@@ -34,15 +49,45 @@ def check_ready() -> None:
             "jaxbuffer needs double precision: call jb.configure() before the first JAX computation, or set "
             "JAX_ENABLE_X64=1 (slower: see jb.configure)"
         )
+    _check_switches()
+    backend = _backend()
     if told_of_slow_loops():
         return
-    if jax.default_backend() == "cpu" and not one_kernel():
+    if backend == "cpu" and not one_kernel():
         warnings.warn(
             "jb.configure() was not called before JAX's backend started: captures take about ten times longer. "
             "Call it before the first JAX computation.",
             RuntimeWarning,
             stacklevel=4,
         )
+
+
+def _check_switches() -> None:
+    """Raise `InputError` for a switch in `UNSUITABLE`: it would end in JAX's own traceback."""
+    import jax
+
+    for name, (values, why) in UNSUITABLE.items():
+        value = getattr(jax.config, name)
+        value = getattr(value, "value", value)  # of an enumeration
+        if value in values:
+            wanted = "False" if value is True else {"strict": "'standard'"}.get(value, "'allow'")
+            raise InputError(
+                f"{name.upper()}={value}: jaxbuffer cannot work with this switch of JAX, because {why};"
+                f" take it out of the environment, or call jax.config.update({name!r}, {wanted})"
+            )
+
+
+def _backend() -> str:
+    """The name of the backend that JAX computes with. **Raises:** `InputError` where it cannot start."""
+    import jax
+
+    try:
+        return jax.default_backend()
+    except (RuntimeError, AssertionError) as error:
+        platforms, name = getattr(jax.config, "jax_platforms", None), os.environ.get("JAX_PLATFORM_NAME")
+        chosen = f"JAX_PLATFORMS={platforms}" if platforms else f"JAX_PLATFORM_NAME={name}"
+        why = str(error).partition(" (set ")[0] or "it has no such device, or the device's plugin is not installed"
+        raise InputError(f"{chosen}: JAX cannot start there: {why}") from None
 
 
 def one_kernel() -> bool:

@@ -21,7 +21,7 @@ from ..fields import (
     unit_at,
     with_values,
 )
-from ..sweeps.grid import SCALES
+from ..sweeps.grid import SCALES, literal
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
 DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale
@@ -90,6 +90,9 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
     scale = parts.pop() if len(parts) == 3 else None
     check_units_agree(f"sample.{path}", parts)
     numbers = [as_number(in_unit(f"sample.{path}", part, symbol)) for part in parts]
+    for number in numbers:
+        if isinstance(number, str):  # with a unit that fits it would be a number
+            check_number(f"sample.{path}", number, symbol)
     if len(numbers) != 2 or not all(type(number) is float for number in numbers):
         raise InputError(f"sample.{path} = {shown(given)} must be low and high end in {symbol}: {EXAMPLE}")
     low, high = numbers
@@ -112,12 +115,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
 def typed(text: str) -> tuple[str, list[Any]]:
     """A path and its range as typed on a command line: PATH=LOW:HIGH or PATH=LOW:HIGH:SCALE."""
     path, equals, values = text.partition("=")
-    words: list[Any] = values.split(":")
+    words = values.split(":")
     if not path or not equals or len(words) not in (2, 3):
         raise InputError(f"--over {text}: expected FIELD=LOW:HIGH or FIELD=LOW:HIGH:log, buffer.k_A=200:2000 say")
-    for k in range(2):
-        try:
-            words[k] = float(words[k])
-        except ValueError:
-            raise InputError(f"--over {text}: {words[k]!r} is not a number") from None
-    return path, words
+    return path, [*map(literal, words[:2]), *words[2:]]

@@ -11,6 +11,7 @@ from .address import with_values as with_values
 from .declared import NON_NEGATIVE as NON_NEGATIVE
 from .declared import POSITIVE as POSITIVE
 from .declared import Part as Part
+from .declared import Portable as Portable
 from .declared import all_of as all_of
 from .declared import choice as choice
 from .declared import number as number

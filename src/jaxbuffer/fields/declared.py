@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any, ClassVar, Self
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool
 
 from ..errors import InputError, check_choice, check_flag, check_number, check_type, check_whole, inside, suggest
@@ -40,7 +42,22 @@ POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
 NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
 
 
-class Part(eqx.Module):
+class Portable(eqx.Module):
+    """A module that another process gets with the same numbers.
+
+    JAX's arrays become single precision where a process unpickles them that has not called `jb.configure()`; NumPy's do
+    not. So a pickle holds NumPy's.
+    """
+
+    def __getstate__(self) -> dict[str, Any]:
+        def portable(leaf: Any) -> Any:
+            known = isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer)
+            return np.asarray(leaf) if known else leaf
+
+        return {name: jax.tree.map(portable, value) for name, value in vars(self).items()}
+
+
+class Part(Portable):
     """A group of fields, each checked against its declared range when the part is made.
 
     - ``section``: the part's name in dotted paths.

@@ -14,7 +14,10 @@ from typing import Any
 
 from ..errors import InputError, OutOfRange, as_number, inside, nearest, range_text, shown
 
-_TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(%|°|[A-Za-zµμ1][^\[\]{}=,;:\"']*)\s*")
+# The number is taken whole: "0.1" is no 0 of the unit ".1", nor "101" a 10 of "1".
+_DIGITS = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?+"
+_NUMBER, _COMMA = re.compile(_DIGITS), re.compile(r"^([-+]?\d+),(\d+(?:[eE][-+]?\d+)?(?: *[^\d\s,].*)?)$")
+_TEXT = re.compile(r"\s*(" + _DIGITS + r")\s*(%|°|[A-Za-zµμ1][^\[\]{}=,;:\"']*)\s*")
 _UNIT = re.compile(r"[\w\s*/·.^()°%²³⁻¹-]{1,40}")
 _WORD = re.compile(r"[^\W\d_]+|°|%")
 _POWERS = re.compile(r"(\^|\*\*)[^*/·\s]*(\^|\*\*)|\d{3}")  # a power of a power, or a long number: none is a unit
@@ -183,9 +186,9 @@ _RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": Fa
 
 
 def _read(text: str, unit: str) -> float | str:
-    """The number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number with a unit."""
+    """The number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number at all."""
     if (found := _TEXT.fullmatch(text)) is None:
-        return ""
+        return _without_unit(text.strip(), unit)
     number, symbol = float(found[1]), found[2].strip()
     wanted = "a plain number" if unit in ("", "-") else f"a number in {unit}"
     if unit.endswith("^e"):
@@ -203,6 +206,17 @@ def _read(text: str, unit: str) -> float | str:
         )
         return f"{symbol}{next(kinds, ' does not fit')}, expected {wanted}{_instead(symbol, unit)}"
     return float(units.Quantity(number, given).to(target).magnitude)
+
+
+def _without_unit(text: str, unit: str) -> str:
+    """What is wrong with a text that has a decimal comma, or a number alone; "" for any other."""
+    pointed = _COMMA.sub(r"\1.\2", text)
+    if pointed != text:
+        return f"numbers have a decimal point here; write {pointed}"
+    if not _NUMBER.fullmatch(text):
+        return ""
+    symbol = f', or "{text} {unit}"' if unit not in ("", "-") and not unit.endswith("^e") else ""
+    return f"a text needs a unit; write {text} without quotes{symbol}"
 
 
 def _unknown(symbol: str) -> str:

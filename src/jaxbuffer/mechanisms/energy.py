@@ -2,12 +2,13 @@
 
 from typing import Any
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..fields import Portable
 
-class Energy(eqx.Module):
+
+class Energy(Portable):
     """The energies at one instant or, with an axis, along a history.
 
     ``stored`` [J] by name, such as "kinetic", "spring", "contact"; ``lost`` [J] so far by name, such as "friction".
@@ -50,7 +51,7 @@ def _sum(energies: dict[str, Float[Array, "..."]]) -> Any:
     return sum(energies.values(), start=np.zeros(()))
 
 
-class Balance(eqx.Module):
+class Balance(Portable):
     """What should not change, and by how much it did over the run. These numbers have no derivatives.
 
     ``energy`` [-]: change of the total over the initial energy (or the system's scale, if that is larger);

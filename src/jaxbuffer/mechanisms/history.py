@@ -2,13 +2,13 @@
 
 from typing import Any
 
-import equinox as eqx
 from jaxtyping import Array, Float
 
+from ..fields import Portable
 from .energy import Energy
 
 
-class History(eqx.Module):
+class History(Portable):
     """Histories along the first axis ("steps").
 
     ``time`` [s]; ``position`` (steps, bodies, [x, y, angle]) [m, m, rad] and ``velocity``; ``multipliers`` of the

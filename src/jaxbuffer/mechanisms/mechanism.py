@@ -13,6 +13,7 @@ from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
 from .picture import Meshed, Panel
 from .quantity import Catalogue
+from .registry import mechanism_of_type
 from .run import Run, Solved, plain_run
 from .summary import plain_summary
 from .system import ContactSystem
@@ -178,6 +179,11 @@ class Mechanism:
     smooth: Callable[[Any], Any] = no_smooth_law
     margin: str | None = None
     floor: Floor | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the design's type alone: most of a mechanism is functions, which another process has itself once it
+        has imported that type's module."""
+        return mechanism_of_type, (self.design,)
 
     @property
     def swept(self) -> tuple[str, ...]:

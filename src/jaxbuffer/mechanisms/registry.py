@@ -22,12 +22,22 @@ def register(mechanism: "Mechanism") -> "Mechanism":
 
 def mechanism_of(design: Any) -> "Mechanism":
     """The mechanism of a design. **Raises:** `InputError` for what is no design of any."""
-    for kind in type(design).__mro__:
-        if kind in _BY_DESIGN:
-            return _BY_DESIGN[kind]
+    if (found := _of_type(type(design))) is not None:
+        return found
     known = ", ".join(f"{m.design.__name__} of {m.name}" for m in _BY_DESIGN.values())
     hint = "write the design first, then the scenario"
     raise InputError(f"design = {shown(design)} is not a design of a mechanism; {hint}; known are {known or 'none'}")
+
+
+def mechanism_of_type(design: type) -> "Mechanism":
+    """The mechanism of a type of designs: what a pickled mechanism becomes again. **Raises:** `InputError`."""
+    if (found := _of_type(design)) is not None:
+        return found
+    raise InputError(f"{design.__name__} is not the design of a mechanism that this process has registered")
+
+
+def _of_type(design: type) -> "Mechanism | None":
+    return next((_BY_DESIGN[kind] for kind in design.__mro__ if kind in _BY_DESIGN), None)
 
 
 def mechanism_of_scenario(scenario: Any) -> "Mechanism":

@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +9,7 @@ from jaxtyping import Array, Float, Int
 from rich.table import Table
 
 from .._types import Scalar
+from ..fields import Portable
 from ..hybrid import Log, Result, moving
 from ..tables import html, table, text
 from .energy import Balance, Energy
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .outcome import RunOutcome
 
 
-class Impacts(eqx.Module):
+class Impacts(Portable):
     """Touchdowns in order, an entry each; slots beyond ``count`` are padding (contact -1, zeros). A run with more
     events than its log has room for lists the first ones; `Run.impact_count` counts all.
 
@@ -79,7 +79,7 @@ class Maxima(NamedTuple):
     others: dict[str, Float[Array, ""]]
 
 
-class Run(eqx.Module):
+class Run(Portable):
     """A simulated run. Print it for a summary.
 
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed run they are NaN.

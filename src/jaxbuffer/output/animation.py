@@ -16,7 +16,7 @@ from ..run.instants import at_times
 from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
 from .pulses import pulses
-from .style import COLOURS, STYLE, require_matplotlib
+from .style import COLOURS, drawing, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,10 +103,8 @@ def animation(run: Run, kind: str = "gif", report: Report = lambda done, count: 
     check_format(kind)
     if run.history is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
-    import matplotlib
-
     frames = frames_of(run)
-    with matplotlib.rc_context(STYLE):
+    with drawing():
         stage = Stage(scene(run, frames.times))
         return (_gif if kind == "gif" else _mp4)(stage, frames, report)
 

@@ -1,8 +1,11 @@
 """How figures look: colours, panels, labels."""
 
+import contextlib
 import functools
 import io
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
@@ -44,22 +47,46 @@ STYLE: dict[Any, Any] = {
     "legend.fontsize": 8,
     "legend.frameon": False,
     "lines.linewidth": 1.2,
+    "svg.hashsalt": "jaxbuffer",
 }
 
 
-def style() -> dict[Any, Any]:
-    """The settings of every figure: `STYLE`, and our colours in their order."""
-    from cycler import cycler
-
-    return STYLE | {"axes.prop_cycle": cycler(color=COLOURS)}
-
-
 def require_matplotlib() -> None:
-    """Raise `InputError` if matplotlib is not installed."""
+    """Import matplotlib, also with an MPLBACKEND that it does not know: figures are drawn here without any.
+
+    **Raises:** `InputError` if it is not installed, or the user's matplotlibrc keeps it from being imported.
+    """
+    before = os.environ.get("MPLBACKEND")
     try:
         import matplotlib  # noqa: F401
     except ImportError:
         raise InputError("figures need matplotlib; install it with: pip install matplotlib") from None
+    except Exception as error:
+        if before is None:
+            raise InputError(f"figures need matplotlib, which cannot be imported here: {error}") from None
+        for name in [name for name in sys.modules if name.startswith("matplotlib.")]:
+            del sys.modules[name]  # imported in part
+        try:
+            del os.environ["MPLBACKEND"]
+            require_matplotlib()
+        finally:
+            os.environ["MPLBACKEND"] = before
+
+
+@contextlib.contextmanager
+def drawing() -> Iterator[None]:
+    """Use matplotlib's own defaults and our style until the end of the block, whatever the user's matplotlibrc says.
+
+    A figure must be drawn and saved inside it: ticks and their labels are made when a figure is saved.
+    """
+    require_matplotlib()
+    from cycler import cycler
+    from matplotlib import rcParams
+    from matplotlib import style as styles
+
+    ours = {"axes.prop_cycle": cycler(color=COLOURS), "animation.ffmpeg_path": rcParams["animation.ffmpeg_path"]}
+    with styles.context(["default", STYLE | ours]):
+        yield
 
 
 def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
@@ -67,10 +94,7 @@ def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
 
     @functools.wraps(draw)
     def styled(*data: P.args, **options: P.kwargs) -> "Figure":
-        require_matplotlib()
-        import matplotlib
-
-        with matplotlib.rc_context(style()):
+        with drawing():
             return draw(*data, **options)
 
     return styled
@@ -79,18 +103,17 @@ def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
 def png(figure: "Figure") -> bytes:
     """The figure as a PNG file's content."""
     content = io.BytesIO()
-    _laid_out(figure)
-    figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
+    with drawing():
+        _laid_out(figure)
+        figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
     return content.getvalue()
 
 
 def svg(figure: "Figure") -> bytes:
     """The figure as an SVG file's content; the same figure gives the same bytes."""
-    import matplotlib
-
     content = io.BytesIO()
-    _laid_out(figure)
-    with matplotlib.rc_context({"svg.hashsalt": "jaxbuffer"}):
+    with drawing():
+        _laid_out(figure)
         figure.savefig(content, format="svg", metadata={"Date": None})
     return content.getvalue()
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compiling.programs import stored
-from ..errors import InputError
+from ..errors import InputError, concrete, shown
 from ..mechanisms.history import History
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
@@ -28,7 +28,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
 
     **Returns:** a `History` with an entry an instant, its ``others`` by name.
 
-    **Raises:** `InputError` for a run without a history.
+    **Raises:** `InputError` for a run without a history, and for times that are no list of numbers.
 
     **Example:** how high the ball of a dropping bar is between steps.
 
@@ -41,7 +41,9 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     seen = run.history
     if seen is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
-    known, times = np.asarray(seen.time), np.asarray(times, float)
+    known, times = np.asarray(seen.time), instants_of(times)
+    if not times.size:
+        return jax.tree.map(lambda values: np.asarray(values)[:0], at_times(run, known[:1]))
     times = np.clip(times, known[0], known[-1])
     first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, max(len(known) - 2, 0))
     after = np.minimum(first + 1, len(known) - 1)
@@ -57,6 +59,15 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     parameters = (run.design, run.scenario, run.stabilisation)
     found = [_instants(parameters, *block) for block in _blocks(given, len(times))]
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *found)
+
+
+def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
+    """Times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
+    found = concrete(times)
+    if found is None or found.ndim != 1 or not np.all(np.isfinite(found)):
+        shape = "" if found is None else f", of the shape {found.shape}"
+        raise InputError(f"times = {shown(times)}{shape}: expected an array (n,) of times [s], [0.0, 0.1] say")
+    return found
 
 
 def _straight(values: np.ndarray, first: np.ndarray, after: np.ndarray, share: np.ndarray) -> np.ndarray:

@@ -105,7 +105,7 @@ def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | N
     if forces.size < 2 or forces[second] <= 0.0:
         return Peaks(*found, -1, 0.0, 1.0, "", np.inf)
     closing = slopes[second] / forces[second] - slopes[active] / forces[active]
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # peaks that stay as far apart never swap, equal ones neither
         change = np.log(forces[active] / forces[second]) / closing
     change = np.where(np.isfinite(change), change, np.inf)
     soonest = int(np.argmin(np.abs(change)))

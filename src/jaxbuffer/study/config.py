@@ -184,7 +184,7 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
     values = {name: _typed(settings, name, text) for name, text in typed.items()}
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
-            check_whole(f"--{name}", value, least)
+            check_whole(f"--{name}", value, least, metadata(settings, name)["most"])
     return _replaced(settings, values, "--")
 
 

@@ -24,12 +24,13 @@ from ..fields import (
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.grid import EXAMPLE, span
-from ..tuning.cases import KINDS, Case, Distribution, Scatter, grid
+from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
 SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then", "quantities")
 SIDES = ("min", "max")  # of a two-sided limit
+OPTIONS = ("over", "level")  # of an objective, beside its weights
 SAMPLE = ("count", "seed", "scenario", "factors")
 
 
@@ -156,7 +157,7 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
     """The values of one field of a grid, listed or spanned."""
     where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
     if isinstance(values, Mapping):
-        return [float(x) for x in np.asarray(span(where, values, symbol))]
+        return [float(x) for x in np.asarray(span(where, values, symbol, MOST))]
     listed = values if isinstance(values, list) else []
     check_units_agree(where, listed)
     read = [in_unit(where, x, symbol, **limits) for x in listed]
@@ -172,10 +173,9 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     asked, spanned = _table(table, "sample", {}), _table(table, "grid", {})
     _known(asked, SAMPLE, "problem.sample")
     fields, factors = (
-        by_path(_table(asked, name, {}), KINDS, f"problem.sample.{name}") for name in ("scenario", "factors")
+        _distributions(_table(asked, name, {}), tuple(paths(part)), f"problem.sample.{name}")
+        for name, part in (("scenario", base), ("factors", design))
     )
-    _known(fields, tuple(paths(base)), "problem.sample.scenario")
-    _known(factors, tuple(paths(design)), "problem.sample.factors")
     for name in fields:
         if name in spanned:
             raise InputError(f"problem.sample.scenario.{name} and problem.grid.{name} both give {name}; keep one")
@@ -188,6 +188,17 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
         seed,
     )
+
+
+def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
+    """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
+    found = by_path(table, KINDS, where)
+    for path in found:
+        field, _, kind = path.rpartition(".")
+        if field in known:  # a table that has no kind is taken for more of the path
+            _known({kind: None}, KINDS, f"{where}.{field}")
+    _known(found, known, where)
+    return found
 
 
 def _distribution(where: str, given: Any, unit: str) -> Distribution:
@@ -207,10 +218,10 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
 
 
 def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
-    options = {name: table[name] for name in ("over", "level") if name in table}
+    options = {name: table[name] for name in OPTIONS if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
+    _known(weights, (*units, *OPTIONS), f"problem.{where}")
     for name, weight in weights.items():
-        _known({name: weight}, tuple(units), f"problem.{where}")
         check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
 
@@ -241,6 +252,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
+    _known(table, (*units, *OPTIONS, "slack"), "problem.then")
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}

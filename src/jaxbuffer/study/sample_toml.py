@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import InputError, shown, suggest
-from ..experiments.points import points
+from ..errors import InputError, check_choice, shown, suggest
+from ..experiments.points import METHODS, points
 from ..experiments.ranges import ranges
 from ..fields import Part, by_path
 
@@ -17,10 +17,11 @@ def read_sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[
         if name not in KEYS:
             raise InputError(f"sample.{name} is unknown{suggest(name, KEYS)}; ranges go under [sample.ranges]")
     found = dict(table)
+    check_choice("sample.method", table.get("method", METHODS[0]), METHODS)
     if "ranges" in table:
         if not isinstance(table["ranges"], Mapping):
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
         found["ranges"] = by_path(table["ranges"], where="sample.ranges")
         axes = ranges(found["ranges"], design, scenario)
-        points(axes, table.get("count", 1), table.get("method", "sobol"), table.get("seed", 0))
+        points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
     return found

@@ -115,10 +115,10 @@ class RunsSweep:
     """A sweep of runs that are given one by one, as designs and scenarios with arrays (n,)."""
 
     def __init__(self, design: Part, scenarios: Part, duration: Any, count: int, size: int) -> None:
-        leaves, self.structure = jax.tree.flatten((design, scenarios, as_number(duration)))
+        leaves, structure = jax.tree.flatten((design, scenarios, as_number(duration)))
         self.arrays = {k: np.asarray(leaf, float) for k, leaf in enumerate(leaves) if np.ndim(leaf)}
         first = [float(np.ravel(leaf)[0]) for leaf in leaves]
-        self.template = Template(*jax.tree.unflatten(self.structure, first))
+        self.template = Template(*jax.tree.unflatten(structure, first))
         self.swept = design, scenarios, duration
         self.cut, self.dims = Cut((count,), (min(size, count),)), ("run",)
 

@@ -154,3 +154,7 @@ class SweepInterrupted(KeyboardInterrupt):
     def __init__(self, found: Any, done: np.ndarray) -> None:
         super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.run_name}s done")
         self.found, self.done = found, done
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle both arguments: an exception by itself would pickle its message alone."""
+        return type(self), (self.found, self.done)

@@ -32,6 +32,7 @@ SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
 FEW = 5  # values that are listed in words
 BYTES = 2000  # for each run: inputs, results, its row of text while files are written
+MOST = 10**15  # values of a field, and runs of a grid
 EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
 
 
@@ -119,13 +120,13 @@ class Grid:
     def __post_init__(self) -> None:
         if not self.axes:
             raise InputError("nothing to sweep; name a field and its values")
-        need, have = BYTES * len(self), _free_memory()
+        runs = math.prod(self.shape)
+        need, have = BYTES * runs, _free_memory()
+        told = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
         if self.held and need > have:
-            counts = " × ".join(str(count) for count in self.shape)
-            raise InputError(
-                f"the grid has {counts} = {len(self):.4g} runs, which need {_size(need)} of memory;"
-                f" {_size(have)} are free"
-            )
+            raise InputError(f"{told}, which need {_size(need)} of memory; {_size(have)} are free")
+        if runs > MOST:
+            raise InputError(f"{told}; at most {MOST:.0e} are allowed")
 
     def __len__(self) -> int:
         return math.prod(self.shape)
@@ -209,21 +210,21 @@ def typed(text: str) -> tuple[str, Any]:
     if not equals or not values or not path:
         raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
     if ":" not in values:
-        listed = [_literal(value) for value in values.split(",")]
+        listed = [literal(value) for value in values.split(",")]
         check_units_agree(f"--over {text}", listed, lambda *each: f'--over "{path}={",".join(each)}"')
         return path, listed
     words = values.split(":")
     if len(words) not in (3, 4):
         raise InputError(f"--over {text}: expected {path}=FROM:TO:COUNT or {path}=FROM:TO:COUNT:log")
-    ends, rest = [_literal(word) for word in words[:2]], ":".join(words[2:])
+    ends, rest = [literal(word) for word in words[:2]], ":".join(words[2:])
     check_units_agree(f"--over {text}", ends, lambda low, high: f'--over "{path}={low}:{high}:{rest}"')
-    return path, {name: _literal(word) for name, word in zip(SPAN, words, strict=False)}
+    return path, {name: literal(word) for name, word in zip(SPAN, words, strict=False)}
 
 
-def span(where: str, table: Mapping[str, Any], unit: str) -> Span:
+def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> Span:
     """A span from {from, to, count, scale}, its ends in ``unit`` or with their own.
 
-    ``where``: its name in messages, as in "sweep.scenario.approach_speed".
+    ``where``: its name in messages, as in "sweep.scenario.approach_speed"; ``most``: values at most.
     """
     for name in table:
         if name not in SPAN:
@@ -234,6 +235,8 @@ def span(where: str, table: Mapping[str, Any], unit: str) -> Span:
     count, scale = table["count"], table.get("scale", SCALES[0])
     count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
     check_whole(f"{where}: count", count, 1)
+    if count > most:
+        raise InputError(f"{where}: count = {count:.4g} is out of range; allowed: [1, {most:.0e}]")
     check_choice(f"{where}: scale", scale, SCALES)
     ends = [table[name] for name in SPAN[:2]]
     check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
@@ -289,7 +292,8 @@ def _number(path: str, value: Any, unit: str) -> float:
     return number
 
 
-def _literal(text: str) -> float | str:
+def literal(text: str) -> float | str:
+    """A word of the command line as a number, or as it is."""
     try:
         return float(text)
     except ValueError:

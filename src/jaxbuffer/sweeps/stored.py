@@ -2,7 +2,7 @@
 
 import dataclasses
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -85,3 +85,7 @@ class StoredInterrupted(KeyboardInterrupt):
     def __init__(self, found: StoredSweep) -> None:
         super().__init__(f"{found.done} of {found.count} {found.mechanism.run_name}s done; they are in {found.store}")
         self.found = found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the argument: an exception by itself would pickle its message alone."""
+        return type(self), (self.found,)

@@ -13,6 +13,7 @@ import jax
 import numpy as np
 
 from .._types import Scalar
+from ..compiling.backend import check_ready
 from ..compiling.pool import Pool, cores
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
@@ -197,6 +198,7 @@ def _over_cluster(
 
 def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
     """All runs of all batches."""
+    check_ready()
     on_cpu = jax.default_backend() == "cpu"
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
     workers = workers if storing.workers is None else storing.workers

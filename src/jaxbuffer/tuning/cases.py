@@ -3,6 +3,7 @@ corners of what scatters."""
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -191,6 +192,8 @@ def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tup
             raise InputError(f"grid.{name} = {shown(values)} is not a list of values in {unit(base, name)}")
         if not len(values):
             raise InputError(f"grid.{name} is empty; list at least one value in {unit(base, name)}")
+    if (count := math.prod(len(values) for values in fields.values())) > MOST:
+        raise InputError(f"grid: {count:.4g} combinations of values are too many to tune for; at most {MOST}")
     return tuple(
         Case(dataclasses.replace(base, **dict(zip(fields, values, strict=True))))
         for values in itertools.product(*fields.values())

@@ -39,7 +39,8 @@ class Derived:
     **Arguments:**
 
     - ``function``: of quantities, which its parameters name (`jaxbuffer fields KIND` lists them), each a number in its
-      unit; it returns one number, computed with ``jax.numpy`` and without chance.
+      unit; it returns one number, computed with ``jax.numpy`` and without chance. To go to another process it must be
+      written with def in a module, for a lambda cannot be pickled.
     - ``unit``: of what it returns, "-" for none.
     - ``description``: what it is, in a line.
 
@@ -76,6 +77,10 @@ class Derived:
                 told = "each parameter is a quantity of the run; write constants into the function"
                 raise InputError(f"{self.label}: its parameter {parameter.name} has a default value; {told}")
         check_traced(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the arguments: what is derived from them holds compiled code."""
+        return type(self), (self.function, self.unit, self.description)
 
     @functools.cached_property
     def parameters(self) -> tuple[str, ...]:

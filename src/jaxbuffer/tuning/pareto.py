@@ -155,7 +155,14 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
     names = search.names
     free = search.at({}, "least-" + names[0], search.problem.design)
     ends = [search.alone(name, free.design) for name in names[1:]]
-    spread = limits_between(np.array([_worst(end, names[1:]) for end in (free, *ends)]), points)
+    values = np.array([_worst(end, names) for end in (free, *ends)])
+    for name, column in zip(names, values.T, strict=True):
+        if not np.nanmax(column) > 0.0:
+            raise InputError(
+                f"pareto: {name} is {np.nanmax(column):g} wherever an objective is least, so that nothing"
+                " is traded for it; leave it out of the objectives"
+            )
+    spread = limits_between(values[:, 1:], points)
     wanted = np.array(list(itertools.product(*spread)))
     wanted[0] = np.inf
     return search.front(wanted, free, ends[-1].design, finished)
@@ -167,7 +174,9 @@ def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.nda
     ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
     """
     high, low = np.fmax.reduce(ends), np.diag(ends[1:])
-    return [np.linspace(most, least * (1.0 + ROOM), points) for most, least in zip(high, low, strict=True)]
+    # A limit is positive: where an objective can be brought to zero, the tightest is a share of its largest value.
+    tightest = np.where(low > 0.0, low * (1.0 + ROOM), ROOM * high)
+    return [np.linspace(most, least, points) for most, least in zip(high, tightest, strict=True)]
 
 
 @dataclasses.dataclass

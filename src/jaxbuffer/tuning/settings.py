@@ -16,7 +16,7 @@ class Settings(Part):
 
     section: ClassVar[str] = "tune"
     iterations: int = whole(40, 1, doc="steps of each local search at most")
-    starts: int = whole(32, 1, doc="designs screened in a round; 1: the start alone, and no further round")
+    starts: int = whole(32, 1, 2**20, doc="designs screened in a round; 1: the start alone, and no further round")
     searches: int = whole(2, 1, doc="how many of the best of them are followed")
     rounds: int = whole(6, 1, doc="rounds at most")
     seed: int = whole(0, 0, doc="of the samples of starts")

@@ -4,7 +4,6 @@ Without friction, loss and the buffer's answer the peak is Hertz's (M80). Spring
 of a tenth of a millisecond and only add to it: no buffer lowers the first peak, less effective mass does.
 """
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -13,6 +12,7 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...compiling.programs import stored
 from ...contact.laws import HystereticLaw
+from ...fields import Portable
 from .assembly import LOWER
 from .design import Design, Scenario, check_fit
 from .linearisation import flank_directions
@@ -22,7 +22,7 @@ from .system import CaptureMechanism
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
 
 
-class FirstImpact(eqx.Module):
+class FirstImpact(Portable):
     """What the start of a run says of its first impact; scalars, differentiable.
 
     - ``effective_mass``: m_c that the contact normal meets through the joints [kg] (M79).

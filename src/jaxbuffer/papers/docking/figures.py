@@ -3,11 +3,10 @@
 import math
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 
 from ...mechanisms.history import History
-from ...output.style import line, panels, style
+from ...output.style import drawing, line, panels
 from ...run.instants import at_times
 from ..study import Studied
 
@@ -23,7 +22,7 @@ BEYOND = 1.2  # of the latest capture's time; time axes of longer runs end there
 
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
-    with matplotlib.rc_context(style()):
+    with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)
         axes = grid.ravel()
         _DRAW.get(studied.study.name, _captured)(studied, axes)

@@ -2,10 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 
-from ...output.style import COLOURS, label, line, panels, style
+from ...output.style import COLOURS, drawing, label, line, panels
 from ..study import Studied
 from .bar_rows import STEPS, WINDOW, seen_by
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
-    with matplotlib.rc_context(style()):
+    with drawing():
         drawn, grid = panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
             _whole(grid, _named(case.label), line(number), run)

@@ -2,11 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 
 from ...mechanisms.slider_crank import journal_path
-from ...output.style import COLOURS, label, panels, style
+from ...output.style import COLOURS, drawing, label, panels
 from ..study import Studied
 from .crank_rows import STARTED, components, torque_of
 
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 def figure(studied: Studied) -> "Figure":
     """The study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
-    with matplotlib.rc_context(style()):
+    with drawing():
         drawn, grid = panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
             _one(grid, case.label, COLOURS[number], run, bends)
