@@ -8,6 +8,7 @@ import numpy as np
 from ..fields import get, unit
 from .figures import last_contact
 from .force_record import force_over_time
+from .layout import legend_below
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 from .words import newtons, seconds, shown
 
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 PEAK = 0  # the column of a case's peak force among its quantities
-ROW = 0.2  # inch a scenario
+ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
+LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 
 
@@ -38,7 +40,8 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
     right = [0.4 * len(problem.variables) + 0.9, 0.3 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
-    left = [2.6, ROW * len(problem.cases) + 1.0] if worst else [ROW * len(problem.cases) + 1.0]
+    rows = ROW * min(len(problem.cases), MOST) + 1.0
+    left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
     figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout=layout)
     columns = figure.add_gridspec(1, 2)
@@ -50,7 +53,7 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     _cases(cases, tuned)
     for row, draw in enumerate(draws):
         draw(figure.add_subplot(second[row]), tuned)
-    figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
+    legend_below(figure, *cases.get_legend_handles_labels())
     unit = problem.objective.unit(problem.catalogue)
     before, after = (f"{value:.5g} {unit}" for value in tuned.objective)
     figure.suptitle(f"{_asked(problem.objective)}: {before} before, {after} after")
@@ -68,26 +71,32 @@ def worst_case(tuned: "Tuned") -> int:
 
 
 def _cases(axes: "Axes", tuned: "Tuned") -> None:
-    """A row for each scenario, by name: its peak force before and after."""
+    """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
-    row = np.arange(len(problem.cases))
-    peaks = [point.quantities[:, PEAK] for point in (tuned.before, tuned.after)]
+    count = len(problem.cases)
+    drawn = np.sort(np.argsort(-tuned.after.quantities[:, PEAK], kind="stable")[:MOST])
+    row = np.arange(len(drawn))
+    peaks = [point.quantities[drawn, PEAK] for point in (tuned.before, tuned.after)]
     axes.hlines(row, peaks[0], peaks[1], color=GREY, linewidth=1.0, zorder=1)
     for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
-        met = point.succeeded
+        met = point.succeeded[drawn]
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
             missed = f"{name}, not {problem.mechanism.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if floor is not None:
-        axes.plot(floor.simulated, row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
+        axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
-    axes.set_yticks(row, [case.label(problem.cases) for case in problem.cases])
+    names = [problem.cases[k].label(problem.cases) for k in drawn]
+    numbered = max(map(len, names)) > LONGEST  # scenarios of a sample differ in many numbers
+    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else names)
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
-    label(axes, "Peak contact force", "peak force [N]", "", legend=False)
+    some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
+    which = "number of the scenario in tuned.json [-]" if numbered else ""
+    label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
@@ -99,7 +108,10 @@ def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
         time, force = factor * time[time <= until], force[time <= until]
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {newtons(float(run.peak_force))}")
     problem = tuned.problem
-    named = problem.cases[worst_case(tuned)].label(problem.cases)
+    number = worst_case(tuned)
+    named = problem.cases[number].label(problem.cases)
+    if len(named) > LONGEST:
+        named = f"number {number + 1}: {named}"
     label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 

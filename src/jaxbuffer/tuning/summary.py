@@ -7,6 +7,7 @@ import numpy as np
 from rich.table import Table
 
 from ..fields import get, unit
+from ..mechanisms.energy import energy_text
 from ..tables import table, text
 from .message import headline
 from .problem import Variable
@@ -86,7 +87,7 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
         f"  without any buffer {np.max(floor.simulated):.6g} N;"
         f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
         f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
-        f" from an energy of {1e3 * np.max(floor.energy):.4g} mJ that the contact takes up (effective energy T_c⁻)",
+        f" from an energy of {energy_text(np.max(floor.energy))} that the contact takes up (effective energy T_c⁻)",
         f"  within the bounds none gets below {floor.lowest:.6g} N",
     ]
 
