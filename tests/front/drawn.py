@@ -10,7 +10,7 @@ LEAST = 0.3  # inch, of an axes' width and height
 
 def check_readable(figure):
     """Assert that no text of a drawn figure overlaps another or leaves the figure, and that every axes has an area."""
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     texts = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]
     whole = figure.bbox
     for text, box in texts:
@@ -29,18 +29,13 @@ def check_readable(figure):
 
 def visible_texts(figure):
     """The texts that are seen: labels of ticks beyond the ends of an axis are not."""
-    found = []
-    for text in figure.findobj(Text):
-        if text.get_visible() and text.get_text().strip():
-            found.append(text)
     beyond = set()
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
-            shown = set(axis.get_ticklabels(which="both")) if axis.get_visible() else set()
             low, high = sorted(axis.get_view_interval())
             room = 1e-9 * (high - low)
             for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
-                for label in (tick.label1, tick.label2):
-                    if not low - room <= tick.get_loc() <= high + room or label not in shown:
-                        beyond.add(label)
-    return [text for text in found if text not in beyond]
+                if not axis.get_visible() or not low - room <= tick.get_loc() <= high + room:
+                    beyond |= {tick.label1, tick.label2}
+    texts = figure.findobj(Text)
+    return [text for text in texts if text.get_visible() and text.get_text().strip() and text not in beyond]

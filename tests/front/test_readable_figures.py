@@ -10,6 +10,7 @@ from drawn import check_readable
 from made_up import made_up_capture, made_up_sweep, made_up_tuning
 
 import jaxbuffer as jb
+from jaxbuffer.fields import with_values
 from jaxbuffer.mechanisms.probe_cone.drawing import mouth
 from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import run_figure
@@ -58,11 +59,11 @@ def test_figures_of_a_capture(captures, name):
 
 @pytest.mark.parametrize("name", VEHICLES)
 def test_the_mechanism_is_seen_whatever_its_vehicles(captures, name):
-    """The cone's mouth is a fifth of the picture's height at least, and a vehicle that is broken off says so."""
+    """The cone's mouth is 0.15 of the picture's height at least, and a vehicle that is broken off says so."""
     run, motion, _ = captures[name]
     axes = motion.axes[0]
     shown = np.diff(axes.get_ylim())[0]
-    assert 2.0 * mouth(run.design)[1] > 0.2 * shown
+    assert 2.0 * mouth(run.design)[1] > 0.15 * shown
     named = [text.get_text() for text in motion.legends[0].get_texts()]
     assert ("active vehicle, broken off" in named) == (name != "20 kg")
     assert "active vehicle" in named[0] and "hinge with torsional spring and damper" in named
@@ -113,6 +114,7 @@ def test_figure_of_a_capture_with_every_part():
     check_readable(run_figure(dataclasses.replace(run, history=history)))
 
 
+
 def problem(cases, variables=("buffer.k_A",), design=None, **options):
     """A design problem with a variable or several, around the design's own values."""
     design = design or jb.table2()
@@ -133,7 +135,7 @@ def sampled(count):
 
 MANY = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "buffer.free_length", "buffer.cylinder_mass",
         "buffer.cylinder_length", "probe.tip_mass", "probe.tip_radius", "probe.rod_mass", "active.hinge_offset",
-        "contact.young_modulus_tip")  # fmt: skip
+        "contact.young_modulus")  # fmt: skip
 WORK = jb.Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
 LONG = "the_work_that_a_spring_as_stiff_as_the_peak_would_take_up_in_the_whole_stroke"
 PROBLEMS = {
@@ -183,7 +185,8 @@ def swept(asked, outcomes=None):
     """A made-up sweep."""
     design, scenario = jb.table2(), jb.Scenario()
     over = grid(asked, design, scenario)
-    found = made_up_sweep(*over.applied(design, scenario), outcomes)
+    numbers = {path: np.asarray(values) for path, values in over.columns().items() if not isinstance(values[0], str)}
+    found = made_up_sweep(*with_values(design, scenario, numbers), outcomes)
     return Swept(over, design, scenario, found, np.ones(len(over), bool))
 
 
@@ -198,10 +201,10 @@ def test_figures_of_an_envelope_and_a_sample(monkeypatch):
     asked = {"scenario.contact_distance": [0.03, 0.04, 0.05], "scenario.approach_speed": [0.1, 0.15, 0.2, 0.25]}
     check_readable(envelope_figure(jb.safe_rectangle(swept(asked, {1: jb.Outcome.escaped}), limits)))
     stand_in(monkeypatch)
-    over = {"buffer.cylinder_length": (0.1, 0.14), "contact.young_modulus_tip": (60e9, 80e9, "log"),
+    over = {"buffer.cylinder_length": (0.1, 0.14), "contact.young_modulus": (60e9, 80e9, "log"),
             "probe.tip_mass": (0.03, 0.1), "scenario.approach_speed": (0.05, 0.3),
             "scenario.contact_distance": (0.03, 0.05), "buffer.k_A": (100.0, 2000.0)}  # fmt: skip
-    made = jb.sample(jb.table2(), jb.Scenario(), over=over, count=32, method="saltelli", progress=lambda *_: None)
+    made = jb.sample(jb.table2(), jb.Scenario(), over, 32, "saltelli", progress=lambda *_: None)
     check_readable(sample_figure(made))
     check_readable(indices_figure(jb.sobol_indices(made, ["peak_force", "peak_hinge_force"])))
 

@@ -1,5 +1,6 @@
 """Texts that fit: titles, labels and legends wrapped to the room that there is, measured rather than guessed."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +12,17 @@ if TYPE_CHECKING:
 
 POINTS = 72.0  # an inch
 ROOM = 8.0  # points between two texts side by side
-ROUNDS = 3  # of wrapping: wrapped texts move the axes, which changes the room a little
+ROUNDS = 4  # of wrapping and leaving out: both move the axes, which changes the room a little
 HANDLE, GAP, EDGE = 2.8, 2.0, 1.0  # of a legend in font sizes: handle with its pad, between columns, around it
 
 
 def fit(figure: "Figure") -> None:
-    """Place the figure's axes, wrap the texts that are too long for their place, and fix the result."""
+    """Place the figure's axes, wrap texts and leave out labels of ticks that there is no room for; fix the result."""
     if figure.get_layout_engine() is None:
         return
     for _ in range(ROUNDS):
         figure.draw_without_rendering()
-        if not _wrap_all(figure):
+        if not _wrap_all(figure) | _thin_out(figure):
             break
     figure.set_layout_engine("none")
 
@@ -53,18 +54,25 @@ def width(text: str, size: float) -> float:
 
 
 def wrapped(text: str, room: float, size: float) -> str:
-    """The text with line breaks between words, so that no line is wider than ``room`` [points] if words allow it."""
-    lines = []
-    for line in text.split("\n"):
-        made = ""
-        for word in line.split(" "):
-            longer = f"{made} {word}" if made else word
-            if made and width(longer, size) > room:
-                lines.append(made)
-                longer = word
-            made = longer
-        lines.append(made)
-    return "\n".join(lines)
+    """The text with line breaks, after commas rather than between words, so that no line is wider than ``room``
+    [points] if its words allow it."""
+    return "\n".join(part for line in text.split("\n") for part in _broken(line, room, size, (", ", " ")))
+
+
+def _broken(line: str, room: float, size: float, separators: tuple[str, ...]) -> list[str]:
+    if not separators or width(line, size) <= room:
+        return [line]
+    separator, mark = separators[0], separators[0].rstrip()
+    first, *others = line.split(separator)
+    parts = [first]
+    for part in others:
+        longer = f"{parts[-1]}{separator}{part}"
+        if width(longer + mark, size) <= room:  # the mark stays at the end of a broken line
+            parts[-1] = longer
+        else:
+            parts[-1] += mark
+            parts.append(part)
+    return [narrow for part in parts for narrow in _broken(part, room, size, separators[1:])]
 
 
 def _wrap_all(figure: "Figure") -> bool:
@@ -94,3 +102,24 @@ def _rooms(figure: "Figure") -> Iterator[tuple["Text", float]]:
                 yield text, points * (min(right, default=figure.bbox.x1) - own.x0) - ROOM
         for axis, length in ((axes.xaxis, own.width), (axes.yaxis, own.height)):
             yield axis.label, points * length
+
+
+def _thin_out(figure: "Figure") -> bool:
+    """Leave out every other tick of an axis on which labels overlap, and return whether there was one."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator
+
+    changed = False
+    for axes in figure.axes:
+        for axis, low, high in ((axes.xaxis, "x0", "x1"), (axes.yaxis, "y0", "y1")):
+            begin, end = sorted(axis.get_view_interval())
+            ticks = [tick for tick in axis.get_major_ticks() if begin <= tick.get_loc() <= end]
+            labels = [tick.label1 for tick in ticks if tick.label1.get_text() and tick.label1.get_rotation() == 0.0]
+            ends = sorted((getattr(box, low), getattr(box, high)) for box in (it.get_window_extent() for it in labels))
+            if any(after[0] < before[1] for before, after in itertools.pairwise(ends)):
+                places = [tick.get_loc() for tick in ticks[::2]]
+                if isinstance(axis.get_major_formatter(), FixedFormatter):  # names, which go with their places
+                    axis.set_ticks(places, [tick.label1.get_text() for tick in ticks[::2]])
+                else:  # numbers, some of them with a common factor at the axis' end
+                    axis.set_major_locator(FixedLocator(places))
+                changed = True
+    return changed

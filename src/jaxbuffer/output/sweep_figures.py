@@ -67,7 +67,8 @@ def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
         handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         label(axes, title, _name(axis), y, legend=bool(handles) and not by)
     if by:
-        legend_below(figure, [*handles.values()], [*handles])
+        names = sorted(handles, key=lambda name: name in marks)  # lines, then ends of runs
+        legend_below(figure, [handles[name] for name in names], names)
     figure.suptitle(_title(swept))
     return figure
 

@@ -1,14 +1,14 @@
 """The figure of a tuning."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..fields import get, unit
 from .figures import last_contact
 from .force_record import force_over_time
-from .layout import legend_below
+from .layout import legend_below, wrapped
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 from .words import newtons, seconds, shown
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 PEAK = 0  # the column of a case's peak force among its quantities
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
+SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
 LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 
@@ -39,7 +40,9 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    right = [0.4 * len(problem.variables) + 0.9, 0.3 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
+    limited = _rows(tuned)
+    each = LINE * (1 + max(it.text.count("\n") for it in limited)) + 0.06
+    right = [0.4 * len(problem.variables) + 0.9, each * len(limited) + 0.9, *(2.3 for _ in stages)]
     rows = ROW * min(len(problem.cases), MOST) + 1.0
     left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
@@ -126,42 +129,59 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
     for k, v in enumerate(variables):
         symbol = unit(tuned.problem.design, v.path)
-        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=7)
-    axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=7)
+        axes.text(1.03, k, f"{values[0][k]:.4g} → {values[1][k]:.4g} {symbol}", va="center", fontsize=SMALL)
+    axes.set_yticks(row, [f"{v.path}\n{v.low:.4g} to {v.high:.4g}" for v in variables], fontsize=SMALL)
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
     label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "", False)
 
 
-def _limits(axes: "Axes", tuned: "Tuned") -> None:
-    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone, in shares of its
-    limit, or of what it was where it has none."""
-    problem = tuned.problem
-    chosen, catalogue = _shown(tuned), problem.catalogue
-    names = [problem.names[k] for k in chosen]
+class Row(NamedTuple):
+    """A quantity's worst value over the scenarios ``before`` and ``after``; its ``limit``, None for none; ``lowest``:
+    whether that is a lower limit, and the values the least ones; ``text``: all of it in words and figures."""
+
+    before: float
+    after: float
+    limit: float | None
+    lowest: bool
+    text: str
+
+
+def _rows(tuned: "Tuned") -> list[Row]:
+    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
+    problem, rows = tuned.problem, []
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
-    least = {name: limit for name, limit in problem.limits.at_least.items() if name not in allowed}
-    before, after = (
-        np.array([(np.min if problem.names[k] in least else np.max)(point.quantities[:, k]) for k in chosen])
-        for point in (tuned.before, tuned.after)
-    )
-    of = np.array([{**allowed, **least}.get(name, first) for name, first in zip(names, before, strict=True)])
-    row, texts = np.arange(len(names)), []
-    for (name, colour, marker), values in zip(POINTS, (before, after), strict=True):
+    for k in _shown(tuned):
+        name = problem.names[k]
+        lowest = name in problem.limits.at_least and name not in allowed
+        limit = problem.limits.at_least[name] if lowest else allowed.get(name)
+        worst = np.min if lowest else np.max
+        before, after = (float(worst(point.quantities[:, k])) for point in (tuned.before, tuned.after))
+        title, symbol, factor = shown(problem.catalogue[name])
+        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
+        told = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
+        if limit is not None:
+            told += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
+        rows.append(Row(before, after, limit, lowest, f"{wrapped(f'{title}:', WIDE, SMALL)}\n{told}"))
+    return rows
+
+
+def _limits(axes: "Axes", tuned: "Tuned") -> None:
+    """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
+    rows = _rows(tuned)
+    row = np.arange(len(rows))
+    of = np.array([it.before if it.limit is None else it.limit for it in rows])
+    for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
+        values = np.array([getattr(it, side) for it in rows])
         share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
         beyond = share > WIDEST
         axes.plot(share[~beyond], row[~beyond], marker, color=colour, markersize=5, label=name)
         axes.plot(np.full(beyond.sum(), WIDEST), row[beyond], ">", color=colour, markersize=6)
-    for k, name in enumerate(names):
-        title, symbol, factor = shown(catalogue[name])
-        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        limit = f", limit {factor * allowed[name]:.4g}{symbol}" if name in allowed else ""
-        limit = f", at least {factor * least[name]:.4g}{symbol}" if name in least else limit
-        texts.append(f"{title}:\n{factor * before[k]:.4g} → {factor * after[k]:.4g}{symbol}{limit}")
-        if name in allowed or name in least:
+    for k, it in enumerate(rows):
+        if it.limit is not None:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
-    axes.set_yticks(row, texts, fontsize=7)
+    axes.set_yticks(row, [it.text for it in rows], fontsize=SMALL)
     axes.set_ylim(len(row) - 0.5, -0.5)
     axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"
