@@ -45,6 +45,9 @@ def _envelope(found: "SafeRectangle") -> dict[str, Any]:
             if part is not None
         ],
         "reasons": dict(Counter(str(reason) for reason in found.reasons[~found.safe])),
+        "between": None
+        if (between := found.between) is None
+        else {"runs": between.runs, "unsafe_runs": between.unsafe, "words": between.words},
     }
 
 

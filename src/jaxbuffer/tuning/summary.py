@@ -10,7 +10,6 @@ from ..fields import get, unit
 from ..mechanisms.energy import energy_text
 from ..tables import table, text
 from .message import headline
-from .problem import Variable
 
 if TYPE_CHECKING:
     from .tuned import Tuned
@@ -134,18 +133,13 @@ def _tuned_variables(tuned: "Tuned") -> Table:
     for variable in problem.variables:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
         numbers = [f"{x:.5g}" for x in (start, value, variable.low, variable.high)]
-        variables.add_row(variable.path, *numbers, unit(problem.design, variable.path), _at_bound(variable, value))
+        variables.add_row(variable.path, *numbers, unit(problem.design, variable.path), variable.at_bound(value))
     return variables
 
 
 def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:
     before, after = float(before), float(after)
     return f"{before:.5g} → {after:.5g}", f"{100.0 * (after / before - 1.0):+.1f} %"
-
-
-def _at_bound(variable: Variable, value: float) -> str:
-    near = 1e-6 * (variable.high - variable.low)
-    return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
 
 
 def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None = None) -> str:
