@@ -37,9 +37,7 @@ def design_of(name):
     """The design of `VEHICLES`."""
     (mass, inertia, hinge), (passive_mass, passive_inertia, cone), others = VEHICLES[name]
     values = {"active.mass": mass, "active.inertia": inertia, "active.hinge_offset": hinge, "cone.offset": cone}
-    return jb.replace(
-        jb.table2(), values | {"passive.mass": passive_mass, "passive.inertia": passive_inertia} | others
-    )
+    return jb.replace(jb.table2(), values | {"passive.mass": passive_mass, "passive.inertia": passive_inertia} | others)
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +110,6 @@ def test_figure_of_a_capture_with_every_part():
     energy = dataclasses.replace(run.history.energy, stored=stored[1])
     history = dataclasses.replace(run.history, energy=energy, others=others)
     check_readable(run_figure(dataclasses.replace(run, history=history)))
-
 
 
 def problem(cases, variables=("buffer.k_A",), design=None, **options):
@@ -193,7 +190,10 @@ def swept(asked, outcomes=None):
 @pytest.mark.parametrize("name", SWEEPS)
 def test_figure_of_a_sweep(name):
     failed = {1: jb.Outcome.escaped, 2: jb.Outcome.timeout, 3: jb.Outcome.failed_not_finite, 4: jb.Outcome.bottomed}
-    check_readable(sweep_figure(swept(SWEEPS[name], failed)))
+    figure = sweep_figure(swept(SWEEPS[name], failed))
+    check_readable(figure)
+    for bar in (axes for axes in figure.axes if axes.get_label() == "<colorbar>"):
+        assert len(bar.get_yticks()) > 3, "no label is left out where there is room"
 
 
 def test_figures_of_an_envelope_and_a_sample(monkeypatch):
@@ -207,6 +207,8 @@ def test_figures_of_an_envelope_and_a_sample(monkeypatch):
     made = jb.sample(jb.table2(), jb.Scenario(), over, 32, "saltelli", progress=lambda *_: None)
     check_readable(sample_figure(made))
     check_readable(indices_figure(jb.sobol_indices(made, ["peak_force", "peak_hinge_force"])))
+    surfaces = [jb.response_surface(made, name, "quadratic") for name in ("peak_force", "peak_hinge_force")]
+    check_readable(surfaces_figure(surfaces))
 
 
 def test_a_front_marks_what_did_not_converge():

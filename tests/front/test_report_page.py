@@ -280,7 +280,9 @@ def test_a_variable_at_its_bound_is_so_in_command_and_page(tmp_path, scale, shar
 def made_up_envelope(highest):
     """Speeds by misalignments, of 1000 N a m/s, held against ``highest`` [N], for two scenarios of 0.1 and 0.2 m/s."""
     design, scenario = jb.table2(), jb.Scenario()
-    over = grid({"scenario.approach_speed": [0.05, 0.1, 0.15, 0.2], "scenario.misalignment": [0.0, 0.01]}, design, scenario)
+    over = grid(
+        {"scenario.approach_speed": [0.05, 0.1, 0.15, 0.2], "scenario.misalignment": [0.0, 0.01]}, design, scenario
+    )
     swept = Swept(over, design, scenario, made_up_sweep(*over.applied(design, scenario)), np.ones(len(over), bool))
     met = [jb.Scenario(approach_speed=speed, misalignment=turn) for speed, turn in ((0.1, 0.0), (0.2, 0.01))]
     return swept, jb.safe_rectangle(swept, jb.Limits(at_most={"peak_force": highest}), met)

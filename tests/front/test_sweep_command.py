@@ -272,9 +272,9 @@ def test_figure_over_more_fields_is_cut_into_slices():
     assert "9 of 18 slices" in figure.get_suptitle()
     panels = [axes for axes in figure.axes if axes.get_xlabel()]
     assert len(panels) == 9
-    first, last = (panel.get_title(loc="left").split() for panel in (panels[0], panels[-1]))  # broken into lines
-    assert first == "c_A 2 N s/m, c_T 1 N m s/rad, tip mass 0.05 kg".split()
-    assert last == "c_A 5 N s/m, c_T 2 N m s/rad, tip mass 0.07 kg".split()
+    first, last = (panel.get_title(loc="left").replace("\n", " ") for panel in (panels[0], panels[-1]))
+    assert first == "c_A 2 N s/m, c_T 1 N m s/rad, tip mass 0.05 kg"
+    assert last == "c_A 5 N s/m, c_T 2 N m s/rad, tip mass 0.07 kg"
     check_readable(figure)
 
 

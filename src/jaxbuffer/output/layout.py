@@ -79,7 +79,7 @@ def _wrap_all(figure: "Figure") -> bool:
     """Wrap the texts that are too long for where they stand, and return whether there were any."""
     changed = False
     for text, room in _rooms(figure):
-        said = wrapped(text.get_text(), room, text.get_size())
+        said = wrapped(text.get_text(), room, float(text.get_fontsize()))
         changed |= said != text.get_text()
         text.set_text(said)
     return changed
@@ -89,19 +89,22 @@ def _rooms(figure: "Figure") -> Iterator[tuple["Text", float]]:
     """The figure's title, its axes' titles and labels, and how wide each may be [points]."""
     from matplotlib.text import Text
 
-    points, boxes = POINTS / figure.dpi, {axes: axes.get_tightbbox() for axes in figure.axes}
+    points, boxes = POINTS / figure.dpi, [(axes.get_position().x0, axes.get_tightbbox()) for axes in figure.axes]
     for text in figure.texts:
         yield text, POINTS * figure.get_figwidth() - ROOM
     for axes in figure.axes:
-        own = axes.get_window_extent()
+        own, begin = axes.get_window_extent(), axes.get_position().x0
         # a title may go on to the right, up to the next axes beside it
-        right = [box.x0 for other, box in boxes.items() if other.get_position().x0 > axes.get_position().x0
-                 and box.y0 < own.y1 + ROOM / points and own.y1 < box.y1]  # fmt: skip
-        for text in axes.get_children():
-            if isinstance(text, Text) and text.get_text() and text not in axes.texts:
-                yield text, points * (min(right, default=figure.bbox.x1) - own.x0) - ROOM
-        for axis, length in ((axes.xaxis, own.width), (axes.yaxis, own.height)):
-            yield axis.label, points * length
+        right = [
+            box.x0
+            for place, box in boxes
+            if box is not None and place > begin and box.y0 < own.y1 + ROOM / points and own.y1 < box.y1
+        ]
+        for child in axes.get_children():
+            if isinstance(child, Text) and child.get_text() and child not in axes.texts:
+                yield child, points * (min(right, default=figure.bbox.x1) - own.x0) - ROOM
+        for label, length in ((axes.xaxis.label, own.width), (axes.yaxis.label, own.height)):
+            yield label, points * length
 
 
 def _thin_out(figure: "Figure") -> bool:
@@ -113,12 +116,14 @@ def _thin_out(figure: "Figure") -> bool:
         for axis, low, high in ((axes.xaxis, "x0", "x1"), (axes.yaxis, "y0", "y1")):
             begin, end = sorted(axis.get_view_interval())
             ticks = [tick for tick in axis.get_major_ticks() if begin <= tick.get_loc() <= end]
-            labels = [tick.label1 for tick in ticks if tick.label1.get_text() and tick.label1.get_rotation() == 0.0]
+            # a colour bar has its labels on the other side
+            sides = [tick.label1 if tick.label1.get_visible() else tick.label2 for tick in ticks]
+            labels = [label for label in sides if label.get_text() and label.get_rotation() == 0.0]
             ends = sorted((getattr(box, low), getattr(box, high)) for box in (it.get_window_extent() for it in labels))
             if any(after[0] < before[1] for before, after in itertools.pairwise(ends)):
                 places = [tick.get_loc() for tick in ticks[::2]]
                 if isinstance(axis.get_major_formatter(), FixedFormatter):  # names, which go with their places
-                    axis.set_ticks(places, [tick.label1.get_text() for tick in ticks[::2]])
+                    axis.set_ticks(places, [label.get_text() for label in sides[::2]])
                 else:  # numbers, some of them with a common factor at the axis' end
                     axis.set_major_locator(FixedLocator(places))
                 changed = True

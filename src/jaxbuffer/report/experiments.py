@@ -163,7 +163,12 @@ def front(found: Results) -> Section | None:
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
     table = Table("Points of the front", ("point", *map(words, names), "standing"), rows)
-    return Section("Front", text, figure(found, "pareto", "The front; hollow: not converged; crosses: another point is better"), [table])
+    return Section(
+        "Front",
+        text,
+        figure(found, "pareto", "The front; hollow: not converged; crosses: another point is better"),
+        [table],
+    )
 
 
 def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:

@@ -76,7 +76,12 @@ def panels(run: BarDropRun) -> list[Panel]:
     return [
         Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),), whole=True),
         Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
-        Panel("Energy", f"energy [{unit}]", tuple(Curve(name, many * values) for name, values in energy.items()), whole=True),
+        Panel(
+            "Energy",
+            f"energy [{unit}]",
+            tuple(Curve(name, many * values) for name, values in energy.items()),
+            whole=True,
+        ),
         *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
     ]
 
