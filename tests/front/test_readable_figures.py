@@ -11,7 +11,7 @@ from made_up import made_up_capture, made_up_sweep, made_up_tuning
 
 import jaxbuffer as jb
 from jaxbuffer.fields import with_values
-from jaxbuffer.mechanisms.probe_cone.drawing import mouth
+from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
 from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.front_files import front_figure
@@ -65,6 +65,23 @@ def test_the_mechanism_is_seen_whatever_its_vehicles(captures, name):
     named = [text.get_text() for text in motion.legends[0].get_texts()]
     assert ("active vehicle, broken off" in named) == (name != "20 kg")
     assert "active vehicle" in named[0] and "hinge with torsional spring and damper" in named
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{}, {"active.hinge_offset": 0.0, "cone.offset": 0.0}, {"active.inertia": 1e-3, "passive.inertia": 1e-3},
+     {"active.inertia": 1e6, "passive.inertia": 1e6, "active.hinge_offset": 50.0, "cone.offset": 50.0}],
+)  # fmt: skip
+def test_a_vehicle_has_an_area_and_its_front_where_it_is(values):
+    """Neither a line nor larger than nine half-widths of the mouth; the hinge and the throat are at the fronts."""
+    design = jb.replace(jb.table2(), values)
+    shapes = {shape.part.split(",")[0]: shape for shape in drawing(design).shapes}
+    for name, front in (("active vehicle", design.active.hinge_offset), ("passive vehicle", -design.cone.offset)):
+        corners = shapes[name].corners
+        size = corners.max(axis=0) - corners.min(axis=0)
+        assert np.all(size > 0.1 * mouth(design)[1]) and np.all(size < 9.5 * mouth(design)[1])
+        ends = corners[:, 0].max() if name == "active vehicle" else corners[:, 0].min()
+        assert ends == pytest.approx(front, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", VEHICLES)

@@ -232,7 +232,7 @@ def test_an_objective_is_never_a_fault(tmp_path, before, stroke_before, worst, m
     [
         (["front", "front"], "good", "front of 2 points"),
         (["front", "front, not converged"], "unsure", "front of 2 points, 1 not converged"),
-        (["front", "dominated"], "good", "front of 1 points"),
+        (["front", "dominated"], "good", "front of 1 point"),
         (["limits broken", "limits broken"], "bad", "front of 0 points"),
     ],
 )

@@ -14,6 +14,7 @@ from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
 from ..tuning.objective import Limits
 
+UNDONE = "not computed"  # of a run that an interrupted sweep has not reached
 ROUNDING = 1e-9  # of a range: a value so near to its end is in it
 
 
@@ -66,7 +67,7 @@ class SafeRectangle:
         from .summary import ends
 
         prefix, ranges = "scenario.", []
-        inside = np.full(self.safe.shape, len(self.scenarios) > 1)
+        inside = (self.reasons != UNDONE) & (len(self.scenarios) > 1)
         for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
             if not axis.path.startswith(prefix) or not self.scenarios:
                 return None
@@ -176,7 +177,7 @@ def _ends(swept: Swept, limits: Limits) -> np.ndarray:
     if limits.captured and mechanism.success is not None:
         good = good & (swept.found.code == mechanism.outcomes[mechanism.success])
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.found.outcomes]
-    words = np.where(swept.done, np.array(named, object), "not computed")
+    words = np.where(swept.done, np.array(named, object), UNDONE)
     return np.where(good, "", words).astype(object)
 
 

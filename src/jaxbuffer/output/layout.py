@@ -36,7 +36,7 @@ def legend_below(figure: "Figure", handles: Sequence[Any], names: Sequence[str])
 
     size = FontProperties(size=rcParams["legend.fontsize"]).get_size_in_points()
     room = POINTS * figure.get_figwidth() - 2.0 * EDGE * size
-    names = [wrapped(name, room - HANDLE * size, size) for name in names]
+    names = [with_line_breaks(name, room - HANDLE * size, size) for name in names]
     wide = [max(map(lambda line: width(line, size), name.split("\n"))) + HANDLE * size for name in names]
     columns = len(names)
     # matplotlib fills a legend column by column, as evenly as array_split does
@@ -53,13 +53,13 @@ def width(text: str, size: float) -> float:
     return float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), False)[0])
 
 
-def wrapped(text: str, room: float, size: float) -> str:
+def with_line_breaks(text: str, room: float, size: float) -> str:
     """The text with line breaks, after commas rather than between words, so that no line is wider than ``room``
     [points] if its words allow it."""
-    return "\n".join(part for line in text.split("\n") for part in _broken(line, room, size, (", ", " ")))
+    return "\n".join(part for line in text.split("\n") for part in _lines(line, room, size, (", ", " ")))
 
 
-def _broken(line: str, room: float, size: float, separators: tuple[str, ...]) -> list[str]:
+def _lines(line: str, room: float, size: float, separators: tuple[str, ...]) -> list[str]:
     if not separators or width(line, size) <= room:
         return [line]
     separator, mark = separators[0], separators[0].rstrip()
@@ -72,14 +72,14 @@ def _broken(line: str, room: float, size: float, separators: tuple[str, ...]) ->
         else:
             parts[-1] += mark
             parts.append(part)
-    return [narrow for part in parts for narrow in _broken(part, room, size, separators[1:])]
+    return [narrow for part in parts for narrow in _lines(part, room, size, separators[1:])]
 
 
 def _wrap_all(figure: "Figure") -> bool:
     """Wrap the texts that are too long for where they stand, and return whether there were any."""
     changed = False
     for text, room in _rooms(figure):
-        said = wrapped(text.get_text(), room, float(text.get_fontsize()))
+        said = with_line_breaks(text.get_text(), room, float(text.get_fontsize()))
         changed |= said != text.get_text()
         text.set_text(said)
     return changed

@@ -8,7 +8,7 @@ import numpy as np
 from ..fields import get, unit
 from .figures import last_contact
 from .force_record import force_over_time
-from .layout import legend_below, wrapped
+from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 from .words import newtons, seconds, shown
 
@@ -40,9 +40,9 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    limited = _rows(tuned)
-    each = LINE * (1 + max(it.text.count("\n") for it in limited)) + 0.06
-    right = [0.4 * len(problem.variables) + 0.9, each * len(limited) + 0.9, *(2.3 for _ in stages)]
+    limits = _rows(tuned)
+    each = LINE * (1 + max(it.text.count("\n") for it in limits)) + 0.06
+    right = [0.4 * len(problem.variables) + 0.9, each * len(limits) + 0.9, *(2.3 for _ in stages)]
     rows = ROW * min(len(problem.cases), MOST) + 1.0
     left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
@@ -163,7 +163,7 @@ def _rows(tuned: "Tuned") -> list[Row]:
         told = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
         if limit is not None:
             told += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
-        rows.append(Row(before, after, limit, lowest, f"{wrapped(f'{title}:', WIDE, SMALL)}\n{told}"))
+        rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{told}"))
     return rows
 
 

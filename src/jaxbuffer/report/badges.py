@@ -120,5 +120,5 @@ def _of_many(found: Results) -> list[Cell]:
         marks = [STANDING[point["standing"]] for point in points if point["standing"] in ON_FRONT]
         unsure = f", {marks.count('unsure')} not converged" if "unsure" in marks else ""
         mark = "unsure" if unsure else "good" if marks else "bad"
-        told.append(Cell(f"front of {len(marks)} points{unsure}", mark))
+        told.append(Cell(f"front of {len(marks)} point{'' if len(marks) == 1 else 's'}{unsure}", mark))
     return told

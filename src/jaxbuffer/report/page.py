@@ -107,10 +107,10 @@ class Page:
         environment = jinja2.Environment(
             loader=jinja2.PackageLoader("jaxbuffer.report"), autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
-        return environment.get_template("page.html.jinja").render(page=self, cell=_cell, parted=_parted)
+        return environment.get_template("page.html.jinja").render(page=self, cell=_cell, with_breaks=_with_breaks)
 
 
-def _parted(text: str) -> Markup:
+def _with_breaks(text: str) -> Markup:
     """A text that may go on in the next line within a long name too, between its words: after "." and "_"."""
     return Markup(NAME_PART.sub(r"\1<wbr>", str(escape(text))))
 
