@@ -313,6 +313,15 @@ def test_long_names_may_break_between_their_words_only():
     assert "anywhere" not in html.split("@media print")[0], "nor inside one"
 
 
+@pytest.mark.parametrize("part", ["active vehicle", "active vehicle, broken off"])
+def test_a_part_that_is_broken_off_is_explained(folders, tmp_path, part):
+    record = json.loads((folders["run"] / "motion.json").read_text())
+    record["shapes"][0]["part"] = part
+    (tmp_path / "motion.json").write_text(json.dumps(record))
+    (tmp_path / "capture.json").write_bytes((folders["run"] / "capture.json").read_bytes())
+    assert ("Zigzag edges" in review([load(tmp_path)]).html()) == ("broken off" in part)
+
+
 def test_numbers_stand_to_the_right():
     table = Table("", ("a", "b", "c"), [["x", "1.5e-3", Cell("–")], ["y", "-2 %", "0"]])
     assert table.numeric == [False, True, True]
