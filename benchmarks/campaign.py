@@ -129,11 +129,11 @@ def drop(**modes: int) -> Study:
 
 
 STUDIES = {
-    "docking": lambda: docking(),
+    "docking": docking,
     "docking, free tip": lambda: docking(**{"probe.free_tip": True}),
     "slider-crank": lambda: crank(piston_pin__law="pereira"),
     "slider-crank, play in both pins": lambda: crank(piston_pin__law="pereira", crank_pin__joint="clearance"),
-    "bar drop": lambda: drop(),
+    "bar drop": drop,
     "bar drop, bending plate": lambda: drop(plate=5),
 }
 

@@ -6,6 +6,7 @@ import types
 import matplotlib
 import numpy as np
 import pytest
+from drawn import check_readable
 from PIL import Image
 from scipy.integrate import solve_ivp
 
@@ -143,6 +144,7 @@ def test_a_mechanism_without_a_drawing_shows_its_bodies():
 def test_motion_figure(drop):
     before = dict(matplotlib.rcParams)
     figure = draw(drop)
+    check_readable(figure)
     assert dict(matplotlib.rcParams) == before
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     assert titles[0] == "0.0000 s, no contact"

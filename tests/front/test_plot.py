@@ -8,6 +8,7 @@ import equinox as eqx
 import matplotlib
 import numpy as np
 import pytest
+from drawn import check_readable
 from made_up import PULSE, made_up_capture, made_up_tuning
 
 from jaxbuffer import InputError, Limits, Outcome, Scenario
@@ -17,11 +18,12 @@ from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config
 
-UNIT = re.compile(r"\[(s|ms|N|mm|mJ|°|%|-)\]$")
+UNIT = re.compile(r"\[(s|ms|N|mm|J|°|%|-)\]$")
 
 
 def labelled(figure):
-    """The figure's axes by title, after a check of every label."""
+    """The figure's axes by title, after a check of every label and of what overlaps."""
+    check_readable(figure)
     for axes in figure.axes:
         assert UNIT.search(axes.get_xlabel()), axes.get_xlabel()
         names = re.search("[a-z]", "".join(text.get_text() for text in axes.get_yticklabels()))  # these need no label
@@ -36,7 +38,7 @@ def test_run_figure():
         "Contact force",
         "The peak, 250 N at 20 ms",
         "Gap and distance to capture",
-        "Energy, adding up to the total",
+        "Energy without that of the common motion",
         "Buffer stroke",
         "Hinge angle, largest 0.229°",
     ]

@@ -56,6 +56,23 @@ REACHED = """
   return [at === document.body ? -1 : all.indexOf(at), at.outerHTML.slice(0, 80), seen && box.width > 0, box.left];
 })()
 """
+BROKEN_WORDS = """
+(() => {
+  const broken = []; let words = 0;
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    if (!node.parentElement.closest("table")) continue;
+    for (const found of node.data.matchAll(/\\p{L}+/gu)) {
+      const range = document.createRange();
+      range.setStart(node, found.index);
+      range.setEnd(node, found.index + found[0].length);
+      words += 1;
+      if (new Set([...range.getClientRects()].map(it => it.top)).size > 1) broken.push(found[0]);
+    }
+  }
+  return [broken, words];
+})()
+"""
 USABLE = """
 (() => {
   const all = [...document.querySelectorAll("*")];
@@ -129,6 +146,25 @@ def test_everything_is_reached_by_keyboard_and_seen(browser, page, width):
         assert left > -1.0, element  # a pixel: scrolling rounds
         reached.add(number)
     assert wanted <= reached
+
+
+def test_no_word_is_broken(browser, page):
+    """At 420 pixels, too: the letters of every word of a table stand in one line."""
+    browser.open(page, 420)
+    browser.run("document.querySelectorAll('details').forEach(it => { it.open = true; })")
+    broken, words = browser.run(BROKEN_WORDS)
+    assert words > 100 and broken == []
+
+
+def test_on_paper_nothing_is_lost_and_no_heading_stands_alone(browser, page):
+    browser.open(page)
+    folded = "[...document.querySelectorAll('details tr, details pre')]"
+    assert browser.run(f"{folded}.length") > 0
+    browser.ask("Emulation.setEmulatedMedia", media="print")
+    seen = "it => it.checkVisibility() && it.getBoundingClientRect().height > 0"
+    assert browser.run(f"{folded}.every({seen})")
+    kept = "[...document.querySelectorAll('h1, h2, caption, summary')].map(it => getComputedStyle(it).breakAfter)"
+    assert set(browser.run(kept)) == {"avoid"}
 
 
 def test_pictures_and_headings_are_named(browser, page):

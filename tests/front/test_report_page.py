@@ -10,7 +10,7 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from made_up import END, PULSE, STEPS, made_up_capture
+from made_up import END, PULSE, STEPS, made_up_capture, made_up_sweep, made_up_tuning
 from report_folders import COMMANDS, STUDY, every_kind
 
 import jaxbuffer as jb
@@ -19,15 +19,18 @@ from jaxbuffer.files import write
 from jaxbuffer.output.folder import load
 from jaxbuffer.output.provenance import made
 from jaxbuffer.output.records import run_record
-from jaxbuffer.output.results import run_files, sensitivity_files
+from jaxbuffer.output.records import tuned_record as tuned_record_of
+from jaxbuffer.output.results import run_files, sensitivity_files, swept_files
 from jaxbuffer.report.compare import compared, comparison
-from jaxbuffer.report.page import Cell, Table, shown
+from jaxbuffer.report.page import Cell, Page, Section, Table, shown
 from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
 from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
+from jaxbuffer.sweeps.grid import grid
+from jaxbuffer.sweeps.swept import Swept
 
 EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
-VOID = {"meta", "link", "input", "img", "br", "hr"}
+VOID = {"meta", "link", "input", "img", "br", "hr", "wbr"}
 
 
 class Outline(HTMLParser):
@@ -154,7 +157,7 @@ def test_limits_are_judged(tmp_path, worst, verdict):
     page = Outline(review([load(tmp_path)]).html())
     text = " ".join(" ".join(page.text).split())
     assert f"{100 * (1 - worst / 0.025):.3g} % {verdict}" in text
-    assert "at the lower" in text
+    assert "at low bound" in text
     assert "stiffness" in text
     assert "0.1 m/s, 2.865°" in text or "0.1 m/s, +2.86°" in text or "°" in text
 
@@ -198,6 +201,125 @@ def test_a_page_is_made_anew_and_says_so(tmp_path, capsys):
     assert command(["report", str(tmp_path), "--title", "Again"]) == 0
     assert "is made anew" in capsys.readouterr().err
     assert "<title>Again</title>" in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("before", "stroke_before", "worst", "mark"),
+    [
+        (250.0, 0.02, 0.02, "good"),  # lower than before
+        (96.4, 0.03, 0.02, "good"),  # higher, as the start breaks a limit
+        (96.4, 0.02, 0.02, "unsure"),  # higher than a start that keeps its limits
+        (96.4, 0.02, 0.03, ""),  # a broken limit has a badge of its own
+        (None, 0.03, 0.02, ""),  # the start's runs failed
+    ],
+)
+def test_an_objective_is_never_a_fault(tmp_path, before, stroke_before, worst, mark):
+    """Red are broken limits, runs that did not end as they must and values that are not trusted, nothing else."""
+    record = tuned_record(worst, worst <= 0.025)
+    record["objective_before"] = before
+    (case,) = record["scenarios"]
+    case["before"] = {**case["before"], "stroke [m]": stroke_before}
+    (tmp_path / "tuned.json").write_text(json.dumps(record))
+    badges = {badge.text: badge.mark for badge in review([load(tmp_path)]).verdicts}
+    (objective,) = (text for text in badges if "→" in text)
+    assert badges[objective] == mark
+    assert objective.endswith("from a start that breaks limits") == (stroke_before > 0.025 and before is not None)
+    assert ("bad" in badges.values()) == (worst > 0.025)
+
+
+@pytest.mark.parametrize(
+    ("standing", "mark", "text"),
+    [
+        (["front", "front"], "good", "front of 2 points"),
+        (["front", "front, not converged"], "unsure", "front of 2 points, 1 not converged"),
+        (["front", "dominated"], "good", "front of 1 point"),
+        (["limits broken", "limits broken"], "bad", "front of 0 points"),
+    ],
+)
+def test_a_front_is_as_sure_as_its_points(folders, tmp_path, standing, mark, text):
+    record = json.loads((folders["front"] / "pareto.json").read_text())
+    for point, said in zip(record["points"], standing, strict=True):
+        point["standing"] = said
+    (tmp_path / "pareto.json").write_text(json.dumps(record))
+    page = review([load(tmp_path)])
+    assert [(badge.text, badge.mark) for badge in page.verdicts] == [(text, mark)]
+    (section,) = [section for section in page.sections if section.title == "Front"]
+    red = [row[-1].mark == "bad" for row in section.tables[0].rows]
+    assert red == [said == "limits broken" for said in standing]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "mark"), [("trusted", None), ("check", "unsure"), ("ill-conditioned", "bad"), ("unknown", "unsure")]
+)
+def test_numbers_that_are_not_trusted_have_a_badge(folders, tmp_path, verdict, mark):
+    record = json.loads((folders["run"] / "capture.json").read_text())
+    record["trust"] = {"verdict": verdict, "reason": "made up", "errors": {}}
+    (tmp_path / "capture.json").write_text(json.dumps(record))
+    badges = {badge.text: badge.mark for badge in review([load(tmp_path)]).verdicts}
+    assert badges.get(f"numbers: {verdict}") == mark
+
+
+@pytest.mark.parametrize("scale", ["log", "linear"])
+@pytest.mark.parametrize(
+    ("share", "said"), [(0.0, "at low bound"), (5e-7, "at low bound"), (1e-5, ""), (0.5, ""), (1.0, "at high bound")]
+)
+def test_a_variable_at_its_bound_is_so_in_command_and_page(tmp_path, scale, share, said):
+    """Within a millionth of the range on the variable's own scale, in the command's table as on the page."""
+    variable = jb.Variable("buffer.k_A", 1.0, 900.0, scale)
+    value = variable.value(share)
+    problem = jb.Problem(jb.replace(jb.table2(), {variable.path: value}), [jb.Scenario()], [variable])
+    tuned = made_up_tuning(problem)
+    shown = dataclasses.replace(tuned, design=problem.design, before=tuned.after)
+    (line,) = (line for line in repr(shown).splitlines() if line.strip().startswith("buffer.k_A"))
+    assert ("bound" in line) == bool(said) and line.rstrip().endswith(said)
+    (tmp_path / "tuned.json").write_text(json.dumps(tuned_record_of(shown)))
+    _, _, rows = section_text(review([load(tmp_path)]), "Tuning")
+    assert rows[0][-1] == said
+
+
+def made_up_envelope(highest):
+    """Speeds by misalignments, of 1000 N a m/s, held against ``highest`` [N], for two scenarios of 0.1 and 0.2 m/s."""
+    design, scenario = jb.table2(), jb.Scenario()
+    over = grid(
+        {"scenario.approach_speed": [0.05, 0.1, 0.15, 0.2], "scenario.misalignment": [0.0, 0.01]}, design, scenario
+    )
+    swept = Swept(over, design, scenario, made_up_sweep(*over.applied(design, scenario)), np.ones(len(over), bool))
+    met = [jb.Scenario(approach_speed=speed, misalignment=turn) for speed, turn in ((0.1, 0.0), (0.2, 0.01))]
+    return swept, jb.safe_rectangle(swept, jb.Limits(at_most={"peak_force": highest}), met)
+
+
+@pytest.mark.parametrize(("highest", "unsafe"), [(400.0, 0), (220.0, 2), (180.0, 4)])
+def test_what_breaks_a_limit_between_the_scenarios_is_said(tmp_path, highest, unsafe):
+    """Peaks are 150, 200 and 250 N from 0.1 to 0.2 m/s, at two misalignments each."""
+    swept, envelope = made_up_envelope(highest)
+    assert (envelope.between.runs, envelope.between.unsafe) == (6, unsafe)
+    said = f"{unsafe} of 6 captures are not safe: peak force above its limit ({unsafe})" if unsafe else "all 6 captures"
+    assert said in envelope.between.words and said in " ".join(repr(envelope).split())
+    for name, content in swept_files(swept, envelope).items():
+        if name in ("sweep.npz", "sweep.json"):
+            write(tmp_path / name, content())
+    page = review([load(tmp_path)])
+    section, _, _ = section_text(page, "Envelope")
+    assert envelope.between.words in (section.warnings if unsafe else section.text)
+    marks = {badge.text: badge.mark for badge in page.verdicts}
+    assert marks.get(f"{unsafe} of 6 runs between the study's scenarios are not safe") == ("bad" if unsafe else None)
+
+
+def test_long_names_may_break_between_their_words_only():
+    rows = [["buffer.cylinder_length", "k_A of 0.05 m", Cell("mass m_S")]]
+    html = Page("", "", [], [Section("Names", tables=[Table("", ("a", "b", "c"), rows)])]).html()
+    assert "buffer.<wbr>cylinder_<wbr>length" in html
+    assert "k_A of 0.05 m" in html and "mass m_S" in html
+    assert "anywhere" not in html.split("@media print")[0], "nor inside one"
+
+
+@pytest.mark.parametrize("part", ["active vehicle", "active vehicle, broken off"])
+def test_a_part_that_is_broken_off_is_explained(folders, tmp_path, part):
+    record = json.loads((folders["run"] / "motion.json").read_text())
+    record["shapes"][0]["part"] = part
+    (tmp_path / "motion.json").write_text(json.dumps(record))
+    (tmp_path / "capture.json").write_bytes((folders["run"] / "capture.json").read_bytes())
+    assert ("Zigzag edges" in review([load(tmp_path)]).html()) == ("broken off" in part)
 
 
 def test_numbers_stand_to_the_right():

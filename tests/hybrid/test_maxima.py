@@ -117,4 +117,6 @@ def test_a_maximum_where_friction_reverses():
     run = jax.jit(lambda speed: solve(Reversing, (speed,), 0.2, options))
     for speed in np.linspace(1.0, 3.0, 9):
         expected = (BRAKE + RUB) * np.sqrt(1.0 + 2.0 * speed / (BRAKE + RUB))
-        assert largest(Reversing(jnp.asarray(speed)), run(jnp.asarray(speed)))[0] == pytest.approx(expected, rel=1e-4), speed
+        assert largest(Reversing(jnp.asarray(speed)), run(jnp.asarray(speed)))[0] == pytest.approx(
+            expected, rel=1e-4
+        ), speed

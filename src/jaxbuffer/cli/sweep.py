@@ -105,7 +105,7 @@ def sweep(
         return INTERRUPTED
     from ..experiments.rectangle import safe_rectangle
 
-    envelope = None if limits is None else safe_rectangle(swept, limits)
+    envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
     about = request.made(study, resume)
     files.save_and_show(lambda: swept_files(swept, envelope, about), shown, lambda: swept_json(swept))

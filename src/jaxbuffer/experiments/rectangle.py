@@ -1,15 +1,30 @@
 """The safe part of a two-dimensional sweep, and the largest rectangle of safe runs in it."""
 
 import dataclasses
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
+from ..fields import Part, get
 from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
 from ..tuning.objective import Limits
+
+UNDONE = "not computed"  # of a run that an interrupted sweep has not reached
+ROUNDING = 1e-9  # of a range: a value so near to its end is in it
+
+
+class Between(NamedTuple):
+    """The ``runs`` within the ranges of some scenarios: how many, how many of them are not safe (``unsafe``), and all
+    of it in a sentence (``words``)."""
+
+    runs: int
+    unsafe: int
+    words: str
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,6 +37,7 @@ class SafeRectangle:
       limit, 1 on it, NaN without numbers; ``reasons`` (m, n): the first thing that each of the others breaks, in words.
     - ``first``, ``second``: lowest and highest value of either field in the largest rectangle of safe runs, or None
       where no run is safe; ``runs``: how many it has.
+    - ``scenarios``: for which the design was made, if any are known.
 
     **Example:** which heights and stiffnesses keep the peak force below 1500 N?
 
@@ -42,6 +58,31 @@ class SafeRectangle:
     first: tuple[float, float] | None
     second: tuple[float, float] | None
     runs: int
+    scenarios: tuple[Part, ...] = ()
+
+    @property
+    def between(self) -> Between | None:
+        """How the runs between the ``scenarios`` do, at those included; None where both fields are not the scenario's,
+        or no run is there. A design that keeps its limits in each scenario may break them in between."""
+        from .summary import ends
+
+        prefix, ranges = "scenario.", []
+        inside = (self.reasons != UNDONE) & (len(self.scenarios) > 1)
+        for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
+            if not axis.path.startswith(prefix) or not self.scenarios:
+                return None
+            met = [float(get(scenario, axis.path.removeprefix(prefix))) for scenario in self.scenarios]
+            room = ROUNDING * (max(met) - min(met))
+            within = (values >= min(met) - room) & (values <= max(met) + room)
+            inside &= within[:, None] if k == 0 else within
+            ranges.append(f"{axis.name.replace('_', ' ')} {ends(axis, (min(met), max(met)))}")
+        runs, unsafe = int(inside.sum()), int((inside & ~self.safe).sum())
+        if not runs:
+            return None
+        count, reasons = f"{runs} {self.swept.mechanism.run_name}s", Counter(self.reasons[inside & ~self.safe])
+        broken = ", ".join(f"{reason} ({many})" for reason, many in reasons.items())
+        told = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
+        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {told}.")
 
     @property
     def asked(self) -> str:
@@ -65,7 +106,7 @@ class SafeRectangle:
         return rectangle_summary(self)
 
 
-def safe_rectangle(swept: Swept, limits: Limits | None = None) -> SafeRectangle:
+def safe_rectangle(swept: Swept, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:
     """Where a two-dimensional sweep is safe, and the largest rectangle of safe runs in it.
 
     A run is safe that was solved and keeps every limit. The rectangle has the
@@ -75,6 +116,7 @@ def safe_rectangle(swept: Swept, limits: Limits | None = None) -> SafeRectangle:
 
     - ``swept``: over two fields, and any others with one value each.
     - ``limits``: what a run must keep (default: only that it ends as the mechanism's runs should).
+    - ``scenarios``: for which the design was made, such as a tuning's: `SafeRectangle.between` says what is between.
 
     **Returns:** a `SafeRectangle`.
 
@@ -124,6 +166,7 @@ def safe_rectangle(swept: Swept, limits: Limits | None = None) -> SafeRectangle:
         first=(float(x[rows][0]), float(x[rows][-1])) if runs else None,
         second=(float(y[columns][0]), float(y[columns][-1])) if runs else None,
         runs=runs,
+        scenarios=tuple(scenarios),
     )
 
 
@@ -134,7 +177,7 @@ def _ends(swept: Swept, limits: Limits) -> np.ndarray:
     if limits.captured and mechanism.success is not None:
         good = good & (swept.found.code == mechanism.outcomes[mechanism.success])
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.found.outcomes]
-    words = np.where(swept.done, np.array(named, object), "not computed")
+    words = np.where(swept.done, np.array(named, object), UNDONE)
     return np.where(good, "", words).astype(object)
 
 

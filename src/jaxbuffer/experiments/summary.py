@@ -94,16 +94,17 @@ def rectangle_summary(found: "SafeRectangle") -> str:
     """Which runs are safe, and the ranges of the largest rectangle."""
     mechanism = found.swept.found.mechanism
     count = int(found.safe.sum())
+    between = [] if found.between is None else [found.between.words]
     lines = [f"Safe ({found.asked}): {count} of {found.safe.size} {mechanism.run_name}s"]
     if found.first is None or found.second is None:
-        return text(*lines, "  no run is safe")
+        return text(*lines, "  no run is safe", *between)
     shape = f"{np.sum(_within(found.values[0], found.first))} × {np.sum(_within(found.values[1], found.second))}"
     lines.append(f"largest rectangle of safe {mechanism.run_name}s, {found.runs} of them ({shape}):")
     lines += [
         f"  {axis.path:26} {ends(axis, part)}"
         for axis, part in zip(found.axes, (found.first, found.second), strict=True)
     ]
-    return text(*lines)
+    return text(*lines, *between)
 
 
 def _within(values: np.ndarray, part: tuple[float, float]) -> np.ndarray:

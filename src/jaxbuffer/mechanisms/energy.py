@@ -63,3 +63,17 @@ class Balance(Portable):
     linear_momentum: Float[Array, ""]
     angular_momentum: Float[Array, ""]
     drift: Float[Array, ""]
+
+
+ENERGY_UNITS = (("kJ", 1e-3), ("J", 1.0), ("mJ", 1e3), ("µJ", 1e6))
+
+
+def energy_unit(largest: Any) -> tuple[str, float]:
+    """The unit in which energies up to ``largest`` [J] are read best, and how many of it a joule is."""
+    return next(((unit, many) for unit, many in ENERGY_UNITS if many * float(largest) >= 1.0), ENERGY_UNITS[-1])
+
+
+def energy_text(energy: Any) -> str:
+    """An energy [J] in words: "4.495 J", "1.43 kJ"."""
+    unit, many = energy_unit(energy)
+    return f"{many * float(energy):.4g} {unit}"

@@ -15,7 +15,7 @@ from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
-from .pulses import pulses
+from .pulses import fine_times, pulses
 from .style import COLOURS, drawing, require_matplotlib
 
 if TYPE_CHECKING:
@@ -201,10 +201,7 @@ def speed_in_words(slower: float) -> str:
 
 def _curves(axes: "Axes", run: Run) -> Any:
     """The contact forces over time; returns the cursor."""
-    history = run.history
-    assert history is not None
-    dense = [np.linspace(pulse.start, pulse.end, 12) for pulse in pulses(run)]
-    time = np.unique(np.concatenate([np.asarray(history.time), *dense]))
+    time = fine_times(run)
     force = np.asarray(at_times(run, time).contact_force)
     names = run.mechanism.names(run.design).contacts
     for k, name in enumerate(names):

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .layout import legend_below
 from .style import BLUE, RED, label, panels, styled
 from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks, scaled, signed
 
@@ -44,7 +45,7 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     scaled(axes, "y", second.scale, y[0] * above, y[-1] * above)
     across_named, up_named = (field_axis(axis.name, axis.unit) for axis in found.axes)
     label(axes, title, across_named, up_named, legend=False)
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    legend_below(figure, *axes.get_legend_handles_labels())
     return figure
 
 

@@ -45,6 +45,9 @@ def _envelope(found: "SafeRectangle") -> dict[str, Any]:
             {**_field(axis), "low": float(part[0]), "high": float(part[1])} for axis, part in ranges if part is not None
         ],
         "reasons": dict(Counter(str(reason) for reason in found.reasons[~found.safe])),
+        "between": None
+        if (between := found.between) is None
+        else {"runs": between.runs, "unsafe_runs": between.unsafe, "words": between.words},
     }
 
 

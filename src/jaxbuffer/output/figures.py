@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
 from ..run.instants import at_times
-from .pulses import pulse_around, pulses
+from .pulses import fine_times, pulse_around
 from .style import COLOURS, GREY, RED, label, panels, styled
 from .words import newtons, scale_of, seconds
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
-EVEN, INSIDE = 600, 9  # instants drawn besides the steps: evenly spaced, and in each impact
 BEYOND, WORTH = 1.2, 0.4  # of the last contact's time; a longer run's time axes end there
 INK = "#555555"
 FORCES = (("N", 1.0), ("kN", 1e-3))
@@ -73,10 +72,7 @@ def run_figure(run: Run) -> "Figure":
 
 def between_steps(run: Run) -> Run:
     """The run with a history at many instants between its steps too, where steps are long or a contact is closed."""
-    known = np.asarray(_history(run).time)
-    inside = [np.linspace(pulse.start, pulse.end, INSIDE) for pulse in pulses(run)]
-    time = np.unique(np.concatenate([known, np.linspace(0.0, last_contact(run), EVEN), *inside]))
-    return eqx.tree_at(lambda it: it.history, run, at_times(run, time[time <= known[-1]]))
+    return eqx.tree_at(lambda it: it.history, run, at_times(run, fine_times(run, until=last_contact(run))))
 
 
 def in_words(time: float) -> str:
@@ -99,7 +95,8 @@ def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
     label(force, "Contact force", f"time [{window.unit}]", f"contact force [{unit}]")
     _pulse(zoom, run, factor)
     zoom.plot(0.0, factor * peak, "o", color=RED, markersize=4)
-    title = f"The peak, {newtons(peak)} at {window.factor * at:.6g} {window.unit}"
+    moment, many = seconds(at)
+    title = f"The peak, {newtons(peak)} at {many * at:.6g} {moment}"
     label(zoom, title, zoom.get_xlabel(), f"contact force [{unit}]", False)
 
 
@@ -113,7 +110,8 @@ def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
             [np.asarray(curve.values)[seen] for curve in panel.curves],
         )
         axes.stackplot(over, *parts, colors=COLOURS, labels=names)
-        axes.set_ylim(0.0, 1.45 * float(np.max(np.sum(parts, axis=0))))  # room for the legend
+        room = 1.0 + 0.15 * math.ceil(len(parts) / COLUMNS)  # for the legend
+        axes.set_ylim(0.0, room * float(np.max(np.sum(parts, axis=0))))
     else:
         for k, curve in enumerate(panel.curves):
             dashes = "--" if curve.dashed else "-"
@@ -128,7 +126,7 @@ def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
     across = panel.path or f"time [{window.unit}]"
     if not panel.path:
         axes.locator_params(axis="x", nbins=6)
-    label(axes, panel.title, across, panel.axis, legend, columns=2 if panel.stacked else 1)
+    label(axes, panel.title, across, panel.axis, legend, columns=COLUMNS if panel.stacked else 1)
 
 
 def _level(axes: "Axes", level: Level) -> None:

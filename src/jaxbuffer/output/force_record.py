@@ -8,20 +8,19 @@ from jaxtyping import Float
 
 from ..mechanisms.run import Run
 from ..run.instants import at_times
+from .pulses import fine_times
 
-TIMES = 2000  # between the history's own, evenly spread
+TIMES = 2000  # evenly spread ones
 DIGITS = 7  # of a time [s] after the point: a tenth of a microsecond
 SIGNIFICANT = 6  # digits of a force
 
 
 def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """Times [s], the history's and evenly spread ones, and the largest force of any contact then [N].
+    """Times [s], close to each other where a contact is closed, and the largest force of any contact then [N].
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
-    assert run.history is not None
-    known = np.asarray(run.history.time)
-    time = np.unique(np.concatenate([known, np.linspace(known[0], known[-1], TIMES)]))
+    time = fine_times(run, TIMES)
     return time, np.max(np.asarray(at_times(run, time).contact_force), axis=1)
 
 

@@ -10,7 +10,7 @@ from ..study.designs import tuned_toml
 from ..tuning.front_summary import standing
 from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
-from .style import BLUE, GREY, both, label, panels, styled
+from .style import BLUE, GREY, RED, both, label, panels, styled
 from .words import shown
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..tuning.tuned import Tuned
 
 PANELS = 4  # pairs of objectives that are drawn
+NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 
 def front_files(front: "Front", made: Made = None) -> Contents:
@@ -66,7 +67,8 @@ def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:
 
 @styled
 def front_figure(front: "Front") -> "Figure":
-    """The first objective over each other one: the front, and points that another one is better than."""
+    """The first objective over each other one: the front, its points that did not converge, and those that another one
+    is better than."""
     others = front.objectives[1 : PANELS + 1]
     figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
     drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]
@@ -76,18 +78,16 @@ def front_figure(front: "Front") -> "Figure":
         order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
         line = "-" if len(front.objectives) == 2 else ""
         axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
-        for i in order:
-            axes.annotate(
-                str(i + 1),
-                (scale * values[i, k], factor * values[i, 0]),
-                (4, 5),
-                textcoords="offset points",
-                fontsize=8,
+        if unsure := [i for i in order if not front.points[i].converged]:
+            hollow = {"markerfacecolor": "white", "markeredgecolor": RED, "markeredgewidth": 1.5}
+            axes.plot(
+                scale * values[unsure, k], factor * values[unsure, 0], "o", label="front, not converged", **hollow
             )
         if front.dominated.any():
             left = front.dominated
             axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
         _widen(axes)
+        _number(axes, order, scale * values[order, k], factor * values[order, 0])
         label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
     lost = int((~front.feasible).sum())
     count = len(front.problem.cases)
@@ -95,6 +95,22 @@ def front_figure(front: "Front") -> "Figure":
     title = f"Front of {len(front.points)} tuned designs over {over}"
     figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
     return figure
+
+
+def _number(axes: "Axes", points: Sequence[int], x: np.ndarray, y: np.ndarray) -> None:
+    """Write its number beside each point; points too near each other for a text each have one together."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    groups: list[list[int]] = []
+    for k in range(len(points)):
+        last = groups[-1][-1] if groups else k
+        near = abs(x[k] - x[last]) < NEAR * (right - left) and abs(y[k] - y[last]) < NEAR * (high - low)
+        if groups and near:
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    for group in groups:
+        text, at = ", ".join(str(points[k] + 1) for k in group), (x[group[0]], y[group[0]])
+        axes.annotate(text, at, (4, 5), textcoords="offset points", fontsize=8)
 
 
 def _widen(axes: "Axes") -> None:

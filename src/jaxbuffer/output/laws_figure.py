@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from ..mechanisms.probe_cone.comparison import ASKED, CURVE, Comparison
+from .layout import legend_below
 from .style import GREY, MARKS, label, line, panels, styled
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def laws_figure(comparison: Comparison) -> "Figure":
     delivered.plot([0.0, 1.0], [0.0, 1.0], color=GREY, linewidth=0.8, zorder=1)
     delivered.annotate("as asked", (0.8, 0.8), xytext=(0.82, 0.72), color=GREY)
     label(delivered, "Restitution", "restitution asked [-]", "restitution delivered [-]", False)
-    figure.legend(*loops.get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    legend_below(figure, *loops.get_legend_handles_labels())
     figure.suptitle(
         f"Contact laws: {comparison.mass:.4g} kg at {comparison.speed:.4g} m/s, "
         f"restitution {comparison.restitution:g} asked for"

@@ -12,6 +12,7 @@ from ..errors import InputError, check_type
 from ..mechanisms.drawing import Band, Drawing
 from ..mechanisms.run import Run
 from ..run.instants import at_times
+from .layout import legend_below
 from .pulses import pulses
 from .sketch import INK, bounds, fills, forces, sketch
 from .style import BLUE, GREY, RED, styled
@@ -132,7 +133,7 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
         grid[k, 0].set_title(said(at, k))
         if detail is not None:
             named = closer(grid[k, 1], at, k) | named
-    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=4)
+    legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
     figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}{arrows}")
     return figure

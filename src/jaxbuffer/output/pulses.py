@@ -7,6 +7,8 @@ from jaxtyping import Float
 
 from ..mechanisms.run import Run
 
+EVEN = 600  # times that a curve is drawn through besides the steps
+FINE, MOST = 6, 4000  # parts that a short step with a contact is drawn in, and about how many there are in all
 LOW = 0.02  # of its peak: below that a pulse counts as over
 
 
@@ -39,6 +41,25 @@ def pulses(run: Run) -> list[Pulse]:
         one = int(run.peak_contact)
         found.append(pulse_around(time, force[:, one], float(run.peak_time), one))
     return [pulse for pulse in found if pulse.force > 0.0]
+
+
+def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.ndarray, " n"]:
+    """The times [s] through which forces are drawn smoothly: a run's own steps, evenly spread ones, parts of each
+    shorter step in which a contact is closed, as an impact has a handful of steps only, and the peak's.
+
+    **Arguments:** ``run``: one simulated with ``history=True``; ``even``: how many evenly spread ones, ``until``: the
+    last of them [s].
+    """
+    history = run.history
+    assert history is not None
+    time, force = np.asarray(history.time), np.asarray(history.contact_force)
+    touching = np.any(force > 0.0, axis=1)
+    spread, step = np.linspace(time[0], min(float(time[-1]), until), even), np.diff(time)
+    first = np.flatnonzero((touching[1:] | touching[:-1]) & (step < spread[1] - spread[0]))
+    parts = int(np.clip(MOST // max(first.size, 1), 1, FINE))
+    inside = time[first] + np.outer(np.arange(1, parts) / parts, step[first])
+    peak = np.clip(np.nan_to_num(float(run.peak_time)), time[0], time[-1])
+    return np.unique(np.concatenate([time, spread, inside.ravel(), [peak]]))
 
 
 def pulse_around(

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .layout import legend_below
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 from .words import field_axis, in_figures, outcome_marks, scaled, shown
 
@@ -48,7 +49,7 @@ def sample_figure(sample: "Sample") -> "Figure":
             axes.set_ylim(bottom=min(low, 0.0) if low > -0.05 * axes.get_ylim()[1] else low)
             label(axes, "", field_axis(axis.name, axis.unit) if number == len(names) else "", "", legend=False)
         row[0].set_ylabel(f"{title}\n[{unit}]")
-    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=max(len(ends), 1))
+    legend_below(figure, *grid[0, 0].get_legend_handles_labels())
     lost = int(np.sum(sample.done & ~sample.solved))
     parts = [f"Sample of {len(sample.grid)} {mechanism.run_name}s, {_worded(sample.grid.method)}"]
     parts += [f"{lost} failed"] if lost else []
@@ -81,7 +82,7 @@ def indices_figure(indices: "Indices") -> "Figure":
         through = _through(indices, name)
         label(axes, f"{name.replace('_', ' ')}{through}", "share of the variance [-]", "", legend=False)
     handles, words = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles[::-1], words[::-1], loc="outside lower center", ncols=2)
+    legend_below(figure, handles[::-1], words[::-1])
     figure.suptitle(f"Sobol' indices with {100 * indices.confidence:g} % intervals")
     return figure
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec
 import numpy as np
 
 from ..errors import InputError
+from .layout import fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,8 +45,9 @@ STYLE: dict[Any, Any] = {
     "axes.titlesize": 10,
     "font.size": 9,
     "grid.alpha": 0.3,
+    "legend.edgecolor": "none",
     "legend.fontsize": 8,
-    "legend.frameon": False,
+    "legend.framealpha": 0.6,
     "lines.linewidth": 1.2,
     "svg.hashsalt": "jaxbuffer",
 }
@@ -90,12 +92,14 @@ def drawing() -> Iterator[None]:
 
 
 def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
-    """Draw in our style, and leave matplotlib's settings as they were."""
+    """Draw in our style, with texts that fit, and leave matplotlib's settings as they were."""
 
     @functools.wraps(draw)
     def styled(*data: P.args, **options: P.kwargs) -> "Figure":
         with drawing():
-            return draw(*data, **options)
+            figure = draw(*data, **options)
+            fit(figure)
+            return figure
 
     return styled
 
@@ -104,7 +108,7 @@ def png(figure: "Figure") -> bytes:
     """The figure as a PNG file's content."""
     content = io.BytesIO()
     with drawing():
-        _laid_out(figure)
+        fit(figure)
         figure.savefig(content, format="png", dpi=DOTS_PER_INCH)
     return content.getvalue()
 
@@ -113,16 +117,9 @@ def svg(figure: "Figure") -> bytes:
     """The figure as an SVG file's content; the same figure gives the same bytes."""
     content = io.BytesIO()
     with drawing():
-        _laid_out(figure)
+        fit(figure)
         figure.savefig(content, format="svg", metadata={"Date": None})
     return content.getvalue()
-
-
-def _laid_out(figure: "Figure") -> None:
-    """Place panels and labels once: both files of a figure look alike, and the second one takes half the time."""
-    if figure.get_layout_engine() is not None:
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
 
 
 def both(name: str, draw: "Callable[[], Figure]") -> dict[str, Callable[[], bytes]]:

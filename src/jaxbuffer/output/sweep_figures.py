@@ -9,6 +9,7 @@ import numpy as np
 
 from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
+from .layout import legend_below
 from .style import COLUMNS, GREY, RED, label, line, panels, styled
 from .words import called, edges, field_axis, in_figures, outcome_marks, said, scaled, shown
 
@@ -66,8 +67,8 @@ def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
         handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         label(axes, title, _name(axis), y, legend=bool(handles) and not by)
     if by:
-        columns = max(1, 130 // (10 + max(map(len, handles))))  # of characters that fit beside each other
-        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=columns)
+        names = sorted(handles, key=lambda name: name in marks)  # lines, then ends of runs
+        legend_below(figure, [handles[name] for name in names], names)
     figure.suptitle(_title(swept))
     return figure
 
@@ -175,13 +176,12 @@ def _legend(figure: "Figure", swept: Swept) -> None:
     from matplotlib.lines import Line2D
 
     present = set(_outcomes(swept).ravel())
-    handles = [
-        Line2D([], [], linestyle="", marker=marker, color=colour, markeredgecolor="black", label=outcome)
+    handles = {
+        outcome: Line2D([], [], linestyle="", marker=marker, color=colour, markeredgecolor="black")
         for outcome, (marker, _, colour) in _marks(swept).items()
         if outcome in present
-    ]
-    if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    }
+    legend_below(figure, [*handles.values()], [*handles])
 
 
 def _drawn(swept: Swept, name: str) -> tuple[str, str, float]:

@@ -1,13 +1,14 @@
 """The figure of a tuning."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..fields import get
 from .figures import last_contact
 from .force_record import force_over_time
+from .layout import legend_below, with_line_breaks
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 from .words import newtons, seconds, shown
 
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 PEAK = 0  # the column of a case's peak force among its quantities
-ROW = 0.2  # inch a scenario
+ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
+SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
+LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
 
 
@@ -37,8 +40,11 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     problem = tuned.problem
     stages = sorted({it["stage"] for it in tuned.records})
     draws = [_variables, _limits, *(lambda axes, tuned, stage=stage: _search(axes, tuned, stage) for stage in stages)]
-    right = [0.4 * len(problem.variables) + 0.9, 0.3 * len(_shown(tuned)) + 0.9, *(2.3 for _ in stages)]
-    left = [2.6, ROW * len(problem.cases) + 1.0] if worst else [ROW * len(problem.cases) + 1.0]
+    limits = _rows(tuned)
+    each = LINE * (1 + max(it.text.count("\n") for it in limits)) + 0.06
+    right = [0.4 * len(problem.variables) + 0.9, each * len(limits) + 0.9, *(2.3 for _ in stages)]
+    rows = ROW * min(len(problem.cases), MOST) + 1.0
+    left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
     figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout=layout)
     columns = figure.add_gridspec(1, 2)
@@ -50,7 +56,7 @@ def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
     _cases(cases, tuned)
     for row, draw in enumerate(draws):
         draw(figure.add_subplot(second[row]), tuned)
-    figure.legend(*cases.get_legend_handles_labels(), loc="outside lower center", ncols=5)
+    legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
     before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
     figure.suptitle(f"{_asked(problem, problem.objective)}: {before} before, {after} after")
@@ -68,26 +74,32 @@ def worst_case(tuned: "Tuned") -> int:
 
 
 def _cases(axes: "Axes", tuned: "Tuned") -> None:
-    """A row for each scenario, by name: its peak force before and after."""
+    """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
-    row = np.arange(len(problem.cases))
-    peaks = [point.quantities[:, PEAK] for point in (tuned.before, tuned.after)]
+    count = len(problem.cases)
+    drawn = np.sort(np.argsort(-tuned.after.quantities[:, PEAK], kind="stable")[:MOST])
+    row = np.arange(len(drawn))
+    peaks = [point.quantities[drawn, PEAK] for point in (tuned.before, tuned.after)]
     axes.hlines(row, peaks[0], peaks[1], color=GREY, linewidth=1.0, zorder=1)
     for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
-        met = point.succeeded
+        met = point.succeeded[drawn]
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
             missed = f"{name}, not {problem.mechanism.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if floor is not None:
-        axes.plot(floor.simulated, row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
+        axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
     limit = problem.limits.at_most.get("peak_force")
     if limit is not None:
         axes.axvline(limit, color=RED, label=f"limit, {limit:.4g} N")
-    axes.set_yticks(row, [case.label(problem.cases) for case in problem.cases])
+    names = [problem.cases[k].label(problem.cases) for k in drawn]
+    numbered = max(map(len, names)) > LONGEST  # scenarios of a sample differ in many numbers
+    axes.set_yticks(row, [str(k + 1) for k in drawn] if numbered else names)
     axes.set_ylim(len(row) - 0.4, -0.6)
     axes.set_xlim(left=0.0)
-    label(axes, "Peak contact force", "peak force [N]", "", legend=False)
+    some = f", the {MOST} of {count} scenarios where it is largest" if count > MOST else ""
+    which = "number of the scenario in tuned.json [-]" if numbered else ""
+    label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
 def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
@@ -99,7 +111,10 @@ def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
         time, force = factor * time[time <= until], force[time <= until]
         axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {newtons(float(run.peak_force))}")
     problem = tuned.problem
-    named = problem.cases[worst_case(tuned)].label(problem.cases)
+    number = worst_case(tuned)
+    named = problem.cases[number].label(problem.cases)
+    if len(named) > LONGEST:
+        named = f"number {number + 1}: {named}"
     label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 
@@ -114,44 +129,61 @@ def _variables(axes: "Axes", tuned: "Tuned") -> None:
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
     for k, v in enumerate(variables):
         before, after = (tuned.problem.shown(v.path, each[k]) for each in values)
-        axes.text(1.03, k, f"{before[0]:.4g} → {after[0]:.4g} {after[1]}", va="center", fontsize=7)
+        axes.text(1.03, k, f"{before[0]:.4g} → {after[0]:.4g} {after[1]}", va="center", fontsize=SMALL)
     ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
     names = [f"{v.path}\n{low:.4g} to {high:.4g}" for v, (low, high) in zip(variables, ends, strict=True)]
-    axes.set_yticks(row, names, fontsize=7)
+    axes.set_yticks(row, names, fontsize=SMALL)
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
     axes.set_ylim(len(row) - 0.5, -0.5)
     label(axes, "Variables between their bounds, before → after", "place between bounds [-]", "", False)
 
 
-def _limits(axes: "Axes", tuned: "Tuned") -> None:
-    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone, in shares of its
-    limit, or of what it was where it has none."""
-    problem = tuned.problem
-    chosen, catalogue = _shown(tuned), problem.catalogue
-    names = [problem.names[k] for k in chosen]
+class Row(NamedTuple):
+    """A quantity's worst value over the scenarios ``before`` and ``after``; its ``limit``, None for none; ``lowest``:
+    whether that is a lower limit, and the values the least ones; ``text``: all of it in words and figures."""
+
+    before: float
+    after: float
+    limit: float | None
+    lowest: bool
+    text: str
+
+
+def _rows(tuned: "Tuned") -> list[Row]:
+    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
+    problem, rows = tuned.problem, []
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
-    least = {name: limit for name, limit in problem.limits.at_least.items() if name not in allowed}
-    before, after = (
-        np.array([(np.min if problem.names[k] in least else np.max)(point.quantities[:, k]) for k in chosen])
-        for point in (tuned.before, tuned.after)
-    )
-    of = np.array([{**allowed, **least}.get(name, first) for name, first in zip(names, before, strict=True)])
-    row, texts = np.arange(len(names)), []
-    for (name, colour, marker), values in zip(POINTS, (before, after), strict=True):
+    for k in _shown(tuned):
+        name = problem.names[k]
+        lowest = name in problem.limits.at_least and name not in allowed
+        limit = problem.limits.at_least[name] if lowest else allowed.get(name)
+        worst = np.min if lowest else np.max
+        before, after = (float(worst(point.quantities[:, k])) for point in (tuned.before, tuned.after))
+        title, symbol, factor = shown(problem.catalogue[name])
+        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
+        told = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
+        if limit is not None:
+            told += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
+        rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{told}"))
+    return rows
+
+
+def _limits(axes: "Axes", tuned: "Tuned") -> None:
+    """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
+    rows = _rows(tuned)
+    row = np.arange(len(rows))
+    of = np.array([it.before if it.limit is None else it.limit for it in rows])
+    for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
+        values = np.array([getattr(it, side) for it in rows])
         share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
         beyond = share > WIDEST
         axes.plot(share[~beyond], row[~beyond], marker, color=colour, markersize=5, label=name)
         axes.plot(np.full(beyond.sum(), WIDEST), row[beyond], ">", color=colour, markersize=6)
-    for k, name in enumerate(names):
-        title, symbol, factor = shown(catalogue[name])
-        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        limit = f", limit {factor * allowed[name]:.4g}{symbol}" if name in allowed else ""
-        limit = f", at least {factor * least[name]:.4g}{symbol}" if name in least else limit
-        texts.append(f"{title}:\n{factor * before[k]:.4g} → {factor * after[k]:.4g}{symbol}{limit}")
-        if name in allowed or name in least:
+    for k, it in enumerate(rows):
+        if it.limit is not None:
             axes.plot([100.0, 100.0], [k - 0.4, k + 0.4], color=RED, linewidth=2.0)
-    axes.set_yticks(row, texts, fontsize=7)
+    axes.set_yticks(row, [it.text for it in rows], fontsize=SMALL)
     axes.set_ylim(len(row) - 0.5, -0.5)
     axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"

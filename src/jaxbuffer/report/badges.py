@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 
 from ..output.folder import Record, Results
-from .experiments import STANDING
-from .limits import Standing, standing
-from .page import Cell
+from .experiments import ON_FRONT, STANDING
+from .judged import judged
+from .limits import Standing, keeping, standing
+from .page import Cell, shown
 from .records import ended, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
 UNCONFIRMED = "no other search found the same: a better design may exist"
+TRUST = {"check": "unsure", "ill-conditioned": "bad", "unknown": "unsure"}  # verdicts on a run's numbers
 STOPPED = {
     "limit_of_steps": "the search stopped at its limit of steps",
     "stalled": "the search stalled",
@@ -28,14 +30,26 @@ def _of_tuning(found: Results, lenders: Sequence[Results]) -> list[Cell]:
     tuned = found.tuned
     if tuned is None:
         return []
-    before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
     held = standing(found, lenders)
-    told = f"{words(tuned['objective'])}: {before:.4g} → {after:.4g} {unit} ({100 * (after / before - 1):+.2g} %)"
     kept = tuned["feasible"] and (held is None or not held.faults)
-    force = Cell(told, "bad" if after > before else "good" if kept else "")
+    force = _of_objective(found, lenders, kept)
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if held is None or not (held.faults or tuned["feasible"]) else [_of_limits(found, held)]
     return [*first, *limits, force, *_of_search(tuned)]
+
+
+def _of_objective(found: Results, lenders: Sequence[Results], kept: bool) -> Cell:
+    """The objective before and after. A higher one is no fault: limits that the start breaks may cost that much."""
+    tuned = found.tuned or {}
+    before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
+    told = f"{words(tuned['objective'])}: {shown(before)} → {shown(after)} {unit}"
+    if before is None or after is None:
+        return Cell(told)
+    start = judged(found, lenders, "before")
+    allowed = start is None or all(keeping(found.mechanism, start))
+    told += f" ({100 * (after / before - 1):+.2g} %)" if before else ""
+    told += "" if allowed else ", from a start that breaks limits"
+    return Cell(told, "" if not kept else "good" if after <= before or not allowed else "unsure")
 
 
 def _of_limits(found: Results, held: Standing) -> Cell:
@@ -73,6 +87,8 @@ def _of_run(found: Results, lenders: Sequence[Results]) -> list[Cell]:
         kept, mark = _with_limits(held, end.mark)
         text = ", ".join([words(record["outcome"]), *kept, f"peak force {record['peak_force [N]']:.4g} N"])
         told.append(Cell(text, mark))
+        verdict = (record.get("trust") or {}).get("verdict", "trusted")
+        told += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
     if derived is not None and derived["certificate"] is not None:
         verdict = derived["certificate"]["verdict"]
         told.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
@@ -93,11 +109,16 @@ def _of_many(found: Results) -> list[Cell]:
     if envelope := found.records.get("sweep", {}).get("envelope"):
         safe, runs = envelope["safe_runs"], envelope["runs"]
         told.append(Cell(f"{safe} of {runs} runs of the sweep are safe", "good" if safe == runs else "unsure"))
+        if (between := envelope.get("between")) and between["unsafe_runs"]:
+            count = f"{between['unsafe_runs']} of {between['runs']} runs"
+            told.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
     for surface in found.records.get("sample", {}).get("surfaces", ()):
         error = surface["cross_validated"][surface["kind"]]["relative"]
         text = f"surface of {words(surface['quantity'])}: misses {100 * error:.2g} %"
         told.append(Cell(text, "good" if surface["trusted"] else "bad"))
     if points:
-        kept = sum(point["standing"] in STANDING for point in points)
-        told.append(Cell(f"front of {kept} points", "good" if kept else "bad"))
+        marks = [STANDING[point["standing"]] for point in points if point["standing"] in ON_FRONT]
+        unsure = f", {marks.count('unsure')} not converged" if "unsure" in marks else ""
+        mark = "unsure" if unsure else "good" if marks else "bad"
+        told.append(Cell(f"front of {len(marks)} point{'' if len(marks) == 1 else 's'}{unsure}", mark))
     return told

@@ -13,7 +13,8 @@ from .page import Cell, Section, Table, shown
 from .records import UNIT, ended, field_name, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
-STANDING = {"front": "good", "front, not converged": "unsure"}
+ON_FRONT = ("front", "front, not converged")
+STANDING = {"front": "good", "front, not converged": "unsure", "dominated": "", "limits broken": "bad"}
 
 
 def sweep(found: Results) -> Section | None:
@@ -29,8 +30,12 @@ def sweep(found: Results) -> Section | None:
     figures = figure(found, "envelope", "Which runs are safe, and the largest rectangle of them")
     figures += figure(found, "sweep", "The sweep's quantities over the swept numbers")
     title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(found.mechanism, outcomes)]
-    open_sides = [] if envelope is None else not_found(envelope, record["axes"])
-    return Section(title, text, figures, tables, warnings=open_sides)
+    if envelope is None:
+        return Section(title, text, figures, tables)
+    between = envelope.get("between")
+    warnings = [between["words"]] if between and between["unsafe_runs"] else []
+    text += [between["words"]] if between and not between["unsafe_runs"] else []
+    return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
@@ -147,12 +152,12 @@ def front(found: Results) -> Section | None:
     if record is None:
         return None
     points = record["points"]
-    kept = sum(point["standing"] in STANDING for point in points)
+    kept = sum(point["standing"] in ON_FRONT for point in points)
     rows: list[list[str | Cell]] = []
     names = [name for name in points[0] if name not in ("point", "standing", "converged")]
     headings, factors = zip(*(_front_column(found, name) for name in names), strict=True)
     for point in points:
-        mark = STANDING.get(point["standing"], "bad")
+        mark = STANDING.get(point["standing"], "")
         numbers = zip((point[name] for name in names), factors, strict=True)
         values = [shown(factor * value if isinstance(value, float) else value) for value, factor in numbers]
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
@@ -166,7 +171,8 @@ def front(found: Results) -> Section | None:
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
     table = Table("Points of the front", ("point", *headings, "standing"), rows)
-    return Section("Front", text, figure(found, "pareto", "The front; crosses: another point is better"), [table])
+    caption = "The front; hollow: not converged; crosses: another point is better"
+    return Section("Front", text, figure(found, "pareto", caption), [table])
 
 
 def _front_column(found: Results, name: str) -> tuple[str, float]:

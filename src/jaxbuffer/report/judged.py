@@ -26,10 +26,11 @@ class Judged:
     rising: Sequence[Sequence[str]]
 
 
-def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
+def judged(found: Results, every: Sequence[Results] = (), side: str = "after") -> Judged | None:
     """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
 
-    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none.
+    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
+    a tuning: "after", or "before" for the design it began with.
     """
     record = _limiting(found)
     if record is None:
@@ -45,7 +46,7 @@ def judged(found: Results, every: Sequence[Results] = ()) -> Judged | None:
         return Judged(
             asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])], [record.get("rising", ())]
         )
-    cases = [case["after"] for case in record["scenarios"]]
+    cases = [case[side] for case in record["scenarios"]]
     outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
     rising = [case.get("rising", ()) for case in cases]
     return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts, rising)

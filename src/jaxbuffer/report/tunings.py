@@ -2,11 +2,12 @@
 
 from ..fields import as_typed, unit
 from ..output.folder import Record, Results
+from ..tuning.problem import Variable
 from .figures import figure
 from .judged import case_labels
 from .limits import broken
 from .page import Cell, Section, Table, shown
-from .records import by_name, ended, in_figures, same
+from .records import by_name, ended, in_figures
 from .runs import forces
 
 
@@ -73,5 +74,5 @@ def search(found: Results) -> Section | None:
 
 
 def _bound(variable: Record) -> str:
-    low, high, value = (variable[name] for name in ("low", "high", "value"))
-    return "at the lower" if same(value, low) else "at the upper" if same(value, high) else ""
+    it = Variable(variable["path"], variable["low"], variable["high"], variable.get("scale", "log"))
+    return it.at_bound(variable["value"])

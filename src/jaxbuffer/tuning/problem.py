@@ -27,6 +27,7 @@ from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then
 
 SCALES = ("log", "linear")
+AT_BOUND = 1e-6  # of a variable's range, on its scale
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,6 +64,11 @@ class Variable:
         if self.scale == "log":
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
+
+    def at_bound(self, value: float) -> str:
+        """ "at low bound" or "at high bound" of a value within `AT_BOUND` of the range from it, "" of any other."""
+        scaled = self.scaled(value)
+        return "at low bound" if scaled <= AT_BOUND else "at high bound" if scaled >= 1.0 - AT_BOUND else ""
 
     def slope(self, value: float) -> float:
         """d value / d scaled."""

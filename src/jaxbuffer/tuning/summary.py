@@ -8,9 +8,9 @@ import numpy as np
 from rich.table import Table
 
 from ..fields import get
+from ..mechanisms.energy import energy_text
 from ..tables import table, text
 from .message import headline
-from .problem import Variable
 
 if TYPE_CHECKING:
     from .tuned import Tuned
@@ -91,7 +91,7 @@ def _floor_facts(tuned: "Tuned") -> list[str]:
         f"  without any buffer {np.max(floor.simulated):.6g} N;"
         f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
         f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
-        f" from an energy of {1e3 * np.max(floor.energy):.4g} mJ that the contact takes up (effective energy T_c⁻)",
+        f" from an energy of {energy_text(np.max(floor.energy))} that the contact takes up (effective energy T_c⁻)",
         f"  within the bounds none gets below {floor.lowest:.6g} N",
     ]
 
@@ -139,18 +139,13 @@ def _tuned_variables(tuned: "Tuned") -> Table:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
         numbers = [problem.shown(variable.path, x) for x in (start, value, variable.low, variable.high)]
         texts = [f"{number:.5g}" for number, _ in numbers]
-        variables.add_row(variable.path, *texts, numbers[0][1], _at_bound(variable, value))
+        variables.add_row(variable.path, *texts, numbers[0][1], variable.at_bound(value))
     return variables
 
 
 def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:
     before, after = float(before), float(after)
     return f"{before:.5g} → {after:.5g}", f"{100.0 * (after / before - 1.0):+.1f} %"
-
-
-def _at_bound(variable: Variable, value: float) -> str:
-    near = 1e-6 * (variable.high - variable.low)
-    return "at low bound" if value <= variable.low + near else "at high bound" if value >= variable.high - near else ""
 
 
 def objective_in_words(value: float, unit: str, digits: int) -> str:

@@ -9,7 +9,6 @@ from .evaluation import Evaluation
 from .goal import Goal
 from .problem import Variable
 
-AT_BOUND = 1e-6  # of a variable's range
 LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
 WEAK = 0.1  # change relative to the strongest variable's: one with less is not named
 WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
@@ -117,10 +116,10 @@ def helping(goal: Goal, point: Evaluation, stated: Stated) -> list[Helping]:
     effect is none, or weak beside the strongest one's."""
     problem, found = goal.problem, list[Helping]()
     values = problem.values(point.scaled)
-    for variable, scaled, value, by in zip(problem.variables, point.scaled, values, stated.slope, strict=True):
+    for variable, value, by in zip(problem.variables, values, stated.slope, strict=True):
         change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
         up = (change < 0.0) == stated.falls
-        at_bound = bool(scaled >= 1.0 - AT_BOUND if up else scaled <= AT_BOUND)
+        at_bound = variable.at_bound(float(value)) == f"at {'high' if up else 'low'} bound"
         found.append(Helping(variable, float(value), change, up, at_bound))
     strongest = max((abs(it.change) for it in found), default=0.0)
     least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}

@@ -4,7 +4,7 @@ from typing import NamedTuple, TypeVar
 
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Int
 
 from ..events.bracketing import Bracket
 from ..events.guards import Extremes, Guards

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...contact.laws import LAWS, HystereticLaw
 from ...errors import InputError
+from ..energy import energy_unit
 from ..mechanism import Defaults, Mechanism, Names
 from ..picture import Curve, Level, Panel
 from ..registry import register
@@ -68,13 +69,19 @@ def panels(run: BarDropRun) -> list[Panel]:
     """Gap, penetration, energy, deflections, of a run with a history."""
     seen = run.history
     assert seen is not None
-    energy = {name: 1e3 * np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
-    lost = Curve("lost", 1e3 * np.asarray(seen.energy.dissipated))
+    energy = {name: np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
+    energy["lost"] = np.asarray(seen.energy.dissipated)
+    unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
     deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
     return [
         Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),), whole=True),
         Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
-        Panel("Energy", "energy [mJ]", (*(Curve(name, values) for name, values in energy.items()), lost), whole=True),
+        Panel(
+            "Energy",
+            f"energy [{unit}]",
+            tuple(Curve(name, many * values) for name, values in energy.items()),
+            whole=True,
+        ),
         *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
     ]
 

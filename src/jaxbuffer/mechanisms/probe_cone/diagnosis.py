@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 
 from ...compiling.programs import stored
 from ...hybrid import Kind
+from ..energy import energy_text, energy_unit
 from .assembly import T
 from .outcome import Outcome
 from .system import CONTACTS, CaptureMechanism
@@ -114,7 +115,7 @@ def _energy(capture: "Capture", seen: Course, last: int) -> str:
     springs, other = sum(stored.values()), kinetic - float(seen.common[last]) - along
     return (
         f"{_share(along, total)} along the approach ({direction}), {_share(springs, total)} in springs,"
-        f" {_share(other, total)} in turning and sideways motion, of {1e3 * total:.4g} mJ relative to the common motion"
+        f" {_share(other, total)} in turning and sideways motion, of {energy_text(total)} relative to the common motion"
     )
 
 
@@ -136,4 +137,5 @@ def _turn(capture: "Capture", seen: Course) -> str:
 
 
 def _share(energy: float, total: float) -> str:
-    return f"{1e3 * energy:.3g} mJ ({100.0 * energy / total:.1f} %)" if energy > 1e-6 * total else "0 mJ"
+    unit, many = energy_unit(total)
+    return f"{many * energy:.3g} {unit} ({100.0 * energy / total:.1f} %)" if energy > 1e-6 * total else f"0 {unit}"

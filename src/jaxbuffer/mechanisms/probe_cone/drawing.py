@@ -29,10 +29,14 @@ from .design import Design
 TIP = 4  # the frame behind those of the bodies: the tip's, off the probe's axis where the probe bends
 ROD_WIDTH, CYLINDER_WIDTH = 0.8, 2.6  # of the tip's radius; assumed
 CLOSER = 3.0  # half of the detail's width, in radii of the tip
+# A vehicle is drawn no higher and no longer than lets probe and cone be seen beside it: half as high, and as long, as
+# so many half-widths of the cone's mouth, and no shorter than the cylinder in it with some room.
+LARGEST, ROOMY = 4.5, 1.25
+TEETH, TOOTH = 8, 0.02  # of a break line: how many, and how deep, of the largest half-height
 
 
 def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
-    """Both vehicles, hinge, buffer, probe and cone, in the design's lengths."""
+    """Both vehicles as far as they fit beside the rest; hinge, buffer, probe and cone, in the design's lengths."""
     masses = probe_masses(design)
     front, rear = float(masses.front), float(masses.rear)
     tip, half = float(design.probe.tip_radius), float(design.buffer.cylinder_length) / 2.0
@@ -42,7 +46,7 @@ def drawing(design: Design, bodies: tuple[str, ...] = ()) -> Drawing:
     rod = Rod(Spot(P, -rear), Spot(TIP), wide, "probe")
     bent = Band(stations(TIP + 1), wide, "probe", clamped=True)
     shapes = (
-        Outline(S, active(design), part="active vehicle"),
+        active(design),
         *passive(design),
         Outline(B, box(-half, half, -tall, tall), part="cylinder"),
         *stop,
@@ -72,11 +76,11 @@ def with_tip(history: Any, front: float) -> Float[np.ndarray, "steps frames 3"]:
     return np.concatenate([frames, tip[:, None]], axis=1)
 
 
-def active(design: Design) -> np.ndarray:
-    """The active vehicle's corners: a uniform box of its mass and inertia, whose front is at the hinge; assumed."""
+def active(design: Design) -> Outline:
+    """The active vehicle, a uniform box of its mass and inertia (assumed) whose front is at the hinge."""
     reach = float(design.active.hinge_offset)
-    tall = _half_height(float(design.active.inertia / design.active.mass), reach)
-    return box(-reach, reach, -tall, tall)
+    corners, broken = _vehicle(design, reach, float(design.active.inertia / design.active.mass), 0.0)
+    return Outline(S, corners, part=f"active vehicle{broken}")
 
 
 def passive(design: Design) -> tuple[Outline, ...]:
@@ -84,15 +88,15 @@ def passive(design: Design) -> tuple[Outline, ...]:
     cone's two flanks before it, and the capture plane (M65)."""
     cone = design.cone
     reach, throat = float(cone.offset), float(cone.throat_radius)
-    tall = max(_half_height(float(design.passive.inertia / design.passive.mass), reach), 1.5 * mouth(design)[1])
-    hole = 0.2 * reach  # x where the throat's hole ends
-    outer = [[-reach, -tall], [reach, -tall], [reach, tall], [-reach, tall]]
-    vehicle = np.array([*outer, [-reach, throat], [hole, throat], [hole, -throat], [-reach, -throat]])
     far, wide = mouth(design)
+    corners, broken = _vehicle(design, reach, float(design.passive.inertia / design.passive.mass), 1.5 * wide)
+    corners = -corners  # its front faces backwards
+    hole = -reach + 0.6 * float(np.max(corners[:, 0]) + reach)  # x where the throat's hole ends
+    vehicle = np.concatenate([corners, [[-reach, -throat], [hole, -throat], [hole, throat], [-reach, throat]]])
     wedge = np.array([[-reach, throat], [far, wide], [-reach, wide]])
     plane = -reach - float(design.probe.tip_radius) * math.sin(float(cone.half_angle))
     return (
-        Outline(T, vehicle, part="passive vehicle"),
+        Outline(T, vehicle, part=f"passive vehicle{broken}"),
         Outline(T, wedge, part="cone"),
         Outline(T, wedge * [1.0, -1.0]),
         Outline(T, np.array([[plane, -1.3 * wide], [plane, 1.3 * wide]]), False, "capture plane", dashed=True),
@@ -123,6 +127,33 @@ def _stop(design: Design, half: float, tall: float) -> Outline:
     """Where the rear end of the rod meets the end stop (M28)."""
     place = half - float(design.buffer.end)
     return Outline(B, np.array([[place, -tall], [place, tall]]), filled=False, part="end stop")
+
+
+def _vehicle(design: Design, reach: float, square: float, least: float) -> tuple[np.ndarray, str]:
+    """The corners of a uniform box of half the length ``reach`` [m] and the radius of gyration √``square``, ``least``
+    [m] half as high at least, with its front at x = ``reach``; and what the legend adds: a box too large beside the
+    mechanism is broken off along zigzag lines."""
+    wide, cylinder = mouth(design)[1], ROOMY * float(design.buffer.cylinder_length)
+    longest = max(LARGEST * wide, cylinder)
+    whole = max(2.0 * reach, min(cylinder, longest)), max(_half_height(square, reach), least)
+    length, tall = min(whole[0], longest), min(whole[1], LARGEST * wide)
+    corners = np.array([[reach, -tall], [reach - length, -tall], [reach - length, tall], [reach, tall]])
+    if (length, tall) == whole:
+        return corners, ""
+    tooth = TOOTH * LARGEST * wide
+    cut = whole[1] > tall, whole[0] > length, whole[1] > tall
+    edges = [_edge(corners[k], corners[k + 1], tooth if cut[k] else 0.0) for k in range(3)]
+    return np.concatenate([*edges, corners[3:]]), ", broken off"
+
+
+def _edge(start: np.ndarray, end: np.ndarray, tooth: float) -> np.ndarray:
+    """The points of an edge without its last one: the first alone, or a zigzag of ``tooth`` [m] to either side."""
+    if tooth == 0.0:
+        return start[None]
+    along = (end - start) / float(np.hypot(*(end - start)))
+    number = np.arange(2 * TEETH)
+    swing = np.where(number == 0, 0.0, np.where(number % 2, tooth, -tooth))
+    return start + np.outer(number / (2 * TEETH), end - start) + np.outer(swing, [-along[1], along[0]])
 
 
 def _half_height(square: float, reach: float) -> float:

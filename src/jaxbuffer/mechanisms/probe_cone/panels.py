@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
+from .assembly import probe_masses
 
 if TYPE_CHECKING:
     from .capture import Capture
@@ -53,22 +55,34 @@ def _play(capture: "Capture") -> Panel | None:
 
 
 def _energy(capture: "Capture") -> Panel:
-    energy = capture.history.energy  # type: ignore[union-attr]
+    """What each part has of the energy that the mechanism can take up: all but that of the common motion."""
+    energy, common = capture.history.energy, common_energy(capture)  # type: ignore[union-attr]
     parts = {
-        "kinetic": energy.kinetic,
+        "relative motion": np.maximum(np.asarray(energy.kinetic) - common, 0.0),
         "springs": energy.spring,
         "lost in dampers": energy.axial_damper + energy.torsional_damper,
         "lost in friction": energy.friction,
-        "contact, stored and lost": energy.contact + energy.hysteresis,
+        "in contact": energy.contact + energy.hysteresis,
     }
     if capture.design.buffer.stop_stiffness is not None:  # type: ignore[attr-defined]
-        parts["end stop, stored and lost"] = energy.stop + energy.stop_damper
+        parts["in the end stop"] = energy.stop + energy.stop_damper
     if capture.design.hinge.play is not None:  # type: ignore[attr-defined]
-        parts["hinge's play, stored and lost"] = energy.hinge + energy.hinge_play
+        parts["in the hinge's play"] = energy.hinge + energy.hinge_play
     if capture.design.probe.bending_stiffness is not None:  # type: ignore[attr-defined]
         parts["lost in bending"] = energy.bending
-    curves = tuple(Curve(name, 1e3 * np.asarray(value)) for name, value in parts.items())
-    return Panel("Energy, adding up to the total", "energy [mJ]", curves, stacked=True)
+    unit, many = energy_unit(np.max(np.asarray(energy.total)) - common)
+    curves = tuple(Curve(name, many * np.asarray(value)) for name, value in parts.items())
+    return Panel("Energy without that of the common motion", f"energy [{unit}]", curves, stacked=True)
+
+
+def common_energy(capture: "Capture") -> float:
+    """Kinetic energy [J] of both vehicles' common motion, that of their centre of mass: no force between them changes
+    it, and no buffer takes it up (König's theorem). It is read off the start, when nothing bends yet."""
+    design, history = capture.design, capture.history
+    probe = probe_masses(design).mass  # type: ignore[arg-type]
+    masses = np.array([float(m) for m in (design.active.mass, design.buffer.cylinder_mass, probe, design.passive.mass)])  # type: ignore[attr-defined]
+    momentum = masses @ np.asarray(history.velocity)[0, :, :2]  # type: ignore[union-attr]
+    return 0.5 * float(momentum @ momentum) / float(masses.sum())
 
 
 def _stroke(capture: "Capture") -> Panel:

@@ -138,7 +138,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
 
     def negligible(self) -> Float[Array, " observables"]:
         spring = ROUNDED_LENGTH * self.design.buffer.k_A
-        sizes = {name: ROUNDED_LENGTH for name in ("stroke", "hinge_angle", "bending")}
+        sizes: dict[str, Scalar] = {name: ROUNDED_LENGTH for name in ("stroke", "hinge_angle", "bending")}
         sizes |= {"buffer_force": spring, "hinge_force": spring + ROUNDED_ACCELERATION * self.design.active.mass}
         return stacked([sizes.get(name, 0.0) for name in self.observed])  # an open contact's force is exactly zero
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
 from .journal import PINS, journal_path
 
@@ -16,7 +17,9 @@ def panels(run: "Run") -> list[Panel]:
     seen = run.history
     assert seen is not None
     paths = [_path(run, pin) for pin in PINS if getattr(run.design, pin).joint == "clearance"]
-    energy = [Curve(name, np.asarray(values)) for name, values in seen.energy.stored.items() if np.any(values)]
+    stored = {name: np.asarray(values) for name, values in seen.energy.stored.items() if np.any(values)}
+    stored["lost"] = np.asarray(seen.energy.dissipated)
+    unit, many = energy_unit(max(np.max(np.abs(values)) for values in stored.values()))
     torque, acceleration = (np.asarray(seen.others[name]) for name in ("drive_torque", "slider_acceleration"))
     return [
         *paths,
@@ -31,7 +34,7 @@ def panels(run: "Run") -> list[Panel]:
             "size of acceleration [km/s²]",
             (Curve("", 1e-3 * acceleration),),
         ),
-        Panel("Energy", "energy [J]", (*energy, Curve("lost", np.asarray(seen.energy.dissipated)))),
+        Panel("Energy", f"energy [{unit}]", tuple(Curve(name, many * values) for name, values in stored.items())),
     ]
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
 
 
@@ -51,5 +52,6 @@ def panels(run: Any) -> list[Panel]:
             )
         )
     energy = {name: np.asarray(getattr(seen.energy, name)) for name in seen.energy.names if name != "total"}
-    curves = tuple(Curve(name, values) for name, values in energy.items() if np.any(values))
-    return [*found, Panel("Energy", "energy [J]", curves, whole=True)]
+    unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
+    curves = tuple(Curve(name, many * values) for name, values in energy.items() if np.any(values))
+    return [*found, Panel("Energy", f"energy [{unit}]", curves, whole=True)]
