@@ -4,8 +4,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid.events.crossing import first_crossing
-from jaxbuffer.hybrid.events.guards import RISING, Guards
+from jaxbuffer.hybrid.events.crossing import first_crossing, unlocated_maximum
+from jaxbuffer.hybrid.events.guards import RISING, Extremes, Guards
 
 STEP, SPEED, FALL = 1e-3, 0.1, 500.0  # s, m/s away from the surface, m/s² back to it
 NONE, OPEN, CLOSED = jnp.zeros(0), jnp.zeros(1), jnp.ones(1)
@@ -166,6 +166,24 @@ def test_a_located_maximum_counts_as_falling():
     least = jnp.array([0.5, 0.5])
     assert int(searched(left, after, least=least).guard) == 0
     assert not searched(left.falling(jnp.array([True, False])), after, least=least).found
+
+
+@pytest.mark.parametrize("datum", [0.0, -7.0, 1e6])
+def test_near_the_largest_value_is_a_matter_of_the_range(datum):
+    """Of values from 1 to 5 a tenth of the range below the largest is 4.6, wherever zero is; before any, everything
+    is near."""
+    seen = Extremes.none(1).including(jnp.array([5.0 - datum])).including(jnp.array([1.0 - datum]))
+    np.testing.assert_allclose(seen.below_largest(0.1), [4.6 - datum], rtol=1e-15, atol=1e-9)
+    assert float(Extremes.none(1).below_largest(0.1)[0]) == -np.inf
+
+
+@pytest.mark.parametrize("datum", [0.0, 9.0, 1e6])
+def test_an_accepted_step_above_the_log_is_a_maximum_where_it_falls(datum):
+    """Not where it goes on rising, nor where the log holds as much."""
+    extremes = Extremes(jnp.array([5.0, 5.0, 5.0]) - datum, jnp.array([1.0, 1.0, 1.0]) - datum)
+    start, end = jnp.array([5.0, 5.0, 5.0]) - datum, jnp.array([4.0, 6.0, 4.0]) - datum
+    found = unlocated_maximum(start, end, jnp.array([4.99, 3.0, 5.0]) - datum, extremes)
+    np.testing.assert_array_equal(found, [True, False, False])
 
 
 @pytest.mark.parametrize(

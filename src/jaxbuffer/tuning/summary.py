@@ -62,7 +62,7 @@ def tuned_parts(tuned: "Tuned") -> list[str | Table]:
 
 def tuned_warnings(tuned: "Tuned") -> list[str]:
     """In how many scenarios the tuned design lies beyond a limit of validity, or a quantity still rises at the end of
-    the run, a line each."""
+    the run, and which variables change nothing, a line each."""
     problem, peaks = tuned.problem, tuned.after.quantities[:, 0]
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, peaks, strict=True):
@@ -73,6 +73,8 @@ def tuned_warnings(tuned: "Tuned") -> list[str]:
         if n := int(np.sum(rising)):
             where = f"where the {problem.mechanism.run_name} ends, in {n} of {len(problem.cases)} scenarios"
             lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
+    for path in tuned.without_effect:
+        lines.append(f"{path} changes nothing, neither at the start nor in the result: leave it out of the variables")
     return lines
 
 

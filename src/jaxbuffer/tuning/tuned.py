@@ -90,6 +90,14 @@ class Tuned:
         return self.goal.feasible(self.after)
 
     @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Paths of variables that change no quantity of any case, neither at the start nor in the result."""
+        points = (self.before, self.after)
+        slopes = [slope for point in points for slope in (point.quantities_slope[point.solved], point.margin_slope)]
+        still = np.all([np.all(slope == 0.0, axis=tuple(range(slope.ndim - 1))) for slope in slopes], axis=0)
+        return tuple(path for path, none in zip(self.problem.paths, still, strict=True) if none)
+
+    @property
     def why(self) -> list[str]:
         """Of an infeasible result, a line for each broken limit, the worst first: in how many scenarios, how far, and
         which variables hold it back to first order; else empty."""
