@@ -91,6 +91,14 @@ def test_later_maxima_are_known_where_they_are_highest(overflown):
     np.testing.assert_array_equal(overflown.rows[room + 1], ROWS + 11.0)
 
 
+def test_a_later_maximum_may_be_negative():
+    """An observable below zero has a largest value too."""
+    later = [(Kind.PEAK, 2, 11.0, (0.0, 0.0, -3.0)), (Kind.PEAK, 2, 12.0, (0.0, 0.0, -2.0))]
+    log = filled(IMPACT[:3] + later, 3)
+    assert float(log.missed_values[2]) == -2.0
+    assert (int(log.kind[log.room + 2]), float(log.time[log.room + 2])) == (Kind.PEAK, 12.0)
+
+
 def test_later_contact_time_adds_up(overflown):
     """From 10 to 13 s and from 20 to 22.5 s."""
     assert float(overflown.missed_time) == pytest.approx(5.5, rel=1e-15)

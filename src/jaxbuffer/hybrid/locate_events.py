@@ -124,7 +124,7 @@ def locate_events(
         guard_rate=jnp.ones(()),
         active=search.active,
         rows=path.state[path.steps][None],
-        rates=still[None],
+        rates=system.derivative(path.time[path.steps], path.state[path.steps], search.active)[None],
         touching=system.touching(search.active),
     )
     return log, status

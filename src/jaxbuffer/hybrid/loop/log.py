@@ -41,7 +41,7 @@ class Log(eqx.Module):
     sensitivities is rounding).
 
     ``latest``: time of the last event [s]. Of events that found no room: ``missed``, each contact's touchdowns;
-    ``missed_values``, each observable's largest value at an event of its own; ``missed_time``, time in contact until
+    ``missed_values``, each observable's largest value at an event of its own (zero for none); ``missed_time``, time in contact until
     them [s].
     """
 
@@ -113,8 +113,9 @@ class Log(eqx.Module):
         missed = when & (self.count >= self.room)
         # Observables of contacts come first, so a touchdown's slot is that of its force.
         its_own = (jnp.arange(values.shape[0]) == which) & ((kind == Kind.PEAK) | (kind == Kind.TOUCHDOWN))
-        highest = jnp.any(its_own & (values > self.missed_values))
-        beyond = jnp.where(kind == Kind.END, end, jnp.where(highest, self.room + which, spare))
+        none_yet = (self.kind[self.room : self.room + values.shape[0]] == Kind.NONE) & (kind == Kind.PEAK)
+        higher = its_own & (none_yet | (values > self.missed_values))
+        beyond = jnp.where(kind == Kind.END, end, jnp.where(jnp.any(higher), self.room + which, spare))
         slot = jnp.where(missed, beyond, jnp.where(when, self.count, spare))
         entry = {
             "kind": jnp.where(slot == spare, int(Kind.NONE), kind),
@@ -132,7 +133,7 @@ class Log(eqx.Module):
             count=jnp.where(missed, self.kind.shape[0] - 1, self.count + when),
             latest=jnp.where(when, time, self.latest),
             missed=self.missed + (missed & touchdown),
-            missed_values=jnp.where(missed & its_own, jnp.maximum(self.missed_values, values), self.missed_values),
+            missed_values=jnp.where(missed & higher, values, self.missed_values),
             missed_time=self.missed_time + jnp.where(missed & touching, time - self.latest, 0.0),
         )
 

@@ -100,16 +100,15 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
 def next_phase(
     task: Task[P], state: LoopState, decision: Decision, event: Event, point: Point, step_sizes: StepSizes
 ) -> tuple[Int[Array, ""], Bracket]:
-    """What the next trial step is for, and the bracket of the event to locate.
+    """Return what the next trial step is for, and the bracket of the event to locate.
 
-    The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated anew after
-    a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and, with tangents, after a
-    release: the force's derivative goes with the root of the gap there, and what rounding leaves of that gap would
-    spoil it. And a release so near that no other step can be
-    accurate is located at once, without a longer step that finds it first.
+    The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated again after
+    a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and with tangents after a
+    release: there dF/dp ∝ √gap, so a rounding-level gap makes it inaccurate. And a release so near that no other step
+    can be accurate is located at once, without a longer step that finds it first.
     """
     jumps = task.system.jumps | ~decision.refinement.converged
-    reevaluate = event.touchdown & jumps | event.of_contact & bool(task.tangents.count)
+    reevaluate = event.touchdown & jumps | event.release & bool(task.tangents.count)
     contact, release = next_release(point.guards, event.active)
     near = release <= jnp.minimum(event.contact_step, step_sizes.steps[0])
     near = decision.accepted & ~event.of_contact & near
