@@ -103,6 +103,13 @@ def test_a_value_at_the_start_counts_and_unused_entries_do_not():
     assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -2.0))).others["height"]) == -2.0
 
 
+def test_the_entry_of_a_start_in_contact_is_no_value():
+    """It holds zeros, which are above everything that is negative; the start's own value is looked at apart."""
+    entries = [(Kind.TOUCHDOWN, 0, 0.0, (0.0, 0.0, 0.0)), (Kind.END, 0, 4.0, (1.0, 2.0, -5.0))]
+    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -7.0))).others["height"]) == -5.0
+    assert float(maxima(Toy(), logged(entries), start((0.0, 0.0, -3.0))).others["height"]) == -3.0
+
+
 @pytest.mark.parametrize(("entries", "force", "contact"), [(ENTRIES[:2], 6.0, 0), (ENTRIES, 9.0, 1)])
 def test_forces_differentiate_at_fixed_time(entries, force, contact):
     """The envelope theorem: d(p F)/dp = F, d(p² F)/dp = 2 F; the log itself does not move."""

@@ -41,8 +41,8 @@ class Log(eqx.Module):
     sensitivities is rounding).
 
     ``latest``: time of the last event [s]. Of events that found no room: ``missed``, each contact's touchdowns;
-    ``missed_values``, each observable's largest value at an event of its own (zero for none); ``missed_time``, time in contact until
-    them [s].
+    ``missed_values``, each observable's largest value at an event of its own (zero for none); ``missed_time``, time in
+    contact until them [s].
     """
 
     kind: Int[Array, " slots"]

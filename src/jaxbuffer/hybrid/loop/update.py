@@ -102,10 +102,10 @@ def next_phase(
 ) -> tuple[Int[Array, ""], Bracket]:
     """Return what the next trial step is for, and the bracket of the event to locate.
 
-    The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated again after
-    a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and with tangents after a
-    release: there dF/dp ∝ √gap, so a rounding-level gap makes it inaccurate. And a release so near that no other step
-    can be accurate is located at once, without a longer step that finds it first.
+    The table of transitions says it, with two exceptions after an accepted step. The derivative is evaluated again
+    after a touchdown at which it jumps, as it does wherever the gap could not be brought to zero, and with tangents
+    after a release: there dF/dp ∝ √gap, so a rounding-level gap makes it inaccurate. And a release so near that no
+    other step can be accurate is located at once, without a longer step that finds it first.
     """
     jumps = task.system.jumps | ~decision.refinement.converged
     reevaluate = event.touchdown & jumps | event.release & bool(task.tangents.count)
