@@ -44,8 +44,8 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
     force = jnp.max(log.values[:, :contacts], axis=1, keepdims=True)
     # The entry of a start in contact does not know what depends on the state's rate; the start is looked at apart.
     starts = (log.kind == Kind.TOUCHDOWN) & (log.time == 0.0)
-    others = jnp.where(starts[:, None], -jnp.inf, log.values[:, contacts:])
-    candidates = jnp.concatenate([force, others], axis=1)
+    rest = jnp.where(starts[:, None], -jnp.inf, log.values[:, contacts:])
+    candidates = jnp.concatenate([force, rest], axis=1)
     slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
     contact = jnp.argmax(log.values[slots[0], :contacts])
     columns = jnp.concatenate([contact[None], jnp.arange(contacts, len(system.observed))])
