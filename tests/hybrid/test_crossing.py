@@ -168,12 +168,12 @@ def test_a_located_maximum_counts_as_falling():
     assert not searched(left.falling(jnp.array([True, False])), after, least=least).found
 
 
-@pytest.mark.parametrize("datum", [0.0, -7.0, 1e6])
-def test_near_the_largest_value_is_a_matter_of_the_range(datum):
-    """Of values from 1 to 5 a tenth of the range below the largest is 4.6, wherever zero is; before any, everything
-    is near."""
+@pytest.mark.parametrize(("datum", "extent"), [(0.0, 4.0), (-7.0, 4.0), (1e6, 4.0), (4.5, 0.5)])
+def test_near_the_largest_value_is_a_matter_of_the_extent(datum, extent):
+    """Of values from 1 to 5 that is the range, wherever zero is, unless the largest one is smaller; before any,
+    everything is near."""
     seen = Extremes.none(1).including(jnp.array([5.0 - datum])).including(jnp.array([1.0 - datum]))
-    np.testing.assert_allclose(seen.below_largest(0.1), [4.6 - datum], rtol=1e-15, atol=1e-9)
+    np.testing.assert_allclose(seen.below_largest(0.1), [5.0 - 0.1 * extent - datum], rtol=1e-15, atol=1e-9)
     assert float(Extremes.none(1).below_largest(0.1)[0]) == -np.inf
 
 

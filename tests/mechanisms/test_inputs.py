@@ -39,7 +39,7 @@ def test_out_of_range_names_field_value_unit_and_range(path, value, message):
     assert str(caught.value) == message
 
 
-@pytest.mark.parametrize("value", ["500", True, None, {}, 1j])
+@pytest.mark.parametrize("value", [True, None, {}, 1j])
 def test_what_is_not_a_number_is_shown_as_given(value):
     with pytest.raises(InputError) as caught:
         Buffer(k_A=value)

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float, Int
 from .diffrax_problem import closed
 from .events.crossing import NEARLY, unlocated_maximum
 from .events.guards import Extremes
-from .loop.log import Kind, Log
+from .loop.log import UNMOVED, Kind, Log
 from .loop.state import Status
 from .system import Active, HybridSystem, State
 
@@ -156,6 +156,8 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
 
 def _with_start(system: HybridSystem, path: Path, s: Search, end: Float[Array, " observables"]) -> Search:
     """Log the step's start as a maximum where an observable falls from there to the step's ``end`` unlocated."""
+    if not len(end):
+        return s
     start, state = s.guards.value, path.state[s.step]
     falls = unlocated_maximum(start, end, s.logged, s.extremes)
     active = closed(system, state)
@@ -165,7 +167,7 @@ def _with_start(system: HybridSystem, path: Path, s: Search, end: Float[Array, "
         which=jnp.argmax(falls),
         time=path.time[s.step],
         values=start,
-        guard_rate=jnp.asarray(jnp.inf),
+        guard_rate=jnp.asarray(UNMOVED),
         active=active,
         rows=state[None],
         rates=system.derivative(path.time[s.step], state, active)[None],

@@ -9,7 +9,7 @@ import numpy as np
 from ..fields import as_typed, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .experiments import OPEN, STANDING
+from .experiments import ON_FRONT, OPEN
 from .limits import standing
 from .page import shown
 from .records import by_name, field_name, in_figures, same, scenario_of, words
@@ -31,21 +31,28 @@ def _tuning(found: Results, every: Sequence[Results]) -> str:
         return ""
     if not tuned["feasible"]:
         return f"No design was found that keeps every limit: {'; '.join(tuned.get('why') or [tuned['message']])}."
-    before, after, symbol = tuned["objective_before"], tuned["objective_after"], tuned["objective_unit"]
-    symbol, factor = _objective_unit(mechanism, tuned["objective"], symbol)
-    way = "left" if same(before, after) else "lowered" if after < before else "raised"
-    change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
     count = len(tuned["scenarios"])
     limits = standing(found, every)
     kept = " keeps every limit" if limits is None or not limits.faults else " does not keep every limit"
-    objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
-    ends = f"from {factor * before:.4g} to {factor * after:.4g} {symbol}".rstrip(" -") + change
     where = "its scenario" if count == 1 else f"the {count} scenarios"
-    text = f"Tuning {way} {objective}, {ends}; the design{kept} in {where}."
+    text = f"{_objective(mechanism, tuned)}; the design{kept} in {where}."
     ended = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
     return " ".join([text, _variables(mechanism, tuned), ended, *_corners(tuned)])
+
+
+def _objective(mechanism: Mechanism, tuned: Record) -> str:
+    """From where to where the objective went; only where to, if runs of the start failed."""
+    before, after = tuned["objective_before"], tuned["objective_after"]
+    symbol, factor = _objective_unit(mechanism, tuned["objective"], tuned["objective_unit"])
+    objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
+    end = f"to {factor * after:.4g} {symbol}".rstrip(" -")
+    if before is None:
+        return f"Tuning brought {objective} {end}, from a start whose runs failed"
+    way = "left" if same(before, after) else "lowered" if after < before else "raised"
+    change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
+    return f"Tuning {way} {objective}, from {factor * before:.4g} {end}{change}"
 
 
 def _objective_unit(mechanism: Mechanism, objective: str, symbol: str) -> tuple[str, float]:
@@ -142,7 +149,7 @@ def _front(found: Results, every: Sequence[Results]) -> str:
     record, mechanism = found.records.get("front"), found.mechanism
     if record is None:
         return ""
-    points = [point for point in record["points"] if point["standing"] in STANDING]
+    points = [point for point in record["points"] if point["standing"] in ON_FRONT]
     text = f"{len(points)} of {len(record['points'])} tuned designs are on the front of"
     text += f" {' and '.join(map(words, record['objectives']))}."
     open_ends = sum(not point["converged"] for point in points)

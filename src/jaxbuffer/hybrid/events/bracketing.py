@@ -17,6 +17,7 @@ MAX_TRIES_MAXIMUM = 12  # for a maximum, which may be one of rounding only
 MAX_TRIES = 2 * MAX_TRIES_MAXIMUM  # for a guard with a rate, so that a maximum given up never costs a touchdown
 MAXIMUM_TOLERANCE = 0.01  # of the time tolerance: a maximum may be much narrower than an impact
 NEWTON_TRIES = 2  # tries by Newton's method alone, before the secant takes part
+COINCIDENT = 1e-6  # of a bracket: a point so near to one of its ends is taken for that end
 RELEASE_BRACKET = 4.0  # times the predicted time to a release: how far it is looked for
 
 
@@ -119,7 +120,9 @@ def refine(
     following = jnp.where((bracket.tries >= NEWTON_TRIES) & (bracket.tries % 3 > 0), secant, step + offset)
     following = jnp.where((following > low) & (following < high), following, 0.5 * (low + high))
     tolerance = jnp.where(exact, tolerance, MAXIMUM_TOLERANCE * tolerance)
-    close = (jnp.abs(offset) <= tolerance) | ~exact & (0.5 * jnp.abs(z * offset) <= shortfall)
+    # Of a maximum of rounding alone the rate is nothing, and the offset anything.
+    inside = exact | (jnp.abs(offset) <= high - low)
+    close = (jnp.abs(offset) <= tolerance) | ~exact & inside & (0.5 * jnp.abs(z * offset) <= shortfall)
     # With tangents the same step may end a little beside: it stays on its event.
     converged = close | bracket.converged & rising
     out_of_tries = bracket.tries >= jnp.where(exact, MAX_TRIES, MAX_TRIES_MAXIMUM)
@@ -129,7 +132,7 @@ def refine(
         finished=finished,
         converged=converged,
         occurred=finished & (converged | ~below),
-        offset=jnp.where(converged, offset, 0.0),
+        offset=jnp.where(converged & inside, offset, 0.0),
         guard_rate=rate,
         bracket=bracket._replace(
             step=following, low=low, high=high, low_value=low_value, high_value=high_value, tries=bracket.tries + 1
@@ -138,11 +141,17 @@ def refine(
 
 
 def _parabola_rate(bracket: Bracket, step: Array, value: Array) -> Float[Array, ""]:
-    """The guard's rate at a step's end, of the parabola through this point and both ends of the bracket."""
+    """Return the guard's rate at a step's end, of the parabola through this point and both ends of the bracket.
+
+    Where the point coincides with an end but for rounding, the difference between the two says nothing: the secant then
+    stands for the parabola.
+    """
+    width = bracket.high - bracket.low
+    apart = jnp.minimum(step - bracket.low, bracket.high - step) > COINCIDENT * width
     to_low = (value - bracket.low_value) / (step - bracket.low)
     to_high = (bracket.high_value - value) / (bracket.high - step)
     across = (bracket.high_value - bracket.low_value) / (bracket.high - bracket.low)
-    return to_low + to_high - across
+    return jnp.where(apart, to_low + to_high - across, across)
 
 
 def _newton(value: Array, rate: Array, acceleration: Array) -> Float[Array, ""]:

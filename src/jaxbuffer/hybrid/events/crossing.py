@@ -12,8 +12,8 @@ from jaxtyping import Array, Bool, Float, Int
 from .guards import Extremes, Guards, SignedGuards, signed
 
 ROUNDED = 1e-6  # of a step
-NEARLY = 0.001  # of its range: a maximum so little below the largest value may be higher than the cubic says
-UNLOCATED = 1e-6  # of its range: by how much an observable at an accepted step must exceed the log to be logged there
+NEARLY = 0.001  # of its extent: a maximum so little below the largest value may be higher than the cubic says
+UNLOCATED = 1e-6  # of its extent: by how much an observable at an accepted step exceeds the log to be logged there
 NOT_YET = -1e-300  # the value of a guard that counts as still before its event: the search needs a negative one
 
 
@@ -133,7 +133,7 @@ def unlocated_maximum(
     Such a maximum was not located, because the observable jumps within a step, as a reaction does where friction
     reverses, or because the search for it was given up. The accepted steps' largest value then stands for it.
     """
-    return (start > logged + UNLOCATED * (extremes.largest - extremes.smallest)) & (end < start)
+    return (start > logged + UNLOCATED * extremes.extent) & (end < start)
 
 
 def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:

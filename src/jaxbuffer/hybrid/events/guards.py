@@ -13,7 +13,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..system import HybridSystem
 
-NEAR_LARGEST = 0.2  # of its range: so near its largest value an observable of the state's rate is followed closely
+NEAR_LARGEST = 0.2  # of its extent: so near its largest value an observable of the state's rate is followed closely
 RISING = 1e-300  # the rate of an observable whose rate is not known: it counts as rising, not as having a maximum
 
 
@@ -44,7 +44,8 @@ class Guards(NamedTuple):
 class Extremes(NamedTuple):
     """The ``largest`` and the ``smallest`` value of each observable so far.
 
-    What is near the largest value is measured by the range between them, because an observable's zero is arbitrary.
+    What is near the largest value is measured by the ``extent``: the range between them, because an observable's zero is
+    arbitrary, or the size of the largest one where that is less, as of a depth, which far from contact is minus a gap.
     """
 
     largest: Float[Array, " observables"]
@@ -55,10 +56,14 @@ class Extremes(NamedTuple):
         """Those before anything has been seen."""
         return Extremes(jnp.full(observables, -jnp.inf), jnp.full(observables, jnp.inf))
 
+    @property
+    def extent(self) -> Float[Array, " observables"]:
+        """What differences of an observable are compared with; zero before anything has been seen."""
+        return jnp.maximum(jnp.minimum(self.largest - self.smallest, jnp.abs(self.largest)), 0.0)
+
     def below_largest(self, share: float) -> Float[Array, " observables"]:
-        """The values that lie a ``share`` of the range below the largest ones; -∞ before anything has been seen."""
-        extent = self.largest - self.smallest
-        return jnp.where(extent >= 0.0, self.largest - share * extent, -jnp.inf)
+        """The values that lie a ``share`` of the extent below the largest ones; -∞ before anything has been seen."""
+        return self.largest - share * self.extent
 
     def including(self, value: Float[Array, " observables"]) -> "Extremes":
         """With one more value of each."""

@@ -108,4 +108,4 @@ def _next_bracket(
 def _shortfall(task: Task, state: LoopState, trial: Trial) -> Float[Array, ""]:
     """By how much the observable whose maximum is being located may fall short of it."""
     mine, extremes = task.observable_of(state.bracket.guard), state.extremes.including(trial.guards.value)
-    return task.options.shortfall * jnp.sum(jnp.where(mine, extremes.largest - extremes.smallest, 0.0))
+    return task.options.shortfall * jnp.sum(jnp.where(mine, extremes.extent, 0.0))

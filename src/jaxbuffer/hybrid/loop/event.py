@@ -10,7 +10,7 @@ from ..events.crossing import unlocated_maximum
 from ..rungekutta.stages import Step
 from ..sensitivity.augmented_state import Rows
 from .decision import Decision
-from .log import Kind, Log
+from .log import UNMOVED, Kind, Log
 from .state import LoopState, observables_after_touchdown
 from .task import Task
 from .trial import Trial
@@ -137,6 +137,8 @@ def _with_start(
 
     **Returns:** the log, and the largest value of each observable in it.
     """
+    if not task.observables:
+        return state.log, state.logged
     point = state.point
     begins = state.attempts == 0  # the start of the run is looked at anyway
     highest = jnp.where(begins, trial.guards.value, state.logged)
@@ -150,7 +152,7 @@ def _with_start(
         which=which,
         time=point.time,
         values=point.guards.value,
-        guard_rate=jnp.asarray(jnp.inf),  # no guard is zero here: the entry's time does not move
+        guard_rate=jnp.asarray(UNMOVED),
         active=state.active,
         rows=point.rows,
         rates=point.rate,

@@ -19,6 +19,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..sensitivity.augmented_state import Rows
 
 B = TypeVar("B", "Log", "Steps")
+UNMOVED = 1e300  # guard rate of an entry at which no guard is zero: its time does not move with the parameters
 
 
 class Kind(enum.IntEnum):
