@@ -74,7 +74,7 @@ def tuned_warnings(tuned: "Tuned") -> list[str]:
             where = f"where the {problem.mechanism.run_name} ends, in {n} of {len(problem.cases)} scenarios"
             lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
     for path in tuned.without_effect:
-        lines.append(f"{path} changes nothing, neither at the start nor in the result: leave it out of the variables")
+        lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
 
 

@@ -44,7 +44,7 @@ class Guards(NamedTuple):
 class Extremes(NamedTuple):
     """The ``largest`` and the ``smallest`` value of each observable so far.
 
-    What is near the largest value is measured by the ``extent``: the range between them, because an observable's zero is
+    What is near the largest value is measured by the ``extent``: the range between them, as an observable's zero is
     arbitrary, or the size of the largest one where that is less, as of a depth, which far from contact is minus a gap.
     """
 
