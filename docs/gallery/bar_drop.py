@@ -1,6 +1,6 @@
 """# A bar drops on a plate
 
-The second mechanism of the house: a bar on a hinge falls on a plate, as in an experiment with a force sensor under the
+A bar on a hinge falls on a plate, as in an experiment with a force sensor under the
 plate.
 """
 

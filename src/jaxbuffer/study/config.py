@@ -244,8 +244,7 @@ def _config(data: dict[str, Any]) -> Config:
     known = (*parts, *KINDS)
     for name in data:
         if name not in known:
-            kinds = {section: type(getattr(mechanism.design(), section)) for section in parts}
-            raise InputError(f"[{name}] is unknown{no_table(name, known, kinds)}")
+            raise InputError(f"[{name}] is unknown{no_table(name, known)}")
     fields = {f"{section}.{key}": value for section in parts for key, value in _table(data, section).items()}
     design = _replaced(mechanism.design(), fields)
     scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
