@@ -32,7 +32,7 @@ class Trust:
 
     >>> run, closer = (jb.simulate(jb.table2(), rtol=rtol) for rtol in (1e-6, 1e-7))
     >>> print(jb.trust(run, closer))
-    a tenth of the tolerance changes no number by more than 3e-05 of it (contact_time)
+    a tenth of the tolerance changes no number by more than 2e-05 of it (contact_time)
     """
 
     errors: dict[str, float]
