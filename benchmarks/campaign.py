@@ -179,6 +179,11 @@ def below(values: np.ndarray, others: np.ndarray, sizes: np.ndarray) -> np.ndarr
     return np.where(sizes > 0.0, np.maximum(others - values, 0.0) / np.where(sizes > 0.0, sizes, 1.0), 0.0)
 
 
+def sizes(extent: np.ndarray, history: np.ndarray) -> np.ndarray:
+    """What a shortfall is compared with: the largest value or its range, whichever is less, but no rounding."""
+    return np.clip(np.abs(history), 1e-6 * extent, extent)
+
+
 def campaign(title: str, study: Study, count: int, seed: int) -> int:
     """Run a study and print its counts; return how many runs are below their history or missed silently."""
     ended: collections.Counter[str] = collections.Counter()
@@ -196,7 +201,7 @@ def campaign(title: str, study: Study, count: int, seed: int) -> int:
         if outcome.failed:
             continue
         called = names(design, scenario)
-        short = below(reported, history, np.minimum(size, np.abs(history)))
+        short = below(reported, history, sizes(size, history))
         low += [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > BELOW_HISTORY]
         tight = measured(design, scenario, study.duration, TIGHT)
         if (int(tight[0]), int(tight[1])) != (int(code), int(impacts)):

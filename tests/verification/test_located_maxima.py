@@ -5,7 +5,7 @@ Several quantities peak within a fraction of a microsecond of each other where a
 
 import numpy as np
 import pytest
-from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured
+from benchmarks.campaign import BELOW_HISTORY, STUDIES, below, measured, sizes
 
 from jaxbuffer import simulate
 from verification.designs import random_case
@@ -61,4 +61,4 @@ def test_no_accepted_step_exceeds_a_maximum_of_the_campaign(title, numbers):
     cases = list(study.drawn(400, 0))
     for number in numbers:
         *_, reported, size, history = measured(*cases[number], study.duration)
-        assert np.max(below(reported, history, np.minimum(size, np.abs(history)))) <= BELOW_HISTORY, number
+        assert np.max(below(reported, history, sizes(size, history))) <= BELOW_HISTORY, number
