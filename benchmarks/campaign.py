@@ -29,7 +29,7 @@ from jaxbuffer.run.request import options_of, request, stepped
 from jaxbuffer.run.trust import trust
 
 RUNS = 10_000
-KEPT = 6000  # accepted steps looked at
+STEPS = 6000  # accepted steps looked at
 BELOW_HISTORY, MISSED = 1e-4, 1e-3  # relative
 TIGHT = 1e-9
 Ranges = dict[str, tuple[float, float]]
@@ -164,7 +164,7 @@ def _measured(given: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
     """`_measured` as NumPy arrays; the names of the maxima are `names`."""
-    given = request(design, scenario, duration, None, (rtol, rtol), options=options_of(keep=KEPT))
+    given = request(design, scenario, duration, None, (rtol, rtol), options=options_of(keep=STEPS))
     return jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
 
 
@@ -240,12 +240,12 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=RUNS)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", type=int, help="print everything about one run of the study")
-    asked = parser.parse_args()
-    chosen = asked.mechanism or list(STUDIES)
-    if asked.only is not None:
-        show(STUDIES[chosen[0]](), asked.only, asked.seed)
+    arguments = parser.parse_args()
+    chosen = arguments.mechanism or list(STUDIES)
+    if arguments.only is not None:
+        show(STUDIES[chosen[0]](), arguments.only, arguments.seed)
         return
-    failures = sum(campaign(title, STUDIES[title](), asked.runs, asked.seed) for title in chosen)
+    failures = sum(campaign(title, STUDIES[title](), arguments.runs, arguments.seed) for title in chosen)
     raise SystemExit(1 if failures else 0)
 
 

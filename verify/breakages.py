@@ -166,9 +166,11 @@ def _memory_not_set() -> None:
 
 
 def _steps_not_looked_at() -> None:
+    import jax.numpy as jnp
+
     from jaxbuffer.hybrid.loop import event
 
-    event.unlocated_maximum = lambda start, end, logged, extremes: start < end - abs(end - start)
+    event.unlocated_maximum = lambda start, end, logged, extremes: jnp.zeros(start.shape, bool)
 
 
 def _maxima_from_zero() -> None:

@@ -106,10 +106,10 @@ def test_tangents_beside_a_touchdown_at_tight_tolerance(rtol):
         return run.peak_force, run.code
 
     mass, step = 0.04443, 1e-6
-    (value, code), slope = jax.jit(jax.value_and_grad(peak, has_aux=True))(mass)
+    (_, code), slope = jax.jit(jax.value_and_grad(peak, has_aux=True))(mass)
     low, high = (float(jax.jit(peak)(mass * (1.0 + move))[0]) for move in (-step, step))
     assert int(code) == int(jb.simulate(design, scenario, 1e-3).code)
-    assert float(slope) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-4, abs=1e-3 * float(value))
+    assert float(slope) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-4)
 
 
 def test_nothing_of_a_failed_run_is_a_number():
