@@ -158,7 +158,10 @@ def test_a_report_of_a_damaged_folder_is_one_line(computed, capsys, tmp_path, co
     assert run([command, "--output", "out"]) == 0
     file = tmp_path / "out" / name
     capsys.readouterr()
-    file.write_bytes(DAMAGES[damage](file.read_bytes()))
+    damaged = DAMAGES[damage](file.read_bytes())
+    if damage == "cut" and name.endswith(".txt"):
+        damaged = damaged.decode(errors="ignore").encode()  # between two characters
+    file.write_bytes(damaged)
     code = run(["report", "out"])
     shown = capsys.readouterr()
     if damage == "cut" and name.endswith(".txt"):  # half a text is a text
