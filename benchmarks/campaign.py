@@ -5,7 +5,8 @@ study it prints how the runs ended and in how many a reported maximum is
 
 - below the largest value at the run's own accepted steps by more than 1e-4 of it ("below its history");
 - below that of a solve at rtol 1e-9 with the same outcome and impacts by more than 1e-3 of the range between its
-  largest and smallest value ("missed"), and in how many of these `jb.trust` calls the run trusted ("silently").
+  largest and smallest value ("missed"), and in how many of these `jb.simulate` misses it too in a run that `jb.trust`
+  calls trusted ("silently").
 
 The runs concerned are listed by their numbers; ``--only NUMBER`` prints everything about one of them.
 """
@@ -209,17 +210,25 @@ def campaign(title: str, study: Study, count: int, seed: int) -> int:
         short = below(reported, tight[3], size)
         wrong = [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
         missed += wrong
-        silent += wrong if wrong and not _says_so(design, scenario, study.duration) else []
+        if wrong:
+            trusted = _trusted_maxima(design, scenario, study.duration)
+            short = below(trusted, tight[3], size) if trusted is not None else np.zeros_like(size)
+            silent += [f"{number} {name} {x:.1e}" for name, x in zip(called, short, strict=True) if x > MISSED]
     print(f"{title}: {done} runs, {', '.join(f'{n} {name}' for name, n in ended.most_common())}")
     for heading, cases in (("below its history", low), ("missed", missed), ("missed silently", silent)):
         print(f"  {heading}: {len({case.split()[0] for case in cases})}  {'; '.join(cases[:8])}")
     return len(low) + len(silent)
 
 
-def _says_so(design: Part, scenario: Part, duration: float) -> bool:
-    """Whether the trust check calls the run anything but trusted."""
+def _trusted_maxima(design: Part, scenario: Part, duration: float) -> np.ndarray | None:
+    """The maxima that `jaxbuffer.simulate` reports, or None where the trust check calls its run anything but trusted.
+
+    It is a program of its own: where little decides, rounding makes other steps of it than `measured` has.
+    """
     run, closer = (jb.simulate(design, scenario, duration, rtol=rtol) for rtol in (1e-6, 1e-7))
-    return trust(run, closer).verdict != "trusted"
+    if trust(run, closer).verdict != "trusted":
+        return None
+    return np.array([run.peak_force, *(run.maxima[name] for name in names(design, scenario)[1:])])
 
 
 def show(study: Study, number: int, seed: int) -> None:

@@ -14,9 +14,9 @@ GUARD, MAXIMUM = 0, 1
 
 def begun(guard, first, value):
     """The bracket of an event found in a step, from both ends' values of the guard."""
-    ends = [jnp.array([value(x)] * 2) for x in (0.0, LENGTH)]
-    crossing = Crossing(jnp.asarray(guard), jnp.asarray(first), jnp.asarray(LENGTH), jnp.asarray(True))
-    return Bracket.around(crossing, *ends, jnp.asarray(0))
+    before, after = (jnp.array([value(x)] * 2) for x in (0.0, LENGTH))
+    crossing = Crossing(jnp.asarray(guard), jnp.asarray(first), jnp.asarray(LENGTH), after[guard], jnp.asarray(True))
+    return Bracket.around(crossing, before, jnp.asarray(0))
 
 
 def refined(bracket, value, rate, acceleration=0.0, shortfall=0.0, step=None):

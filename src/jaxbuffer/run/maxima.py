@@ -32,8 +32,13 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
 
     def observe(slot: Array) -> tuple[Array, Array]:
         state, active = state_of_maximum(system, log, slot), log.active[slot]
-        # After a touchdown with a jump the rate is another than before it.
-        rate = system.derivative(log.time[slot], state, active) if system.jumps else log.rates[slot, 0]
+        # After a touchdown with a jump, or a release, the rate is another than in the step that ends there.
+        rate = log.rates[slot, 0]
+        if system.jumps:
+            rate = system.derivative(log.time[slot], state, active)
+        elif any(system.rate_observables()):
+            after = system.derivative(log.time[slot], state, active)
+            rate = jnp.where(log.kind[slot] == Kind.RELEASE, after, rate)
         return system.observables(state, rate, active), rate
 
     # Any entry may hold a maximum: of two at one instant only one is logged under its own name, and a quantity may be

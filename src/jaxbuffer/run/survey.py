@@ -27,15 +27,17 @@ def state_at(log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
 def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> Float[Array, " state"]:
     """The state at one entry of the log, with the derivative that a maximum there has.
 
-    Right after a touchdown with a jump a force may be largest without being stationary: the state's derivative then
-    goes with the touchdown.
+    Right after a touchdown with a jump, or right after a release, a quantity may be largest without being stationary:
+    the state's derivative then goes with the event.
     """
     state = state_at(log, slot)
-    if not system.jumps:
+    rates = any(system.rate_observables())
+    if not system.jumps and not rates:
         return state
-    touchdown = log.kind[slot] == Kind.TOUCHDOWN
+    kind = log.kind[slot]
+    at_event = (kind == Kind.TOUCHDOWN) & system.jumps | (kind == Kind.RELEASE) & rates
     late = system.time_to_contact(state, log.which[slot] % system.contact_count)
-    return state + system.derivative(log.time[slot], state, log.active[slot]) * jnp.where(touchdown, late, 0.0)
+    return state + system.derivative(log.time[slot], state, log.active[slot]) * jnp.where(at_event, late, 0.0)
 
 
 def survey(system: ContactSystem, log: Log) -> Survey:

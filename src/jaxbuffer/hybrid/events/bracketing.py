@@ -45,14 +45,19 @@ class Bracket(NamedTuple):
         return Bracket(jnp.asarray(-1), zero, zero, zero, zero, zero, jnp.asarray(0), jnp.asarray(False))
 
     @staticmethod
-    def around(
-        crossing: Crossing, before: Float[Array, " guards"], after: Float[Array, " guards"], tries: Int[Array, ""]
-    ) -> "Bracket":
-        """Of a crossing found in a step, given the signed guards ``before`` and ``after`` it, and the ``tries`` spent
-        on other events from the same start."""
+    def around(crossing: Crossing, before: Float[Array, " guards"], tries: Int[Array, ""]) -> "Bracket":
+        """Of a crossing found in a step, given the signed guards ``before`` it, and the ``tries`` spent on other events
+        from the same start."""
         guard, zero = crossing.guard, jnp.zeros(())
         return Bracket(
-            guard, crossing.at, zero, crossing.far, before[guard], after[guard], tries, converged=jnp.asarray(False)
+            guard,
+            step=crossing.at,
+            low=zero,
+            high=crossing.far,
+            low_value=before[guard],
+            high_value=crossing.far_value,
+            tries=tries,
+            converged=jnp.asarray(False),
         )
 
     @staticmethod

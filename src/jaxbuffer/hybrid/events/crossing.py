@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
-from .guards import Extremes, Guards, SignedGuards, signed
+from .guards import RISING, Extremes, Guards, SignedGuards, signed
 
 ROUNDED = 1e-6  # of a step
 NEARLY = 0.001  # of its extent: a maximum so little below the largest value may be higher than the cubic says
@@ -21,12 +21,14 @@ class Crossing(NamedTuple):
     """The first crossing in a step.
 
     ``guard`` (-1: none is crossed); ``at``: time from the step's start [s]; ``far`` [s]: a time at which the guard is
-    beyond its zero; ``alone``: whether the step holds no other.
+    beyond its zero, and ``far_value``: its value there, as far as it is known; ``alone``: whether the step holds no
+    other.
     """
 
     guard: Int[Array, ""]
     at: Float[Array, ""]
     far: Float[Array, ""]
+    far_value: Float[Array, ""]
     alone: Bool[Array, ""]
 
     @property
@@ -54,7 +56,7 @@ def first_crossing(
     crossing = slice(0, before.gap.shape[0] + before.terminal.shape[0])
     dipping = (start.rate > 0.0) & (end.rate < 0.0)
     possible = jnp.concatenate([((end.value > 0.0) | dipping)[crossing], _has_maximum(before, after)])
-    none = Crossing(jnp.asarray(-1), step, step, jnp.asarray(False))
+    none = Crossing(jnp.asarray(-1), step, step, jnp.zeros(()), jnp.asarray(False))
     search = lambda: _first_crossing(before, after, step, active, least, ignored, maxima)  # noqa: E731
     return lax.cond(jnp.any(possible), search, lambda: none)
 
@@ -63,16 +65,17 @@ def _first_crossing(
     before: Guards, after: Guards, step: Array, active: Array, least: Array, ignored: Array, maxima: Array
 ) -> Crossing:
     root, far = _roots(before, after, step, active)
-    peak = _maxima(before, after, step, least)
+    peak, fallen, falling = _maxima(before, after, step, least)
     peak = jnp.where(maxima, peak, jnp.inf)
     fractions = jnp.concatenate([root, peak])
     fractions = jnp.where(jnp.arange(fractions.shape[0]) == ignored, jnp.inf, fractions)
     guard = jnp.argmin(fractions)
     fraction = fractions[guard]
-    reach = jnp.concatenate([far, jnp.ones_like(peak)])[guard]
+    reach = jnp.concatenate([far, fallen])[guard]
+    beyond = jnp.concatenate([signed(after, active).value[: far.shape[0]], falling])[guard]
     found = jnp.isfinite(fraction)
     alone = jnp.sum(jnp.isfinite(fractions)) == 1
-    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, alone)
+    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, beyond, alone)
 
 
 def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:
@@ -104,22 +107,32 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     return jnp.where((z1 > 0.0) & ~still_leaving | dips, root, jnp.inf), far
 
 
-def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> Float[Array, " observables"]:
-    """The fraction of the step at which each observable has a maximum that matters; infinite if it has none.
+def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> tuple[Array, Array, Array]:
+    """The fraction of the step at which each observable has a maximum that matters (infinite if it has none); a
+    fraction at which it falls again; and its guard there.
 
-    Of one that is at the step's start but for rounding, the fraction is `ROUNDED`: from a shorter step nothing could be
-    seen of how the rate changes.
+    Of a maximum that is at the step's start but for rounding, the fraction is `ROUNDED`: from a shorter step nothing
+    could be seen of how the rate changes. An observable that rises again at the step's end falls most steeply at its
+    cubic's turning point.
     """
     rise, fall = before.value_rate * step, after.value_rate * step
     peak = _stationary(before.value, after.value, rise, fall)
     height = _hermite(before.value, after.value, rise, fall, peak)
     matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) >= least)
-    return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf)
+    jump, again = after.value - before.value, fall > 0.0
+    steepest = (jump - (2.0 * rise + fall) / 3.0) / jnp.where(again, 2.0 * jump - rise - fall, 1.0)
+    slope = rise + steepest * (3.0 * jump - 2.0 * rise - fall)
+    fallen = jnp.where(again, steepest, 1.0)
+    falling = jnp.where(again, -slope / step, -after.value_rate)
+    return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf), fallen, falling
 
 
 def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:
-    """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first."""
-    return ((before.value_rate > 0.0) | (after.value > before.value)) & (after.value_rate <= 0.0)
+    """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first, and falls in
+    the end, or has fallen though it rises again."""
+    rises, falls = before.value_rate > 0.0, after.value_rate <= 0.0
+    known = (before.value_rate > RISING) & (after.value_rate > RISING)
+    return (rises | (after.value > before.value)) & falls | known & (after.value < before.value)
 
 
 def unlocated_maximum(

@@ -7,7 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinement, refine
 from ..events.crossing import NEARLY, Crossing, first_crossing
-from ..events.guards import Guards, SignedGuards, signed
+from ..events.guards import Guards, signed
 from ..trees import where
 from .phase import Outcome
 from .state import LoopState
@@ -50,7 +50,7 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
     refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
-    return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before, guards), refinement)
+    return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement)
 
 
 def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:
@@ -94,11 +94,10 @@ def _next_bracket(
     crossing: Crossing,
     refinement: Refinement,
     before: Guards,
-    guards: SignedGuards,
 ) -> Bracket:
     """The bracket to go on with: of the event that was found, of the one being located, or none."""
     tries = jnp.where(state.locating, state.bracket.tries + 1, 0)
-    found = Bracket.around(crossing, signed(before, state.active).value, guards.value, tries)
+    found = Bracket.around(crossing, signed(before, state.active).value, tries)
     located = where(outcome == Outcome.REFINE, refinement.bracket, Bracket.none())
     located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), found, located)
     again = state.bracket._replace(converged=refinement.converged)

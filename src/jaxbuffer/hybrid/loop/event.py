@@ -11,7 +11,7 @@ from ..rungekutta.stages import Step
 from ..sensitivity.augmented_state import Rows
 from .decision import Decision
 from .log import UNMOVED, Kind, Log
-from .state import LoopState, observables_after_touchdown
+from .state import LoopState, observables_after_event
 from .task import Task
 from .trial import Trial
 
@@ -108,10 +108,15 @@ def logged(
     """
     log, highest = _with_start(task, state, trial, decision)
     mine = task.observable_of(event.guard) & event.maximum
-    values = trial.guards.value + jnp.where(mine, 0.5 * event.offset * trial.guards.value_rate, 0.0)
-    if task.system.jumps:  # what is largest right after a touchdown has no maximum that could be located
-        after = lambda: observables_after_touchdown(task.system, event.time, event.rows[0], event.active)  # noqa: E731
-        values = lax.cond(event.touchdown, after, lambda: values)
+    # At the event: the rate of the one that has a maximum there falls to zero on the way.
+    values = trial.guards.value + jnp.where(mine, 0.5, 1.0) * event.offset * trial.guards.value_rate
+    # What is largest right after a touchdown with a jump, or right after a release, has no maximum that could be
+    # located. The step ends a little beside the release, with a rest of its force: the entry is to be without it.
+    rates = any(task.system.rate_observables())
+    if task.system.jumps or rates:
+        mode_changes = event.touchdown & task.system.jumps | event.release & rates
+        after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731
+        values = lax.cond(mode_changes, after, lambda: values)
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
     when = decision.accepted & (event.kind != Kind.NONE)
     log = log.append(

@@ -109,7 +109,7 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     none, terminal, value = (jnp.zeros(n) for n in (contacts, task.terminals, task.observables))
     guards = Guards(none, none, none, terminal, terminal, value, value, zero, zero)
     log = Log.empty(options.max_events, start, contacts, task.observables)
-    values = observables_after_touchdown(system, zero, start[0], active) if system.jumps else value
+    values = observables_after_event(system, zero, start[0], active) if system.jumps else value
     contact_step = options.tolerance.first_step(task.tangents.count) * system.impact_step(start[0])
     step_sizes = StepSizes.of(jnp.minimum(contact_step, task.duration), len(options.solver.methods))
     point = Point(zero, start, jnp.zeros_like(start), guards)
@@ -138,7 +138,7 @@ def initial_state(task: Task[P], allowed: Bool[Array, ""] | None = None) -> Loop
     )
 
 
-def observables_after_touchdown(
+def observables_after_event(
     system: HybridSystem, time: Array, state: Array, active: Array
 ) -> Float[Array, " observables"]:
     """All observables of a state whose rate is not yet known."""
