@@ -129,6 +129,23 @@ def test_a_maximum_between_two_falling_ends_is_seen():
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-9)
 
 
+def test_a_maximum_of_what_rises_again_is_seen():
+    """Between two rising ends of which the second is lower: the cubic's maximum exactly, and its steepest fall beyond.
+    Of rates that are not known nothing follows."""
+    cubic = np.polynomial.Polynomial([1.0, 1.1, -2.9, 1.7])
+    slope = cubic.deriv()
+    assert slope(0.0) > 0.0 and slope(1.0) > 0.0 and cubic(1.0) < cubic(0.0)
+    before, after = (seen(observed=[(cubic(x), slope(x) / STEP)]) for x in (0.0, 1.0))
+    crossing = searched(before, after, least=jnp.array([1.0]))
+    assert int(crossing.guard) == 0
+    steepest = float(slope.deriv().roots()[0])
+    np.testing.assert_allclose(float(crossing.at), min(slope.roots()) * STEP, rtol=1e-12)
+    np.testing.assert_allclose(float(crossing.far), steepest * STEP, rtol=1e-12)
+    np.testing.assert_allclose(float(crossing.far_value), -slope(steepest) / STEP, rtol=1e-12)
+    unknown = [ends._replace(value_rate=jnp.array([RISING])) for ends in (before, after)]
+    assert not searched(*unknown, least=jnp.array([0.0])).found
+
+
 def test_the_earliest_of_several():
     """A touchdown at 0.7 of the step, the end at 0.5, a maximum at 0.2; each is found once the earlier ones are not."""
     top = 0.2 * STEP
@@ -162,7 +179,7 @@ def test_a_located_maximum_counts_as_falling():
     """Whatever the rate that the step onto it has left; other observables keep theirs."""
     left = seen(observed=[(1.0, 1e-9), (1.0, 2.0)])
     np.testing.assert_array_equal(left.falling(jnp.array([True, False])).value_rate, [0.0, 2.0])
-    after = seen(observed=[(0.9, -1.0), (0.0, 3.0)])
+    after = seen(observed=[(0.9, -1.0), (1.2, 3.0)])
     least = jnp.array([0.5, 0.5])
     assert int(searched(left, after, least=least).guard) == 0
     assert not searched(left.falling(jnp.array([True, False])), after, least=least).found
