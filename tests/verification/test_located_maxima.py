@@ -66,7 +66,10 @@ CASES = {
 def drawn(title, numbers):
     """The study, and designs with scenarios by their numbers in `python -m benchmarks.campaign`."""
     study = STUDIES[title]()
-    return study, {number: case for number, case in enumerate(study.drawn(max(numbers) + 1, 0)) if number in numbers}
+    # The numbers count the designs within range, of which there are fewer than are drawn.
+    cases = {number: case for number, case in enumerate(study.drawn(2 * max(numbers) + 2, 0)) if number in numbers}
+    assert set(cases) == set(numbers)
+    return study, cases
 
 
 @pytest.mark.parametrize("title", CASES)
