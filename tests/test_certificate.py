@@ -7,7 +7,7 @@ import jaxbuffer as jb
 import jaxbuffer.sensitivities.sensitivity as module
 from front.made_up import made_up_capture
 from jaxbuffer import Outcome
-from jaxbuffer.mechanisms.run import Impacts
+from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.sensitivities.certificate import FLOOR, HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
 from jaxbuffer.sensitivities.evidence import Evidence, TightSolve, course_of, each, together
 

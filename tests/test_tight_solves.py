@@ -9,7 +9,7 @@ import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
 from jaxbuffer.compiling.pool import Pool
-from jaxbuffer.mechanisms.run import Impacts
+from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
     CHECK_TOLERANCE,

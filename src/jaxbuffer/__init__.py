@@ -66,7 +66,7 @@ if TYPE_CHECKING:
     from .run.with_diffrax import as_diffrax as as_diffrax
     from .sensitivities.certificate import Certificate as Certificate
     from .sensitivities.certificate import Verdict as Verdict
-    from .sensitivities.sensitivity import Sensitivity as Sensitivity
+    from .sensitivities.result import Sensitivity as Sensitivity
     from .sensitivities.sensitivity import sensitivity as sensitivity
     from .study.designs import load_design as load_design
     from .study.designs import save_design as save_design
@@ -107,7 +107,8 @@ _HOME: dict[str, tuple[str, ...]] = {
     "run.trust": ("Trust", "trust"),
     "sensitivities.certificate": ("Certificate", "Verdict"),
     "sensitivities.horizon": ("horizon",),
-    "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
+    "sensitivities.result": ("Sensitivity",),
+    "sensitivities.sensitivity": ("sensitivity",),
     "output.folder": ("Results", "load"),
     "study.designs": ("load_design", "save_design"),
     "sweeps.stored": ("StoredSweep",),

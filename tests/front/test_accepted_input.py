@@ -12,8 +12,8 @@ from jaxbuffer.errors import nearest, suggest
 from jaxbuffer.hybrid import DiagonallyImplicit, solver_named
 from jaxbuffer.mechanisms.probe_cone.label import scenario_label
 from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES
-from jaxbuffer.sensitivities.dataset import sensitivity_rows
 from jaxbuffer.sensitivities.gradients import Gradients
+from jaxbuffer.sensitivities.result import sensitivity_rows
 from jaxbuffer.study.config import load
 
 FORTY = "\n".join(f"[[scenarios]]\napproach_speed = {0.1 + k / 400}\nmisalignment = 0.01" for k in range(40))

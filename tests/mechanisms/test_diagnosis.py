@@ -10,7 +10,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.probe_cone.diagnosis import course, turned_round
-from jaxbuffer.sensitivities.advice import advice
+from jaxbuffer.sensitivities.result import advice
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 
 SPEED, TURNED = 0.1, 0.3  # m/s, rad

@@ -16,8 +16,9 @@ import jaxbuffer as jb
 from jaxbuffer.hybrid import Options, Tolerance, solve
 from jaxbuffer.mechanisms.energy import Balance
 from jaxbuffer.mechanisms.history import History
+from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
-from jaxbuffer.mechanisms.run import Impacts, Maxima
+from jaxbuffer.mechanisms.run import Maxima
 from jaxbuffer.run.conservation import balance
 from jaxbuffer.run.history import history
 from jaxbuffer.run.impacts import impacts

@@ -13,9 +13,6 @@ from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
 from .picture import Meshed, Panel
 from .quantity import Catalogue
-from .registry import mechanism_of_type
-from .run import Run, Solved, plain_run
-from .summary import plain_summary
 from .system import ContactSystem
 from .validity import Limit
 
@@ -75,7 +72,7 @@ class Stepping:
     """
 
     step: Callable[..., Any]
-    read: Callable[[Any, Any, Any], Run]
+    read: Callable[[Any, Any, Any], Any]
     rows: Callable[[Any], int]
     difference_tolerance: float
     tight: float
@@ -128,7 +125,8 @@ class Mechanism:
       has impacts is called ("flank"); ``defaults``; ``chaotic``: whether small differences grow until later impacts
       cannot be known, so that the command line tells how many of them are (`jb.horizon`);
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
-    - ``run``: makes the `Run` of what was solved; ``summary`` of a run; ``label`` of a scenario among others;
+    - ``run``: makes the `Run` of what was `Solved`, None for a plain one; ``summary`` of a run, None for the plain one
+      (`plain_summary`); ``label`` of a scenario among others;
       ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
       ``meshes``: its elements at some times of a run, or at a few telling ones; ``drawing``: what a design looks like,
       from it and its bodies' names; ``record``: tables of numbers that a run's record has besides, by name; ``notes``:
@@ -157,8 +155,8 @@ class Mechanism:
     run_name: str = "run"
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
-    run: Callable[[Any, Solved], Run] = plain_run
-    summary: Callable[[Any], str] = plain_summary
+    run: Callable[[Any, Any], Any] | None = None
+    summary: Callable[[Any], str] | None = None
     label: Callable[..., str] = plain_label
     approach: Callable[[Any], str] = plain_label
     leaves_out: tuple[str, ...] = ()
@@ -179,11 +177,6 @@ class Mechanism:
     smooth: Callable[[Any], Any] = no_smooth_law
     margin: str | None = None
     floor: Floor | None = None
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the design's type alone: most of a mechanism is functions, which another process has itself once it
-        has imported that type's module."""
-        return mechanism_of_type, (self.design,)
 
     @property
     def swept(self) -> tuple[str, ...]:

@@ -1,14 +1,12 @@
 """A quantity of a run: what it is called, its unit, how it is read off, what it may be used for."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
-
-if TYPE_CHECKING:
-    from .run import Run
+from .impacts import Impacts
 
 
 class Quantity(NamedTuple):
@@ -70,9 +68,9 @@ class OfImpact(NamedTuple):
     slot: int
     field: str
 
-    def of(self, run: "Run") -> Float[Array, ""]:
+    def of(self, impacts: Impacts) -> Float[Array, ""]:
         """Its value; in a slot beyond the last impact it means nothing."""
-        return getattr(run.impacts, self.field)[self.slot]
+        return getattr(impacts, self.field)[self.slot]
 
 
 def of_impact(name: str) -> OfImpact | None:
@@ -108,19 +106,3 @@ def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, .
         if name not in catalogue and of_impact(name) is None:
             raise InputError(f"quantity {name} is unknown{suggest(name, [*catalogue, 'impact.1.peak_force'])}")
     return names
-
-
-def rising(run: "Run") -> list[str]:
-    """The quantities that are largest at the end of the run and would go on to rise."""
-    catalogue = run.mechanism.quantities
-    rates = {name: catalogue[quantity.rising] for name, quantity in catalogue.items() if quantity.rising}
-    return [name for name, rate in rates.items() if float(rate.of(run)) > 0.0]
-
-
-def value_of(run: "Run", name: str) -> float:
-    """A quantity of a finished run; NaN if it failed or has no such impact."""
-    asked = of_impact(name)
-    if asked is None:
-        return float(run.mechanism.quantities[name].of(run))
-    present = asked.slot < int(run.impacts.count) and not run.outcome.failed
-    return float(asked.of(run)) if present else float("nan")

@@ -1,16 +1,15 @@
 """Which mechanisms there are, found by a design's type or by name."""
 
-from typing import TYPE_CHECKING, Any
+import copyreg
+from typing import Any
 
 from ..errors import InputError, nearest, shown
+from .mechanism import Mechanism
 
-if TYPE_CHECKING:
-    from .mechanism import Mechanism
-
-_BY_DESIGN: "dict[type, Mechanism]" = {}
+_BY_DESIGN: dict[type, Mechanism] = {}
 
 
-def register(mechanism: "Mechanism") -> "Mechanism":
+def register(mechanism: Mechanism) -> Mechanism:
     """Make a mechanism known: from then on `simulate` and all else serve its designs. Registering a name again
     replaces the mechanism."""
     for design, other in list(_BY_DESIGN.items()):
@@ -20,7 +19,7 @@ def register(mechanism: "Mechanism") -> "Mechanism":
     return mechanism
 
 
-def mechanism_of(design: Any) -> "Mechanism":
+def mechanism_of(design: Any) -> Mechanism:
     """The mechanism of a design. **Raises:** `InputError` for what is no design of any."""
     if (found := _of_type(type(design))) is not None:
         return found
@@ -29,18 +28,18 @@ def mechanism_of(design: Any) -> "Mechanism":
     raise InputError(f"design = {shown(design)} is not a design of a mechanism; {hint}; known are {known or 'none'}")
 
 
-def mechanism_of_type(design: type) -> "Mechanism":
+def mechanism_of_type(design: type) -> Mechanism:
     """The mechanism of a type of designs: what a pickled mechanism becomes again. **Raises:** `InputError`."""
     if (found := _of_type(design)) is not None:
         return found
     raise InputError(f"{design.__name__} is not the design of a mechanism that this process has registered")
 
 
-def _of_type(design: type) -> "Mechanism | None":
+def _of_type(design: type) -> Mechanism | None:
     return next((_BY_DESIGN[kind] for kind in design.__mro__ if kind in _BY_DESIGN), None)
 
 
-def mechanism_of_scenario(scenario: Any) -> "Mechanism":
+def mechanism_of_scenario(scenario: Any) -> Mechanism:
     """The mechanism of a scenario. **Raises:** `InputError` for what is no scenario of any."""
     for mechanism in _BY_DESIGN.values():
         if isinstance(scenario, mechanism.scenario):
@@ -48,7 +47,7 @@ def mechanism_of_scenario(scenario: Any) -> "Mechanism":
     raise InputError(f"scenario = {shown(scenario)} is not a scenario of a mechanism")
 
 
-def registered(name: Any) -> "Mechanism":
+def registered(name: Any) -> Mechanism:
     """The mechanism of a name. **Raises:** `InputError` that lists those there are."""
     for mechanism in _BY_DESIGN.values():
         if mechanism.name == name:
@@ -59,6 +58,11 @@ def registered(name: Any) -> "Mechanism":
     raise InputError(f"kind = {shown(name)} is unknown; choose one of {', '.join(names)}{hint}")
 
 
-def all_registered() -> "tuple[Mechanism, ...]":
+def all_registered() -> tuple[Mechanism, ...]:
     """All that are registered by now."""
     return tuple(_BY_DESIGN.values())
+
+
+# A mechanism is pickled as its design's type alone: most of it is functions, which another process has itself once it
+# has imported that type's module.
+copyreg.pickle(Mechanism, lambda mechanism: (mechanism_of_type, (mechanism.design,)))

@@ -6,67 +6,43 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
-from rich.table import Table
 
 from .._types import Scalar
-from ..fields import Portable
+from ..errors import InputError
+from ..fields import Portable, get
 from ..hybrid import Log, Result, moving
-from ..tables import html, table, text
+from ..labelled.arrays import Labelled, dataset, frame
+from ..tables import summary_html
+from .dataset import attributes
 from .energy import Balance, Energy
 from .history import History
-from .quantity import check_quantities, of_impact
+from .impacts import Impacts
+from .mechanism import Mechanism, Names
+from .outcome import RunOutcome
+from .quantity import IMPACT_UNITS, check_quantities, of_impact
 from .registry import mechanism_of
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from .mechanism import Mechanism
-    from .outcome import RunOutcome
-
-
-class Impacts(Portable):
-    """Touchdowns in order, an entry each; slots beyond ``count`` are padding (contact -1, zeros). A run with more
-    events than its log has room for lists the first ones; `Run.impact_count` counts all.
-
-    ``time`` [s], ``contact`` (its number), ``approach_speed`` δ̇⁻ [m/s], ``peak_force`` [N] until the contact's next
-    touchdown, ``release_time`` [s] (NaN where the run ended in contact).
-    """
-
-    time: Float[Array, " slots"]
-    contact: Int[Array, " slots"]
-    approach_speed: Float[Array, " slots"]
-    peak_force: Float[Array, " slots"]
-    release_time: Float[Array, " slots"]
-    count: Int[Array, ""]
-
-    def __repr__(self) -> str:
-        return text(self._table()) if self._concrete else super().__repr__()
-
-    def _repr_html_(self) -> str:
-        return html(self._table() if self._concrete else super().__repr__())
-
-    @property
-    def _concrete(self) -> bool:
-        """Whether these are one run's, with numbers."""
-        return not isinstance(self.count, jax.core.Tracer) and np.ndim(self.count) == 0
-
-    def _table(self) -> Table:
-        """The impacts that happened, counted from 1."""
-        count = int(self.count)
-        shown = table(f"{count} impact{'' if count == 1 else 's'}")
-        columns = {
-            "contact": self.contact,
-            "time [s]": self.time,
-            "approach_speed [m/s]": self.approach_speed,
-            "peak_force [N]": self.peak_force,
-            "release_time [s]": self.release_time,
-        }
-        for heading in ("impact", *columns):
-            shown.add_column(heading, justify="right")
-        for k, row in enumerate(zip(*(np.asarray(it)[:count] for it in columns.values()), strict=True), 1):
-            shown.add_row(str(k), *("-" if np.isnan(value) else f"{value:.6g}" for value in row))
-        return shown
+CONTACT_UNITS = {
+    "gap": "m",
+    "approach_speed": "m/s",
+    "slip": "m/s",
+    "contact_force": "N",
+    "friction_force": "N",
+}
+COORDINATES = {
+    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
+    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
+}
+IMPACT_MEANING = {
+    "peak_force": "largest force until the contact's next touchdown",
+    "approach_speed": "normal speed at touchdown",
+    "time": "touchdown",
+    "release_time": "release, NaN where the run ended in contact",
+}
 
 
 class Maxima(NamedTuple):
@@ -133,12 +109,12 @@ class Run(Portable):
     _located: Log  # `log` with derivatives at fixed times
 
     @property
-    def mechanism(self) -> "Mechanism":
+    def mechanism(self) -> Mechanism:
         """What this is a run of."""
         return mechanism_of(self.design)
 
     @property
-    def outcome(self) -> "RunOutcome | Any":
+    def outcome(self) -> RunOutcome | Any:
         """How it ended; the integer code (an array) inside compiled code or for a batch."""
         return self.code if self._many else self.mechanism.outcomes(int(self.code))
 
@@ -166,7 +142,7 @@ class Run(Portable):
         asked = of_impact(name)
         if asked is None:
             return catalogue[name].of(self)
-        return jnp.where(asked.slot < self.impacts.count, asked.of(self), jnp.nan)
+        return jnp.where(asked.slot < self.impacts.count, asked.of(self.impacts), jnp.nan)
 
     @property
     def _many(self) -> bool:
@@ -194,9 +170,7 @@ class Run(Portable):
         >>> f"{float(data.peak_force):.1f} {data.peak_force.units}, {data.sizes['impact']} impact, {data.outcome}"
         '1831.5 N, 1 impact, finished'
         """
-        from .dataset import run_dataset
-
-        return run_dataset(self)
+        return _dataset(self)
 
     def to_pandas(self) -> "pd.DataFrame":
         """The history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
@@ -209,20 +183,16 @@ class Run(Portable):
         >>> f"{run.to_pandas()['contact_force plate [N]'].max():.1f} N"
         '1831.5 N'
         """
-        from ..labelled.arrays import frame
-        from .history_table import history_columns
-
         columns = history_columns(self)
         return frame(list(columns), np.column_stack(list(columns.values())).tolist())
 
     def __repr__(self) -> str:
         if self._many:
             return f"{type(self).__name__}(batch or traced, code={self.code})"
-        return "\n".join([self.mechanism.summary(self), *(f"  {line}" for line in self.diagnosis)])
+        summary = self.mechanism.summary or plain_summary
+        return "\n".join([summary(self), *(f"  {line}" for line in self.diagnosis)])
 
     def _repr_html_(self) -> str:
-        from ..tables import summary_html
-
         return summary_html(repr(self))
 
 
@@ -249,3 +219,153 @@ class Solved(NamedTuple):
 def plain_run(system: Any, solved: Solved) -> Run:
     """The run of a mechanism that adds nothing of its own."""
     return Run(**solved.common)
+
+
+def rising(run: Run) -> list[str]:
+    """The quantities that are largest at the end of the run and would go on to rise."""
+    catalogue = run.mechanism.quantities
+    rates = {name: catalogue[quantity.rising] for name, quantity in catalogue.items() if quantity.rising}
+    return [name for name, rate in rates.items() if float(rate.of(run)) > 0.0]
+
+
+def value_of(run: Run, name: str) -> float:
+    """A quantity of a finished run; NaN if it failed or has no such impact."""
+    asked = of_impact(name)
+    if asked is None:
+        return float(run.mechanism.quantities[name].of(run))
+    present = asked.slot < int(run.impacts.count) and not run.outcome.failed
+    return float(asked.of(run.impacts)) if present else float("nan")
+
+
+def plain_summary(run: Run) -> str:
+    """Outcome, the quantities that sweeps have, energy and what numerical error did; units included."""
+    mechanism, outcome = run.mechanism, run.outcome
+    if outcome.failed:
+        return f"{mechanism.title}: {outcome.reason} (after {int(run.attempts)} steps; {mechanism.label(run.scenario)})"
+    lines = [
+        f"{mechanism.title}: {outcome.reason}",
+        f"  {'scenario':24} {mechanism.label(run.scenario)}",
+        f"  {'impacts':24} {int(run.impact_count)}",
+    ]
+    for name in mechanism.meant(lambda path: get(run.design, path)):
+        quantity = mechanism.quantities[name]
+        symbol, factor = quantity.in_figures
+        value = factor * float(np.asarray(quantity.of(run)))
+        lines.append(f"  {quantity.title or name:24} {value:.6g} {symbol}".rstrip(" -"))
+    energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
+    lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())
+    lines += [
+        f"  {'energy':24} {float(energy.total):.6g} J, of which dissipated {float(energy.dissipated):.6g} J ({lost})",
+        f"  {'numerical balance':24} energy {float(balance.energy):.1e}, constraint drift {float(balance.drift):.1e} m",
+        f"  {'steps':24} {int(run.accepted)} accepted of {int(run.attempts)}",
+    ]
+    return "\n".join([*lines, *(f"  {line}" for line in mechanism.warnings(run))])
+
+
+def history_columns(run: Run) -> dict[str, np.ndarray]:
+    """Columns of shape (steps,) by heading: times, contacts, the mechanism's own, motion, multipliers, energies.
+
+    **Raises:** `InputError` for a run without a history.
+    """
+    if run.history is None:
+        raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
+    seen: Any = jax.tree.map(np.asarray, run.history)
+    names = run.mechanism.names(run.design)
+    columns: dict[str, Any] = {"time [s]": seen.time}
+    for name, symbol in CONTACT_UNITS.items():
+        value = getattr(seen, name)
+        columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
+    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items() if name in seen.others}
+    for name, axes in COORDINATES.items():
+        for k, body in enumerate(names.bodies):
+            columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
+    for k, (name, symbol) in enumerate(names.multipliers.items()):
+        columns[f"multiplier {name} [{symbol}]"] = seen.multipliers[:, k]
+    columns |= {f"energy {name} [J]": getattr(seen.energy, name) for name in seen.energy.names}
+    return {name: np.asarray(column) for name, column in columns.items()}
+
+
+def _dataset(run: Run) -> "xr.Dataset":
+    """See `Run.to_xarray`."""
+    if run._many:
+        raise InputError(
+            "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
+        )
+    mechanism, names = run.mechanism, run.mechanism.names(run.design)
+    variables = {**_quantities(run, names), **_impacts(run, names)}
+    energies = tuple(run.energy.names)
+    energy = jax.tree.map(np.asarray, run.energy)
+    at_end = [float(getattr(energy, name)) for name in energies]
+    variables["energy_at_end"] = Labelled(("energy",), at_end, "J", "energy at the end, or lost until then")
+    coordinates = {
+        "impact": Labelled(("impact",), np.arange(1, int(run.impacts.count) + 1), "", "impacts in order, from 1"),
+        "energy": Labelled(("energy",), list(energies), "", "stored, lost, and total"),
+    }
+    if run.history is not None:
+        seen: Any = jax.tree.map(np.asarray, run.history)
+        variables |= _history(seen, names)
+        coordinates |= {
+            "time": Labelled(("step",), seen.time, "s", "time of an accepted step"),
+            "contact": Labelled(("contact",), list(names.contacts), "", mechanism.contact),
+            "body": Labelled(("body",), list(names.bodies), "", "body"),
+        }
+    return dataset(variables, coordinates, {**attributes(mechanism, run.design, run.scenario), **_ended(run)})
+
+
+def _ended(run: Run) -> dict[str, Any]:
+    return {"outcome": run.outcome.name, "outcome_meaning": run.outcome.reason, "warnings": "\n".join(_warnings(run))}
+
+
+def _warnings(run: Run) -> list[str]:
+    return [] if run.outcome.failed else run.mechanism.warnings(run)
+
+
+def _quantities(run: Run, names: Names) -> dict[str, Labelled]:
+    """Single numbers of the whole run."""
+    mechanism = run.mechanism
+    catalogue = mechanism.quantities
+    found = {
+        name: Labelled(
+            (), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description
+        )
+        for name in mechanism.swept
+    }
+    largest = "" if run.outcome.failed else names.contacts[int(run.peak_contact)]
+    counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
+    return {
+        **found,
+        f"peak_{mechanism.contact}": Labelled((), largest, "", f"{mechanism.contact} with the largest force"),
+        **{name: Labelled((), int(count), "-", name.replace("_", " ")) for name, count in counts.items()},
+    }
+
+
+def _impacts(run: Run, names: Names) -> dict[str, Labelled]:
+    """One entry for each impact that happened."""
+    count, hits = int(run.impacts.count), run.impacts
+    contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
+    found = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.contact)}
+    for name, unit in IMPACT_UNITS.items():
+        values = np.asarray(getattr(hits, name))[:count]
+        found[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])
+    return found
+
+
+def _history(seen: History, names: Names) -> dict[str, Labelled]:
+    """Everything along the accepted steps."""
+    found = {
+        name: Labelled(("step", "contact"), getattr(seen, name), unit, name.replace("_", " "))
+        for name, unit in CONTACT_UNITS.items()
+    }
+    bodies = len(names.bodies)
+    for name, axes in COORDINATES.items():
+        for i, (axis, unit) in enumerate(axes):
+            values = getattr(seen, name)[:, :bodies, i]
+            found[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
+    for name, unit in names.others.items():
+        if name in seen.others:
+            found[f"{name}_history"] = Labelled(("step",), seen.others[name], unit, name.replace("_", " "))
+    for k, (name, unit) in enumerate(names.multipliers.items()):
+        found[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), seen.multipliers[:, k], unit, name)
+    energies = np.stack([np.asarray(getattr(seen.energy, name)) for name in seen.energy.names], axis=1)
+    found["energy_history"] = Labelled(("step", "energy"), energies, "J", "energy, or lost so far")
+    return found

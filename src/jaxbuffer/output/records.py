@@ -10,11 +10,9 @@ import numpy as np
 
 from ..fields import get
 from ..fields.record import record
-from ..mechanisms.history_table import history_columns
-from ..mechanisms.quantity import rising, unit_of
-from ..mechanisms.run import Run
-from ..sensitivities.advice import advice
-from ..sensitivities.dataset import sensitivity_rows
+from ..mechanisms.quantity import unit_of
+from ..mechanisms.run import Run, history_columns, rising
+from ..sensitivities.result import advice, sensitivity_rows
 from ..tuning.message import headline
 from ..tuning.summary import SHOWN, tuned_warnings
 from ..version import version

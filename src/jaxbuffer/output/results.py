@@ -49,7 +49,7 @@ def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust
 
 def sensitivity_files(result: "Sensitivity", made: Made = None) -> Contents:
     """Of `jaxbuffer sensitivity`. ``made``: how it came about."""
-    from ..sensitivities.dataset import sensitivity_rows
+    from ..sensitivities.result import sensitivity_rows
     from .records import sensitivity_record
 
     return {

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from ..hybrid import Kind, Log
-from ..mechanisms.run import Impacts
+from ..mechanisms.impacts import Impacts
 from ..mechanisms.system import ContactSystem
 from .survey import Survey
 

@@ -12,7 +12,7 @@ from ..hybrid import Log, Options, Result, Status
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import outcome_code
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Maxima, Run, Solved
+from ..mechanisms.run import Maxima, Run, Solved, plain_run
 from ..mechanisms.system import ContactSystem
 from .conservation import balance
 from .history import history as history_of
@@ -29,7 +29,8 @@ def run_of(parameters: Parameters, duration: Scalar, options: Options, result: A
     if mechanism.stepping is not None:
         return mechanism.stepping.read(parameters, duration, result)
     system = mechanism.system(*parameters)
-    return mechanism.run(system, _read_off(mechanism, system, parameters, duration, result, options))
+    make = mechanism.run or plain_run
+    return make(system, _read_off(mechanism, system, parameters, duration, result, options))
 
 
 def _read_off(

@@ -12,9 +12,8 @@ from ..compiling.pool import Pool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
-from ..mechanisms.quantity import value_of
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Run
+from ..mechanisms.run import Run, value_of
 from ..run.request import check_pair
 from ..run.simulate import simulate
 from .differences import Difference, balanced_direction, difference, side_by_side

@@ -3,9 +3,8 @@
 import contextlib
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import numpy as np
 
 from .._types import Scalar
@@ -14,89 +13,17 @@ from ..compiling.pool import Pool
 from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
-from ..mechanisms.quantity import check_quantities, is_signed, value_of
+from ..mechanisms.quantity import check_quantities, is_signed
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Run
+from ..mechanisms.run import value_of
 from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
 from .evidence import TightSolve, TightSolves, course_of, each, together
 from .gradients import Gradients, gradients
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
+from .result import Sensitivity
 
 CERTIFICATES = ("quick", "thorough", "none")
 ZERO = 1e-15  # a result below has no elasticities
-
-
-class Sensitivity(eqx.Module):
-    """Gradients of a run's quantities with respect to numbers of design and scenario. Print it for a table.
-
-    - ``run``: what was differentiated, also as ``capture``.
-    - ``paths``: the numbers' addresses.
-    - ``values``: the numbers themselves, each in its unit, shape (paths,).
-    - ``quantities``: names of what was differentiated.
-    - ``results``: their values, each in its unit, shape (quantities,).
-    - ``gradients``: in units of quantity over parameter, shape (quantities, paths).
-    - ``elasticities``: d ln quantity / d ln parameter, shape (quantities, paths) [-]; NaN where the quantity is zero,
-      and of quantities that can change sign: their gradients say more.
-    - ``certificate``: the estimated error of each, what the peak is and what comes next, and a verdict; None if not
-      asked for.
-
-    **Example:**
-
-    >>> found = jb.sensitivity(jb.table2(), wrt=["buffer.k_A"], quantities=["peak_force"])
-    >>> print(f"{found.results[0]:.2f} N, {found.gradients[0, 0]:+.4f} N/(N/m)")
-    253.13 N, +0.1728 N/(N/m)
-    """
-
-    run: Run
-    paths: tuple[str, ...]
-    values: np.ndarray
-    quantities: tuple[str, ...]
-    results: np.ndarray
-    gradients: np.ndarray
-    elasticities: np.ndarray
-    certificate: Certificate | None
-
-    @property
-    def capture(self) -> Run:
-        """The run."""
-        return self.run
-
-    def to_xarray(self) -> "xr.Dataset":
-        """Labelled arrays: ``gradient``, ``elasticity`` and ``estimated_error`` by ``quantity`` and ``parameter``, with
-        ``gradient_unit``, ``quantity_unit`` and ``parameter_unit`` beside them.
-
-        **Example:**
-
-        >>> found = jb.sensitivity(jb.table2(), wrt=["buffer.k_A"], quantities=["peak_force"], certify="none")
-        >>> slope = found.to_xarray().gradient.sel(quantity="peak_force", parameter="buffer.k_A")
-        >>> f"{float(slope):+.4f} {slope.gradient_unit.item()}"
-        '+0.1728 N/(N/m)'
-        """
-        from .dataset import sensitivity_dataset
-
-        return sensitivity_dataset(self)
-
-    def to_pandas(self) -> "pd.DataFrame":
-        """A row for each pair of quantity and parameter, as in sensitivity.csv."""
-        from ..labelled.arrays import frame
-        from .dataset import sensitivity_rows
-
-        return frame(*sensitivity_rows(self))
-
-    def __repr__(self) -> str:
-        from .summary import sensitivity_table
-
-        return sensitivity_table(self)
-
-    def _repr_html_(self) -> str:
-        from ..tables import html
-        from .summary import sensitivity_parts
-
-        return html(*sensitivity_parts(self))
 
 
 def sensitivity(
@@ -149,18 +76,18 @@ def sensitivity(
     check_single("rtol", rtol, "-", one, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
     sent = solver if client is None else name_of(solver)
-    asked = _Asked(design, scenario, paths, values, names, duration, sent)
+    task = _Differentiation(design, scenario, paths, values, names, duration, sent)
     with contextlib.closing(pool_of(client)) as pool:
         if certify == "none":
-            (solved,) = pool.map(asked.gradients_at, [rtol])
-            return asked.uncertified(solved)
-        solved, again = pool.map(asked.gradients_at, [rtol, rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol])
-        found = asked.uncertified(solved)
-        certificate = _certificate(asked, found, solved, again, certify == "thorough", pool)
+            (solved,) = pool.map(task.gradients_at, [rtol])
+            return task.uncertified(solved)
+        solved, again = pool.map(task.gradients_at, [rtol, rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol])
+        found = task.uncertified(solved)
+        certificate = _certificate(task, found, solved, again, certify == "thorough", pool)
     return dataclasses.replace(found, certificate=certificate)
 
 
-class _Asked(NamedTuple):
+class _Differentiation(NamedTuple):
     """What is differentiated: as in `sensitivity`, checked; small enough to be sent to another process."""
 
     design: Part
@@ -196,19 +123,24 @@ def _nonzero(results: np.ndarray) -> np.ndarray:
 
 
 def _certificate(
-    asked: _Asked, found: Sensitivity, solved: Gradients, again: Gradients, thorough: bool, pool: Pool | ClusterPool
+    task: _Differentiation,
+    found: Sensitivity,
+    solved: Gradients,
+    again: Gradients,
+    thorough: bool,
+    pool: Pool | ClusterPool,
 ) -> Certificate:
     """The certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
-    run, names, values = found.run, asked.names, asked.values
+    run, names, values = found.run, task.names, task.values
     # Signed like elasticities, but finite where a parameter or a quantity is zero.
     moves = np.where(values == 0.0, 1.0, np.abs(values))
     nonzero = _nonzero(found.results)
     sizes = np.where(np.isfinite(nonzero), np.abs(nonzero), 1.0)
     claimed, evidence = found.gradients * moves / sizes[:, None], None
     if not run.outcome.failed:
-        changes = np.abs(found.gradients - asked.slopes(again)) * moves / sizes[:, None]
-        inputs = (asked.design, asked.scenario, asked.paths, names, asked.duration, asked.solver)
+        changes = np.abs(found.gradients - task.slopes(again)) * moves / sizes[:, None]
+        inputs = (task.design, task.scenario, task.paths, names, task.duration, task.solver)
         tight = TightSolves(TightSolve(*inputs, int(run.code), course_of(run)), values, moves, pool)
         evidence = (each if thorough else together)(tight, claimed, sizes, changes)
-    peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, asked.paths)
-    return judge(run, names, asked.paths, claimed, evidence, peaks)
+    peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, task.paths)
+    return judge(run, names, task.paths, claimed, evidence, peaks)

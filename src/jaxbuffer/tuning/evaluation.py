@@ -10,9 +10,8 @@ from jaxtyping import Bool, Float, Int
 from ..cluster.pool import pool_of
 from ..errors import InputError
 from ..fields import Part, get
-from ..mechanisms.quantity import rising
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Run
+from ..mechanisms.run import Run, rising
 from ..run.request import check_pair
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients

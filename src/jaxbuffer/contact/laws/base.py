@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from ..._types import Scalar, Values
+from .impact import free_impact
 
 METHODS = ("elastic", "energy", "force", "time_scale")  # that each law has of its own
 
@@ -68,8 +69,6 @@ class ContactLaw(eqx.Module):
 
         **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
         """
-        from .impact import free_impact
-
         return free_impact(self, float(mass), float(speed)).restitution
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
@@ -77,8 +76,6 @@ class ContactLaw(eqx.Module):
 
         **Arguments:** ``mass``: effective mass [kg]; ``speed``: of approach [m/s].
         """
-        from .impact import free_impact
-
         return free_impact(self, float(mass), float(speed)).max_penetration
 
 

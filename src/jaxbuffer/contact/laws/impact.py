@@ -3,14 +3,20 @@
 For laws without a closed form, and for force-penetration loops.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-if TYPE_CHECKING:
-    from .base import ContactLaw
+from ..._types import Scalar, Values
+
+
+class ForceLaw(Protocol):
+    """What an impact needs of a contact law; see `ContactLaw`."""
+
+    def force(self, penetration: Values, approach_speed: Values, touchdown_speed: Values) -> Values: ...
+    def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar: ...
 
 
 class FreeImpact(NamedTuple):
@@ -36,7 +42,7 @@ class FreeImpact(NamedTuple):
     force: np.ndarray
 
 
-def free_impact(law: "ContactLaw", mass: float, speed: float, points: int = 400) -> FreeImpact:
+def free_impact(law: ForceLaw, mass: float, speed: float, points: int = 400) -> FreeImpact:
     """Integrate the impact of two free bodies, with tolerances of 1e-11.
 
     **Arguments:**

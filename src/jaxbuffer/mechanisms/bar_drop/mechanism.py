@@ -10,7 +10,7 @@ from ..energy import energy_unit
 from ..mechanism import Defaults, Mechanism, Names
 from ..picture import Curve, Level, Panel
 from ..registry import register
-from ..summary import plain_summary
+from ..run import plain_summary
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits, told
 from .design import BarDrop, BarDropScenario, check_fit, valid

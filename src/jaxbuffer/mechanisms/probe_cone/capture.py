@@ -3,7 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..run import Impacts, Run, Solved
+from ..impacts import Impacts
+from ..run import Run, Solved
 from .closed_form import FirstImpact, predict
 from .margins import rising, stroke_margin, throat
 from .outcome import Outcome

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
-from ..quantity import rising
+from ..run import rising
 from ..validity import BEYOND_LAW, Limit
 from .assembly import assemble_contact
 from .bending import bending_frequencies

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..summary import plain_summary
+from ..run import plain_summary
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits as bending_limits
 from .bending import told

@@ -10,7 +10,8 @@ from jaxtyping import Array, Float, Int
 from ..._types import Scalar
 from ..energy import Balance, Energy
 from ..history import History
-from ..run import Impacts, Run
+from ..impacts import Impacts
+from ..run import Run
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome

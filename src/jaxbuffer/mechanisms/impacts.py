@@ -1,0 +1,53 @@
+"""The touchdowns of a run, in order."""
+
+import jax
+import numpy as np
+from jaxtyping import Array, Float, Int
+from rich.table import Table
+
+from ..fields import Portable
+from ..tables import html, table, text
+
+
+class Impacts(Portable):
+    """Touchdowns in order, an entry each; slots beyond ``count`` are padding (contact -1, zeros). A run with more
+    events than its log has room for lists the first ones; `Run.impact_count` counts all.
+
+    ``time`` [s], ``contact`` (its number), ``approach_speed`` δ̇⁻ [m/s], ``peak_force`` [N] until the contact's next
+    touchdown, ``release_time`` [s] (NaN where the run ended in contact).
+    """
+
+    time: Float[Array, " slots"]
+    contact: Int[Array, " slots"]
+    approach_speed: Float[Array, " slots"]
+    peak_force: Float[Array, " slots"]
+    release_time: Float[Array, " slots"]
+    count: Int[Array, ""]
+
+    def __repr__(self) -> str:
+        return text(self._table()) if self._concrete else super().__repr__()
+
+    def _repr_html_(self) -> str:
+        return html(self._table() if self._concrete else super().__repr__())
+
+    @property
+    def _concrete(self) -> bool:
+        """Whether these are one run's, with numbers."""
+        return not isinstance(self.count, jax.core.Tracer) and np.ndim(self.count) == 0
+
+    def _table(self) -> Table:
+        """The impacts that happened, counted from 1."""
+        count = int(self.count)
+        shown = table(f"{count} impact{'' if count == 1 else 's'}")
+        columns = {
+            "contact": self.contact,
+            "time [s]": self.time,
+            "approach_speed [m/s]": self.approach_speed,
+            "peak_force [N]": self.peak_force,
+            "release_time [s]": self.release_time,
+        }
+        for heading in ("impact", *columns):
+            shown.add_column(heading, justify="right")
+        for k, row in enumerate(zip(*(np.asarray(it)[:count] for it in columns.values()), strict=True), 1):
+            shown.add_row(str(k), *("-" if np.isnan(value) else f"{value:.6g}" for value in row))
+        return shown
