@@ -20,9 +20,10 @@ test: $(READY)  ## every test, the slow ones too
 test-fast: $(READY)  ## the tests without the slow ones
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
 
-lint: $(READY)
+lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo --no-cache
 
 types: $(READY)
 	$(BIN)/mypy

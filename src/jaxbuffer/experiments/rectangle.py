@@ -9,9 +9,10 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
-from ..fields import Part, get
+from ..fields import Part, as_typed, get
 from ..sweeps.grid import Axis
 from ..sweeps.swept import Swept
+from ..tables import text
 from ..tuning.objective import Limits
 
 UNDONE = "not computed"  # of a run that an interrupted sweep has not reached
@@ -64,8 +65,6 @@ class SafeRectangle:
     def between(self) -> Between | None:
         """How the runs between the ``scenarios`` do, at those included; None where both fields are not the scenario's,
         or no run is there. A design that keeps its limits in each scenario may break them in between."""
-        from .summary import ends
-
         prefix, ranges = "scenario.", []
         inside = (self.reasons != UNDONE) & (len(self.scenarios) > 1)
         for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
@@ -75,7 +74,7 @@ class SafeRectangle:
             room = ROUNDING * (max(met) - min(met))
             within = (values >= min(met) - room) & (values <= max(met) + room)
             inside &= within[:, None] if k == 0 else within
-            ranges.append(f"{axis.name.replace('_', ' ')} {ends(axis, (min(met), max(met)))}")
+            ranges.append(f"{axis.name.replace('_', ' ')} {_range_words(axis, (min(met), max(met)))}")
         runs, unsafe = int(inside.sum()), int((inside & ~self.safe).sum())
         if not runs:
             return None
@@ -101,9 +100,39 @@ class SafeRectangle:
             yield "impacts", "≤", str(self.limits.impacts)
 
     def __repr__(self) -> str:
-        from .summary import rectangle_summary
+        return _summary(self)
 
-        return rectangle_summary(self)
+
+def _summary(rectangle: SafeRectangle) -> str:
+    """Which runs are safe, and the ranges of the largest rectangle."""
+    mechanism = rectangle.swept.mechanism
+    count = int(rectangle.safe.sum())
+    between = [] if rectangle.between is None else [rectangle.between.words]
+    lines = [f"Safe ({rectangle.asked}): {count} of {rectangle.safe.size} {mechanism.run_name}s"]
+    if rectangle.first is None or rectangle.second is None:
+        return text(*lines, "  no run is safe", *between)
+    rows, columns = (
+        int(np.sum(_within(values, part)))
+        for values, part in zip(rectangle.values, (rectangle.first, rectangle.second), strict=True)
+    )
+    shape = f"{rows} × {columns}"
+    lines.append(f"largest rectangle of safe {mechanism.run_name}s, {rectangle.runs} of them ({shape}):")
+    lines += [
+        f"  {axis.path:26} {_range_words(axis, part)}"
+        for axis, part in zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
+    ]
+    return text(*lines, *between)
+
+
+def _within(values: np.ndarray, part: tuple[float, float]) -> np.ndarray:
+    return (values >= part[0]) & (values <= part[1])
+
+
+def _range_words(axis: Axis, part: tuple[float, float]) -> str:
+    """A range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
+    (low, symbol), (high, _) = (as_typed(value + 0.0, axis.unit, axis.typed) for value in part)
+    words = f"{low:.4g} … {high:.4g} {symbol}".rstrip(" -")
+    return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if symbol == "rad" else words
 
 
 def safe_rectangle(swept: Swept, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:

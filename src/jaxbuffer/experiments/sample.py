@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Bool, Float
+from rich.table import Table
 
 from .._types import Scalar
 from ..errors import InputError, suggest
@@ -15,7 +16,7 @@ from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import SMALL
-from ..sweeps.computed import Computed
+from ..sweeps.computed import Computed, outcomes_table, what_was_found
 from ..sweeps.found import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
 from ..sweeps.sweep import sweep
@@ -95,14 +96,21 @@ class Sample(Computed):
         return frame(*swept_rows(self))
 
     def __repr__(self) -> str:
-        from .summary import sample_parts
-
-        return text(*sample_parts(self))
+        return text(*_summary(self))
 
     def _repr_html_(self) -> str:
-        from .summary import sample_parts
+        return html(*_summary(self))
 
-        return html(*sample_parts(self))
+
+def _summary(sample: Sample) -> list[str | Table]:
+    """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
+    points, mechanism, done = sample.grid, sample.found.mechanism, int(sample.done.sum())
+    title = f"Sample of {len(points)} {mechanism.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
+    if points.method == "saltelli":
+        title += f", {points.count} rows of {len(points.axes) + 2} runs"
+    parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]
+    parts += [f"  {axis.path:26} {axis}" for axis in points.axes]
+    return [*parts, outcomes_table(sample), *what_was_found(sample, "sample.csv")]
 
 
 def sample(

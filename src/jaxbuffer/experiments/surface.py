@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, as_number, check_choice, check_whole, shown, suggest
 from ..fields import in_words
+from ..tables import text
 from .ranges import Range
 from .sample import Sample
 
@@ -19,6 +20,7 @@ FOLDS = 5
 TUNED_ON = 512  # runs at most by which a Gaussian process' lengths are found; all runs are fitted with them
 ENOUGH = 0.9  # of the variance of runs not seen: below that a surface is not to be trusted
 EDGE = 1e-12  # of a range, for rounding
+MANY = 0.05  # of the runs: more left out than these are warned of
 
 
 class Error(NamedTuple):
@@ -120,10 +122,42 @@ class Surface:
             )
         return np.clip(axis.shares(np.clip(given.astype(float), axis.low, axis.high)), 0.0, 1.0)
 
-    def __repr__(self) -> str:
-        from .summary import surface_summary
+    @property
+    def worth(self) -> str:
+        """What the surface misses, and whether it is to be trusted, in words."""
+        words = f"the surface misses {100 * self.error.relative:.3g} % of a value it has not seen (cross-validated)"
+        return words if self.trusted else f"{words} and is not to be trusted"
 
-        return surface_summary(self)
+    def __repr__(self) -> str:
+        return _summary(self)
+
+
+def _summary(surface: Surface) -> str:
+    """Kind, cross-validated error, range, and where not to trust it."""
+    words = surface.kind.replace("_", " ")
+    of_log = ", of the logarithm" if surface.logarithmic else ""
+    lines = [f"Response surface of {surface.quantity}: {words}{of_log}, fitted to {len(surface.computed)} runs"]
+    for kind, error in sorted(surface.errors.items(), key=lambda item: item[1].rms):
+        mark = "" if len(surface.errors) == 1 else (" (chosen)" if kind == surface.kind else " (not taken)")
+        lines.append(
+            f"  cross-validated error of the {kind.replace('_', ' ')}{mark}: {error.rms:.4g} {surface.unit} rms,"
+            f" {100 * error.relative:.3g} % of the value, {error.largest:.4g} {surface.unit} at most;"
+            f" {100 * error.explained:.2f} % of the variance explained"
+        )
+    lines += [f"  holds inside {axis.path} {axis}" for axis in surface.axes]
+    return text(*lines, *_distrust(surface))
+
+
+def _distrust(surface: Surface) -> list[str]:
+    """What to be wary of."""
+    lines, total = [], sum(surface.left_out.values())
+    for reason, count in surface.left_out.items():
+        lines.append(f"  left out: {count} {surface.run_name}s, {reason}")
+    if total > MANY * (total + len(surface.computed)):
+        lines.append("  do not trust it near those: it is fitted as if they did not exist")
+    if not surface.trusted:
+        lines.append("  do not trust it at all: it explains less than 90 % of the variance of runs it has not seen")
+    return lines
 
 
 def response_surface(
