@@ -1,7 +1,6 @@
 """Mechanisms, a folder each, and what they are made from.
 
-A folder registers its `Mechanism` when it is imported; this is the list of those that come with the package, with the
-public names of each.
+A folder registers its `Mechanism` when it is imported; this is the list of those that come with the package.
 """
 
 import importlib
@@ -10,18 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .mechanism import Mechanism
 
-FOLDERS: dict[str, tuple[str, ...]] = {
-    "probe_cone": (
-        *("Capture", "Design", "FirstImpact", "Outcome", "Scenario"),
-        *("first_impact", "rigid_probe", "table2"),
-        *("bending_frequencies", "with_bending"),
-    ),
-    "bar_drop": ("BarDrop", "BarDropScenario"),
-    "slider_crank": (
-        *("SliderCrank", "SliderCrankScenario", "journal_path", "published_slider_crank", "turn_statistics"),
-    ),
-    "tank_drop": ("TankDrop", "TankDropScenario"),
-}
+FOLDERS = ("probe_cone", "bar_drop", "slider_crank", "tank_drop")
 
 
 def all_mechanisms() -> "tuple[Mechanism, ...]":
@@ -30,8 +18,8 @@ def all_mechanisms() -> "tuple[Mechanism, ...]":
         importlib.import_module(f".{folder}", __name__)
     from .registry import all_registered
 
-    names = list(FOLDERS)
-    return tuple(sorted(all_registered(), key=lambda it: names.index(it.name) if it.name in names else len(names)))
+    place = {name: k for k, name in enumerate(FOLDERS)}
+    return tuple(sorted(all_registered(), key=lambda it: place.get(it.name, len(place))))
 
 
 def mechanism_named(name: Any) -> "Mechanism":

@@ -1,0 +1,104 @@
+"""The public names, each once: Python imports one when it is first asked for, a type checker reads them here."""
+
+from .compiling.process import configure as configure
+from .contact import register_law as register_law
+from .errors import InputError as InputError
+from .experiments.indices import (
+    Indices as Indices,
+    sobol_indices as sobol_indices,
+)
+from .experiments.rectangle import (
+    SafeRectangle as SafeRectangle,
+    safe_rectangle as safe_rectangle,
+)
+from .experiments.sample import (
+    Sample as Sample,
+    sample as sample,
+)
+from .experiments.surface import (
+    Surface as Surface,
+    response_surface as response_surface,
+)
+from .fields import (
+    get as get,
+    paths as paths,
+    replace as replace,
+)
+from .hybrid.rungekutta.diffrax_solver import Diffrax as Diffrax
+from .mechanisms.bar_drop import (
+    BarDrop as BarDrop,
+    BarDropScenario as BarDropScenario,
+)
+from .mechanisms.probe_cone import (
+    Capture as Capture,
+    Design as Design,
+    FirstImpact as FirstImpact,
+    Outcome as Outcome,
+    Scenario as Scenario,
+    bending_frequencies as bending_frequencies,
+    first_impact as first_impact,
+    rigid_probe as rigid_probe,
+    table2 as table2,
+    with_bending as with_bending,
+)
+from .mechanisms.run import Run as Run
+from .mechanisms.slider_crank import (
+    SliderCrank as SliderCrank,
+    SliderCrankScenario as SliderCrankScenario,
+    journal_path as journal_path,
+    published_slider_crank as published_slider_crank,
+    turn_statistics as turn_statistics,
+)
+from .mechanisms.tank_drop import (
+    TankDrop as TankDrop,
+    TankDropScenario as TankDropScenario,
+)
+from .output.animation import animate as animate
+from .output.folder import (
+    Results as Results,
+    load as load,
+)
+from .output.motion import draw as draw
+from .run.instants import at_times as at_times
+from .run.simulate import simulate as simulate
+from .run.trust import (
+    Trust as Trust,
+    trust as trust,
+)
+from .run.with_diffrax import as_diffrax as as_diffrax
+from .sensitivities.certificate import (
+    Certificate as Certificate,
+    Verdict as Verdict,
+)
+from .sensitivities.horizon import horizon as horizon
+from .sensitivities.result import Sensitivity as Sensitivity
+from .sensitivities.sensitivity import sensitivity as sensitivity
+from .study.designs import (
+    load_design as load_design,
+    save_design as save_design,
+)
+from .sweeps.stored import StoredSweep as StoredSweep
+from .sweeps.sweep import (
+    Sweep as Sweep,
+    sweep as sweep,
+)
+from .sweeps.swept import Swept as Swept
+from .tuning.cases import Case as Case
+from .tuning.derived import Derived as Derived
+from .tuning.objective import (
+    Limits as Limits,
+    Objective as Objective,
+    Then as Then,
+)
+from .tuning.pareto import (
+    Front as Front,
+    pareto as pareto,
+)
+from .tuning.problem import (
+    Problem as Problem,
+    Variable as Variable,
+)
+from .tuning.tune import tune as tune
+from .tuning.tuned import Tuned as Tuned
+
+__version__: str
