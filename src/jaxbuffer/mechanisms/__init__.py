@@ -1,30 +1,64 @@
 """Mechanisms, a folder each, and what they are made from.
 
-A folder registers its `Mechanism` when it is imported; this is the list of those that come with the package.
+A folder, or a package of another distribution, registers its `Mechanism` when it is imported. Which of the latter there
+are is said by their entry points in the group ``jaxbuffer.mechanisms``: the name is the mechanism's kind, the value the
+module to import. The drop onto a tank comes in by that door, too.
 """
 
 import importlib
+import warnings
+from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
 
 if TYPE_CHECKING:
     from .mechanism import Mechanism
 
-FOLDERS = ("probe_cone", "bar_drop", "slider_crank", "tank_drop")
+FOLDERS = ("probe_cone", "bar_drop", "slider_crank")
+GROUP = "jaxbuffer.mechanisms"
 
 
 def all_mechanisms() -> "tuple[Mechanism, ...]":
-    """All that come with the package, in the order above, and then those that were registered besides."""
+    """Return those of the folders, in the order above, and then all others by name.
+
+    A package whose mechanism cannot be imported is warned of and left out: the others are not to suffer from it.
+    """
+    from .registry import all_registered  # imports JAX, which the package's own import must not
+
     for folder in FOLDERS:
         importlib.import_module(f".{folder}", __name__)
-    from .registry import all_registered
-
+    for entry in entry_points(group=GROUP):
+        try:
+            _load(entry)
+        except InputError as error:
+            warnings.warn(str(error), RuntimeWarning, stacklevel=2)
     place = {name: k for k, name in enumerate(FOLDERS)}
-    return tuple(sorted(all_registered(), key=lambda it: place.get(it.name, len(place))))
+    return tuple(sorted(all_registered(), key=lambda it: (place.get(it.name, len(place)), it.name)))
 
 
 def mechanism_named(name: Any) -> "Mechanism":
-    """The mechanism of a name, such as "probe_cone". **Raises:** `InputError` that lists those there are."""
-    all_mechanisms()
-    from .registry import registered
+    """Return the mechanism of a kind, such as "probe_cone".
 
+    **Raises:** `InputError` that lists the kinds there are, and for a package whose mechanism cannot be imported.
+    """
+    from .registry import registered  # imports JAX, see above
+
+    if name in FOLDERS:
+        importlib.import_module(f".{name}", __name__)
+    else:
+        for entry in entry_points(group=GROUP):
+            if entry.name == name:
+                _load(entry)
+        all_mechanisms()
     return registered(name)
+
+
+def _load(entry: EntryPoint) -> None:
+    """Import the module of an entry point. **Raises:** `InputError` where that fails, whatever the reason."""
+    try:
+        entry.load()
+    except Exception as error:
+        package = entry.dist.name if entry.dist is not None else entry.value
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise InputError(f"kind = {entry.name!r}: the package {package} cannot be imported ({reason})") from error
