@@ -12,8 +12,10 @@ from pathlib import Path
 
 import pytest
 
+import jaxbuffer.cli.quick
 import jaxbuffer.compiling.process
 
+jaxbuffer.cli.quick.prepare()
 jaxbuffer.compiling.process.configure()
 
 import jax  # noqa: E402
@@ -67,6 +69,12 @@ def pytest_configure(config):
     given = getattr(config, "workerinput", {}).get("programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
+
+
+def pytest_collection_finish():
+    """Modules and tests live as long as the process: the collector need not visit them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
