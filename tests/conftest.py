@@ -61,7 +61,7 @@ def _memory_freed():
 
 
 def pytest_addoption(parser):
-    parser.addoption("--kills", type=int, default=4, help="how often test_lost_work_kills kills each command")
+    parser.addoption("--kills", type=int, default=2, help="how often test_lost_work_kills kills each command")
     parser.addoption("--evidence", type=Path, help="write what tests measured to this JSON file")
 
 
