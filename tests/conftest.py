@@ -2,6 +2,8 @@
 
 Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
 are dropped between files where a process holds too much.
+
+`make test` runs what has neither of the markers `slow` and `whole`, `make test-slow` the rest.
 """
 
 import gc
@@ -28,6 +30,10 @@ jax.config.update("jax_numpy_rank_promotion", "raise")
 EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
 MOST_MEMORY = 3 * 2**30  # bytes that a process may hold at the end of a file
+# Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
+# Each may be quick by itself, but all together they take as long as what `make test` runs.
+WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
+TESTS = Path(__file__).parent
 
 
 @pytest.fixture(scope="session")
@@ -63,12 +69,20 @@ def _memory_freed():
 def pytest_addoption(parser):
     parser.addoption("--kills", type=int, default=2, help="how often test_lost_work_kills kills each command")
     parser.addoption("--evidence", type=Path, help="write what tests measured to this JSON file")
+    parser.addoption("--programs", type=Path, help="use and keep compiled programs of another test run in this folder")
 
 
 def pytest_configure(config):
-    given = getattr(config, "workerinput", {}).get("programs")
+    given = getattr(config, "workerinput", {}).get("programs") or config.getoption("--programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
+
+
+@pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
+            item.add_marker("whole")
 
 
 def pytest_collection_finish():
@@ -97,5 +111,5 @@ def pytest_sessionfinish(session):
 
 
 def pytest_unconfigure(config):
-    if not hasattr(config, "workerinput"):
+    if not hasattr(config, "workerinput") and not config.getoption("--programs"):
         shutil.rmtree(config.stash[PROGRAMS], ignore_errors=True)
