@@ -5,6 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
+SLOW := slow or whole
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
 .PHONY: run studies test test-slow lint types smoke bench bench-check bench-docs verify faults docs clean
@@ -16,10 +17,10 @@ studies: $(READY)  ## the six studies of optimise/, into results/studies
 	$(BIN)/python -m optimise --resume
 
 test: $(READY)  ## the tests without the slow ones and those of whole runs
-	$(PYTEST) -m "not (slow or whole)"
+	$(PYTEST) -m "not ($(SLOW))"
 
 test-slow: $(READY)  ## the other tests
-	$(PYTEST) -m "slow or whole"
+	$(PYTEST) -m "$(SLOW)"
 
 lint: $(READY)
 	$(BIN)/ruff check .
