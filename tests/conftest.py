@@ -33,6 +33,8 @@ MOST_MEMORY = 3 * 2**30  # bytes that a process may hold at the end of a file
 # Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
 # Each may be quick by itself, but all together they take as long as what `make test` runs.
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
+# Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
+FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
 TESTS = Path(__file__).parent
 
 
@@ -83,6 +85,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
             item.add_marker("whole")
+    items.sort(key=lambda item: item.path.name not in FIRST)
 
 
 def pytest_collection_finish():
