@@ -31,7 +31,7 @@ EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
 MOST_MEMORY = 3 * 2**30  # bytes that a process may hold at the end of a file
 # Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
-# Each may be quick by itself, but all together they take as long as what `make test` runs.
+# Each may be quick by itself; all together they are too long for `make test`.
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
 # Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
 FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
@@ -62,6 +62,7 @@ def _memory_freed():
     resident = int(Path("/proc/self/statm").read_text().split()[1]) * 4096
     if resident > MOST_MEMORY:
         jax.clear_caches()
+        gc.unfreeze()  # what is frozen is in no list of objects
         for function in gc.get_objects():
             if isinstance(function, stored):
                 function.programs.clear()
