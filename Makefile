@@ -4,9 +4,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
+PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
+SLOW := slow or whole
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-fast lint types smoke bench bench-check bench-docs verify faults docs clean
+.PHONY: run studies test test-slow lint types smoke bench bench-check bench-docs verify faults docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -14,11 +16,11 @@ run: $(READY)  ## tune the Table-2 buffer and say what was found
 studies: $(READY)  ## the six studies of optimise/, into results/studies
 	$(BIN)/python -m optimise --resume
 
-test: $(READY)  ## every test, the slow ones too
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+test: $(READY)  ## the tests without the slow ones and those of whole runs
+	$(PYTEST) -m "not ($(SLOW))"
 
-test-fast: $(READY)  ## the tests without the slow ones
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow"
+test-slow: $(READY)  ## the other tests
+	$(PYTEST) -m "$(SLOW)"
 
 lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff check .

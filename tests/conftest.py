@@ -2,6 +2,8 @@
 
 Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
 are dropped between files where a process holds too much.
+
+`make test` runs what has neither of the markers `slow` and `whole`, `make test-slow` the rest.
 """
 
 import gc
@@ -12,8 +14,10 @@ from pathlib import Path
 
 import pytest
 
+import jaxbuffer.cli.quick
 import jaxbuffer.compiling.process
 
+jaxbuffer.cli.quick.prepare()
 jaxbuffer.compiling.process.configure()
 
 import jax  # noqa: E402
@@ -26,6 +30,12 @@ jax.config.update("jax_numpy_rank_promotion", "raise")
 EVIDENCE = Evidence()
 PROGRAMS = pytest.StashKey[Path]()
 MOST_MEMORY = 3 * 2**30  # bytes that a process may hold at the end of a file
+# Tests here solve whole runs of a mechanism, mostly one of their own: they compile large programs or start processes.
+# Each may be quick by itself; all together they are too long for `make test`.
+WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
+# Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
+FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
+TESTS = Path(__file__).parent
 
 
 @pytest.fixture(scope="session")
@@ -52,6 +62,7 @@ def _memory_freed():
     resident = int(Path("/proc/self/statm").read_text().split()[1]) * 4096
     if resident > MOST_MEMORY:
         jax.clear_caches()
+        gc.unfreeze()  # what is frozen is in no list of objects
         for function in gc.get_objects():
             if isinstance(function, stored):
                 function.programs.clear()
@@ -59,14 +70,29 @@ def _memory_freed():
 
 
 def pytest_addoption(parser):
-    parser.addoption("--kills", type=int, default=4, help="how often test_lost_work_kills kills each command")
+    parser.addoption("--kills", type=int, default=2, help="how often test_lost_work_kills kills each command")
     parser.addoption("--evidence", type=Path, help="write what tests measured to this JSON file")
+    parser.addoption("--programs", type=Path, help="use and keep compiled programs of another test run in this folder")
 
 
 def pytest_configure(config):
-    given = getattr(config, "workerinput", {}).get("programs")
+    given = getattr(config, "workerinput", {}).get("programs") or config.getoption("--programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
+
+
+@pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
+            item.add_marker("whole")
+    items.sort(key=lambda item: item.path.name not in FIRST)
+
+
+def pytest_collection_finish():
+    """Modules and tests live as long as the process: the collector need not visit them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -89,5 +115,5 @@ def pytest_sessionfinish(session):
 
 
 def pytest_unconfigure(config):
-    if not hasattr(config, "workerinput"):
+    if not hasattr(config, "workerinput") and not config.getoption("--programs"):
         shutil.rmtree(config.stash[PROGRAMS], ignore_errors=True)

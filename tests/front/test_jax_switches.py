@@ -46,6 +46,12 @@ def test_a_switch_that_is_in_the_way_is_named_in_one_line(tmp_path, name, value,
     assert not (tmp_path / "out").exists()
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """The command with a switch that changes nothing: what it ended with and printed."""
+    return command(tmp_path_factory.mktemp("plain"), "JAX_ENABLE_X64", "1")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"),
@@ -58,13 +64,8 @@ def test_a_switch_that_is_in_the_way_is_named_in_one_line(tmp_path, name, value,
         ("JAX_ENABLE_CHECKS", "1"),
     ],
 )
-def test_a_switch_that_is_not_changes_no_number(tmp_path, name, value):
-    for folder in (tmp_path / "plain", tmp_path / "switch"):
-        folder.mkdir()
-    plain, found = (
-        command(tmp_path / "plain", "JAX_ENABLE_X64", "1"),
-        command(tmp_path / "switch", name, value),
-    )
+def test_a_switch_that_is_not_changes_no_number(tmp_path, plain, name, value):
+    found = command(tmp_path, name, value)
     assert (plain.returncode, found.returncode) == (0, 0), found.stderr
     assert found.stdout == plain.stdout and "Traceback" not in found.stderr
 
