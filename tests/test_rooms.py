@@ -42,7 +42,6 @@ NAMED = (
     "__init__.py",  # for type checkers
     "mechanisms/__init__.py",  # the list of mechanisms
     "study/config.py",  # the default kind
-    "tuning/cases.py",
     "cli/laws.py",
     "output/laws_figure.py",
 )

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fields import get, unit
 from ..study.designs import tuned_toml
-from ..tuning.front_summary import standing
+from ..tuning.pareto import standing
 from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
 from .style import BLUE, GREY, RED, both, label, panels, styled
