@@ -10,7 +10,7 @@ from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.checks import floor
 from jaxbuffer.tuning.evaluation import Evaluator, Measurement
-from jaxbuffer.tuning.message import borne_out
+from jaxbuffer.tuning.message import agreement_in_words
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.rounds import anywhere, around
 from jaxbuffer.tuning.store import Progress
@@ -79,7 +79,7 @@ def test_where_searches_end_apart_the_message_says_so(solve):
 )
 def test_the_message_claims_no_more_than_the_searches_show(apart, said):
     progress = Progress(0, 1, 1.0, np.nan, 4, apart, None, ())
-    assert borne_out(progress, "raise …").startswith(said)
+    assert agreement_in_words(progress, "raise …").startswith(said)
 
 
 def test_searches_that_agree_end_the_rounds(solve):

@@ -31,7 +31,7 @@ Table = tuple[list[str], list[Sequence[Any]]]
 
 
 def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
-    """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust``: their errors."""
+    """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities

@@ -124,13 +124,13 @@ class Scatter:
         check_whole("sample.seed", self.seed, 0)
         if not self.fields and not self.factors:
             raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
-        for name, given in (*self.fields.items(), *self.factors.items()):
-            check_type(f"sample.{name}", given, Distribution, "Distribution('uniform', 0.9, 1.1)")
+        for name, distribution in (*self.fields.items(), *self.factors.items()):
+            check_type(f"sample.{name}", distribution, Distribution, "Distribution('uniform', 0.9, 1.1)")
 
     @property
     def distributions(self) -> dict[str, Distribution]:
         """All of them, the scenario's first, by the address of their number."""
-        return {f"scenario.{name}": given for name, given in self.fields.items()} | dict(self.factors)
+        return {f"scenario.{name}": distribution for name, distribution in self.fields.items()} | dict(self.factors)
 
     def cases(self, scenarios: Sequence[Case], design: Part) -> tuple[Case, ...]:
         """Return the samples, each at every scenario. ``design``: to check the paths of ``factors`` with.
@@ -165,7 +165,7 @@ class Scatter:
         basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
         sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
         high = np.array([[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)])
-        ends = np.array([given.range for given in self.distributions.values()])
+        ends = np.array([it.range for it in self.distributions.values()])
         return self._at(scenarios, np.where(high, ends[:, 1], ends[:, 0]))
 
     def middle(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:

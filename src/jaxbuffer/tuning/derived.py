@@ -115,7 +115,7 @@ class Derived:
         """The compiled function from values (n, parameters) to results (n,) and derivatives (n, parameters)."""
 
         def one(values: Float[Array, " parameters"]) -> tuple[Array, Array]:
-            return self.value(list(values)), jax.jacfwd(lambda given: self.value(list(given)))(values)
+            return self.value(list(values)), jax.jacfwd(lambda at: self.value(list(at)))(values)
 
         return jax.jit(jax.vmap(one))
 
@@ -195,11 +195,11 @@ def _line(derived: Derived, error: BaseException) -> str:
     return text
 
 
-def check_derived(given: Any, catalogue: Catalogue) -> dict[str, Derived]:
+def check_derived(quantities: Any, catalogue: Catalogue) -> dict[str, Derived]:
     """Check the own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
-    if not isinstance(given, Mapping):
-        raise InputError(f"quantities = {shown(given)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
-    for name, derived in given.items():
+    if not isinstance(quantities, Mapping):
+        raise InputError(f"quantities = {shown(quantities)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
+    for name, derived in quantities.items():
         check_name(name, catalogue)
         if not isinstance(derived, Derived):
             raise InputError(f"quantities.{name} = {shown(derived)} is not a Derived; write {EXAMPLE}")
@@ -207,7 +207,7 @@ def check_derived(given: Any, catalogue: Catalogue) -> dict[str, Derived]:
             if parameter not in catalogue:
                 hint = suggest(parameter, catalogue)
                 raise InputError(f"quantities.{name}: {derived.label} asks for {parameter}, which is unknown{hint}")
-    return dict(given)
+    return dict(quantities)
 
 
 def check_name(name: Any, catalogue: Catalogue) -> None:

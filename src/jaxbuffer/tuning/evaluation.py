@@ -343,11 +343,11 @@ def check_start(
     """Raise `InputError` with the own quantity that has no number, or no derivative, in a load case of the start."""
     known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
     for name, derived in problem.quantities.items():
-        given = [known[parameter] for parameter in derived.parameters]
-        value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([given])))
+        values = [known[parameter] for parameter in derived.parameters]
+        value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
         units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
         at = ", ".join(
-            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, given, units, strict=True)
+            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, values, units, strict=True)
         )
         where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
         if not np.isfinite(value):

@@ -45,7 +45,7 @@ def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, 
         more = f"{steps}, or {more}" if ending(branch, settings) == "limit_of_steps" else more
         return f"{infeasible(goal, after, _count(progress.searches))}. To search on within the bounds, {more}"
     further = f". To go on, {steps}" if ending(branch, settings) == "limit_of_steps" else ""
-    return f"{_ending(branch, settings)}{further}. {borne_out(progress, more)}"
+    return f"{_ending(branch, settings)}{further}. {agreement_in_words(progress, more)}"
 
 
 def infeasible(goal: Goal, after: Evaluation, effort: str) -> str:
@@ -87,7 +87,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
     return f"{words[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
 
 
-def borne_out(progress: Progress, more: str) -> str:
+def agreement_in_words(progress: Progress, more: str) -> str:
     """Say whether another search agrees; ``more``: what to do for further ones."""
     searches = _count(progress.searches)
     if progress.searches == 1:

@@ -119,8 +119,8 @@ def pareto(
     - ``points``: how many, both ends included; with more than two objectives, for each limited one.
     - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
     - ``folder``: a folder for each point's run is made in it; ``resume``: go on there.
-    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with points done and asked
-      for.
+    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with the points
+      done and the points in all.
 
     **Returns:** a `Front`; points that are infeasible or dominated are in it, and it says which they are.
 
@@ -297,7 +297,7 @@ def front_table(front: Front) -> str:
             *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits * np.array(factors[1:])),
             f"{point.residual:.1e}",
             f"{point.gradient_error:.1e}",
-            standing(front, k),
+            point_status(front, k),
         )
     count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
     lines = [f"{int(front.kept.sum())} of {len(front.points)} points are on the front"]
@@ -315,7 +315,7 @@ def front_table(front: Front) -> str:
     )
 
 
-def standing(front: Front, k: int) -> str:
+def point_status(front: Front, k: int) -> str:
     """Return what a point is: "front", "dominated" or "limits broken", and whether it converged."""
     if not front.feasible[k]:
         return "limits broken"

@@ -71,7 +71,7 @@ class Variable:
 
 @dataclasses.dataclass(frozen=True)
 class Problem:
-    """A design problem: what may change, in which load cases, what to lower and what to keep to.
+    """A design problem: design variables, load cases, an objective and constraints.
 
     **Arguments:**
 
@@ -79,7 +79,7 @@ class Problem:
     - ``scenarios``: the mechanism's scenarios, or `Case`s, to serve; ``cases`` has them all as `Case`s.
     - ``variables``: what may change.
     - ``objective``: what to lower (default: the worst peak force).
-    - ``limits``: what to keep to (default: captured in every case).
+    - ``limits``: the constraints (default: captured in every load case).
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
     - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
@@ -249,13 +249,13 @@ class Problem:
 def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
     if not variables:
         raise InputError("variables is empty; tuning needs at least one")
-    seen: set[str] = set()
+    names: set[str] = set()
     for variable in variables:
         check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
         path, value = variable.path, get(design, variable.path)
-        if path in seen:
+        if path in names:
             raise InputError(f"{path} is named twice among the variables")
-        seen.add(path)
+        names.add(path)
         if value is None or isinstance(value, (str, bool)):
             raise InputError(f"{path} = {value!r} is not a number that can be tuned")
         check_choice(f"{path} scale", variable.scale, SCALES)

@@ -1,10 +1,9 @@
-"""Local searches by first-order models in a trust region: several starts, advanced together, one batch of captures a
-step.
+"""Local searches in a trust region: several starts, advanced together, one batch of runs a step.
 
-Each evaluation gives every impact's peak in every case to first order, so a step knows the runner-up peaks and cases it
-will meet. The step minimises that model with the Lagrangian's curvature (`model_step`), is judged by the true merit,
-and the region within which the model is believed grows or shrinks by the ratio of the actual to the predicted reduction
-(Nocedal and Wright, eq. 4.4).
+Each evaluation gives every impact's peak in every case to first order, so a step knows the runner-up peaks and load
+cases it will meet. The step minimises that model with the Lagrangian's curvature (`model_step`) and is compared by the
+true merit; the trust region grows or shrinks by the ratio of the actual to the predicted reduction (Nocedal and Wright,
+eq. 4.4).
 
 Where one more bounce decides over capture, the outcome is discontinuous, and no slope tells: a design beyond such a
 discontinuity is refused and remembered, and steps stay nearer to the present design than to it. So a search moves along
@@ -21,17 +20,17 @@ from .goal import ROOM, Goal, Tangent
 from .model_step import Cuts, ModelStep, Multipliers, best_step, residual, updated_curvature
 from .problem import Settings
 
-FIRST_RADIUS = 0.2  # of each variable's range
+FIRST_RADIUS = 0.2  # of the trust region, as a share of each variable's range
 LARGEST_RADIUS = 0.5
 SMALLEST_RADIUS = 1e-6
 RESTART_RADIUS = 0.01
-FIRST_PENALTY = 0.1  # raised until the model keeps to the limits; a large one makes steps along curved limits short
+FIRST_PENALTY = 0.1  # raised until the model is within the limits; a large one makes steps along curved limits short
 LARGEST_PENALTY = 1e5
 SCREENING_PENALTY = 10.0  # by which designs are ranked that break a limit
 AGREE = 0.01  # relative difference of objectives below which two searches agree
 CLIFFS = 12  # designs beyond a discontinuity that are remembered, the latest ones
 PATIENCE = 8  # steps that together must gain more than the tolerance
-FAIR_TRIAL = 5  # steps before a search may be given up as hopeless
+FAIR_TRIAL = 5  # steps before a search may be dropped as hopeless
 RUNNING, CONVERGED, STALLED, BEHIND = 0, 1, 2, 3
 
 

@@ -39,7 +39,7 @@ class Store:
     """The files of one tuning, in a folder that is locked until `close`; without a ``folder`` it keeps the log in
     memory only.
 
-    ``records``: the evaluations so far; ``state``: the arrays last given to `keep`, None before the first.
+    ``records``: the evaluations so far; ``state``: the arrays of the last `keep`, None before the first.
     """
 
     def __init__(self, folder: Path | None, fingerprint: str, resume: bool) -> None:
