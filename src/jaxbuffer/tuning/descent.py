@@ -18,7 +18,7 @@ from .model_step import residual
 from .problem import Problem, Settings
 from .rounds import anywhere, check_starts, size
 from .search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
-from .store import Record, Store, record_of
+from .store import Store, record_of
 from .tuned import Tuned, assess
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
@@ -41,7 +41,6 @@ def descend(
     settings: Settings,
     evaluator: Evaluator,
     store: Store,
-    report: Callable[[Record], None] | None,
 ) -> Tuned:
     """Tune by an optimiser: ``settings.starts`` designs are screened, the best ``settings.searches`` of them followed
     for ``settings.iterations`` steps each."""
@@ -51,10 +50,7 @@ def descend(
     search = Search(goal, scale, settings)
 
     def log(number: int, point: Evaluation, branch: Branch | None) -> None:
-        entry = record_of(goal, point, len(store.records), 0, number, branch)
-        store.append(entry)
-        if report is not None:
-            report(entry)
+        store.append(record_of(goal, point, len(store.records), 0, number, branch))
 
     for point in points:
         log(0, point, None)

@@ -158,15 +158,11 @@ def _of_quantity(
     """Describe a broken upper limit, or with a minus sign a lower one."""
     problem, k = goal.problem, int(np.argmax(excess))
     name = problem.names[q]
-    symbol, factor = shown = problem.catalogue[name].in_figures
+    quantity = problem.catalogue[name]
     value, falls = float(point.quantities[k, q]), limit > 0.0
-    heading = _heading(
-        goal,
-        f"{name} {'≤' if falls else '≥'} {factor * abs(limit):g} {symbol}".rstrip(" -"),
-        excess,
-        f"{factor * value:.4g} {symbol}".rstrip(" -"),
-    )
-    worst = WorstCase(value, abs(limit), abs(limit), point.quantities_slope[k, q], falls, shown)
+    text = f"{name} {'≤' if falls else '≥'} {quantity.in_words(abs(limit))}"
+    heading = _heading(goal, text, excess, quantity.in_words(value, 4))
+    worst = WorstCase(value, abs(limit), abs(limit), point.quantities_slope[k, q], falls, quantity.in_figures)
     return _broken(goal, point, excess, heading, worst)
 
 

@@ -153,7 +153,7 @@ class Limits:
         """Return a line for each limit that a run with these quantities and this number of impacts breaks."""
         sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
         lines = [
-            f"{name} {_in_words(catalogue, name, values[name], 4)} is {side} {_in_words(catalogue, name, limit)}"
+            f"{name} {catalogue[name].in_words(values[name], 4)} is {side} {catalogue[name].in_words(limit)}"
             for side, limits, sign in sides
             for name, limit in limits.items()
             if sign * values[name] > sign * limit
@@ -182,7 +182,7 @@ class Limits:
         """Return each limit on a quantity: "stroke ≤ 0.025 m"."""
         sides = (("≤", self.at_most), ("≥", self.at_least))
         return [
-            f"{name} {sign} {_in_words(catalogue, name, limit)}"
+            f"{name} {sign} {catalogue[name].in_words(limit)}"
             for sign, limits in sides
             for name, limit in limits.items()
         ]
@@ -214,12 +214,6 @@ class Then:
     def __post_init__(self) -> None:
         check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
         check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
-
-
-def _in_words(catalogue: Catalogue, name: str, value: float, digits: int = 6) -> str:
-    """Return a quantity's value in the unit that people are shown."""
-    unit, factor = catalogue[name].in_figures
-    return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
 
 
 def _units() -> dict[str, str]:

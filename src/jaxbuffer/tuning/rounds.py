@@ -6,7 +6,6 @@ around the best design so far, on all sides of its discontinuities.
 """
 
 import dataclasses
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from .goal import Ceiling, Goal
 from .message import end
 from .problem import Problem, Settings
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
-from .store import Progress, Record, Store, record_of
+from .store import Progress, Store, record_of
 from .tuned import Tuned, assess
 
 WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
@@ -34,7 +33,6 @@ class Rounds:
     settings: Settings
     evaluator: Evaluator
     store: Store
-    report: Callable[[Record], None] | None
 
     def run(self, progress: Progress | None) -> Progress:
         """Run all rounds of both stages, from stored progress if there is some."""
@@ -135,10 +133,7 @@ class Rounds:
 
     def _log(self, stage: int, number: int, search: Search, point: Evaluation, branch: Branch | None) -> None:
         """Log an evaluated design; ``branch`` is None for a start."""
-        entry = record_of(search.goal, point, len(self.store.records), stage, number, branch)
-        self.store.append(entry)
-        if self.report is not None:
-            self.report(entry)
+        self.store.append(record_of(search.goal, point, len(self.store.records), stage, number, branch))
 
     def result(self, progress: Progress) -> Tuned:
         """Return the best design, evaluated at tight tolerance."""

@@ -13,7 +13,7 @@ import math
 import os
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,12 +39,14 @@ class Store:
     """The files of one tuning, in a folder that is locked until `close`; without a ``folder`` it keeps the log in
     memory only.
 
-    ``records``: the evaluations so far; ``state``: the arrays of the last `keep`, None before the first.
+    ``records``: the evaluations so far; ``state``: the arrays of the last `keep`, None before the first; ``report``:
+    called with each record that is appended.
     """
 
     def __init__(self, folder: Path | None, fingerprint: str, resume: bool) -> None:
         self.folder, self.fingerprint, self.records = folder, fingerprint, list[Record]()
         self.state: dict[str, np.ndarray] | None = None
+        self.report: Callable[[Record], None] | None = None
         self.lines = b""
         if folder is None:
             if resume:
@@ -89,7 +91,7 @@ class Store:
             write(log, self.lines)
 
     def append(self, record: Mapping[str, Any]) -> None:
-        """Add one evaluation to the log."""
+        """Add one evaluation to the log and report it."""
         self.records.append(dict(record))
         if self.folder is not None:
             line = (json.dumps(record, allow_nan=False) + "\n").encode()
@@ -98,6 +100,8 @@ class Store:
                 log.write(line)
                 log.flush()
                 os.fsync(log.fileno())
+        if self.report is not None:
+            self.report(self.records[-1])
 
     def keep(self, state: Mapping[str, np.ndarray]) -> None:
         """Replace the state by the one after a step; the one before stays as the previous one."""

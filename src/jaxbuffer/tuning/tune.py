@@ -82,11 +82,12 @@ def tune(
         reported(report, lambda record: in_words(record, problem.mechanism.success)) as show,
     ):
         if show is not None:
-            for record in store.records:
+            for record in store.records:  # of the run that is resumed
                 show(record)
+        store.report = show
         if optimizer is not None:
-            return descend(problem, optimizer, chosen, evaluator, store, show)
-        rounds = Rounds(problem, chosen, evaluator, store, show)
+            return descend(problem, optimizer, chosen, evaluator, store)
+        rounds = Rounds(problem, chosen, evaluator, store)
         return rounds.result(rounds.run(Progress.read(store.state)))
 
 
