@@ -42,8 +42,11 @@ def descend(
     evaluator: Evaluator,
     store: Store,
 ) -> Tuned:
-    """Tune by an optimiser: ``settings.starts`` designs are screened, the best ``settings.searches`` of them followed
-    for ``settings.iterations`` steps each."""
+    """Tune by an optimiser.
+
+    It screens ``settings.starts`` designs and follows the best ``settings.searches`` of them for
+    ``settings.iterations`` steps each.
+    """
     goal, own = Goal(problem, problem.objective), problem.start()
     points = evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=False)
     scale = size(goal, points)

@@ -94,7 +94,7 @@ class Tuned:
 
     @property
     def feasible(self) -> bool:
-        """Whether the result keeps to every constraint."""
+        """Whether every constraint holds in the result."""
         return self.goal.feasible(self.after)
 
     @property
