@@ -28,11 +28,11 @@ def main(arguments: list[str] | None = None) -> int:
 
     from jaxbuffer import Limits, Objective, Problem, Variable, table2
     from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-    from jaxbuffer.tuning import Distribution, sample
+    from jaxbuffer.tuning import Case, Distribution, Scatter
     from jaxbuffer.tuning.evaluation import Evaluator
     from jaxbuffer.tuning.goal import Goal
+    from jaxbuffer.tuning.problem import Settings
     from jaxbuffer.tuning.search import Search
-    from jaxbuffer.tuning.settings import Settings
 
     variables = [Variable(path, *bounds) for path, bounds in PROBE_CONE.defaults.variables.items()]
     spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}
@@ -41,7 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     for heading in headings:
         table.add_column(heading, justify="right")
     for count in map(int, options.counts.split(",")):
-        cases = sample(count, spread, seed=1)
+        cases = Scatter(count, spread, seed=1).cases([Case(PROBE_CONE.scenario())], table2())
         problem = Problem(table2(), cases, variables, Objective(), Limits(at_most={"stroke": 0.025}))
         goal = Goal(problem, problem.objective)
         with Evaluator(problem) as evaluate:

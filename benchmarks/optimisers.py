@@ -101,7 +101,7 @@ class Watched:
         import numpy as np
 
         slopes = np.concatenate([point.peaks_slope[:, :1], point.rest_slope], axis=1)
-        parts = [-slopes[:, q] / limit for q, limit in self.goal.limited()]
+        parts = [-slopes[:, q] / limit for q, limit in self.goal.signed_limits()]
         return np.concatenate([*parts, point.margin_slope])
 
 

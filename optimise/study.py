@@ -14,8 +14,8 @@ from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config, design_toml, load
 from jaxbuffer.sweeps.store import ZARR
-from jaxbuffer.tuning.summary import in_words
-from jaxbuffer.tuning.table import tuning_history
+from jaxbuffer.tuning.store import in_words
+from jaxbuffer.tuning.tuned import tuning_history
 
 HERE = Path(__file__).parent
 

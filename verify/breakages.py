@@ -66,15 +66,15 @@ CHAINED = "tests/tuning/test_derived.py::test_slopes_are_those_of_the_function"
 
 
 def _lose_force_in_chain() -> None:
-    from jaxbuffer.tuning import composed
+    from jaxbuffer.tuning import evaluation
 
-    chained = composed.composed
+    chained = evaluation.compose
 
     def broken(*given):
         found = chained(*given)
         return found._replace(by_peak=0.0 * found.by_peak)
 
-    composed.composed = broken
+    evaluation.compose = broken
 
 
 def _lose_modal_force() -> None:

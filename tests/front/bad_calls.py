@@ -28,7 +28,7 @@ from jaxbuffer import (
     tune,
 )
 from jaxbuffer.mechanisms.probe_cone.parts import Buffer, Cone, Contact, Passive
-from jaxbuffer.tuning import Distribution, grid, sample
+from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)
 EFFORT = Derived(lambda peak_force, stroke: peak_force * stroke, "N m")
@@ -236,8 +236,10 @@ PYTHON = [
     call(lambda: Then({"stroke": 1.0}), "objective = {'stroke': 1.0} is not an Objective; write Then(Objective("),
     call(lambda: grid({"approach_speed": 0.1}), "grid.approach_speed = 0.1 is not a list of values in m/s"),
     call(lambda: grid({"approach_speed": ["fast"]}), "scenario.approach_speed: 'fast' is not a number", "m/s"),
-    call(lambda: sample(2.5, {"approach_speed": Distribution("uniform", 0.1, 0.2)}), "sample.count = 2.5 must be a"),
-    call(lambda: sample(2, {"approach_speed": (0.1, 0.2)}), "sample.approach_speed = (0.1, 0.2) is not a Distribution"),
+    call(lambda: Scatter(2.5, {"approach_speed": Distribution("uniform", 0.1, 0.2)}), "sample.count = 2.5 must be a"),
+    call(
+        lambda: Scatter(2, {"approach_speed": (0.1, 0.2)}), "sample.approach_speed = (0.1, 0.2) is not a Distribution"
+    ),
     call(lambda: Distribution("uniform", "a", 1.0), "uniform, first number: 'a' is not a number"),
     # tuning
     call(lambda: tune(table2()), "problem = Design(", "is not a Problem; write Problem("),

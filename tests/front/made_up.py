@@ -16,11 +16,10 @@ from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.sweep import Sweep, column_names
 from jaxbuffer.tuning import Problem
-from jaxbuffer.tuning.composed import composed
-from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
-from jaxbuffer.tuning.floor import Floor
+from jaxbuffer.tuning.checks import Floor
+from jaxbuffer.tuning.evaluation import PEAKS, Evaluation, compose
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.tuned import Tuned
 
 PARAMETERS, QUANTITIES = PROBE_CONE.defaults.parameters, PROBE_CONE.defaults.differentiated
@@ -122,7 +121,7 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
     peaks[:, 0] = share * (250.0 + 50.0 * np.arange(cases))
     rest = np.column_stack([1.5 * peaks[:, 0], peaks[:, 0] / 50.0, np.full(cases, 0.01), np.full(cases, 0.004)])
     rest = np.column_stack([rest, np.zeros(cases), np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)])
-    own = composed(problem, peaks[:, 0], rest, np.zeros((*rest.shape, n)))
+    own = compose(problem, peaks[:, 0], rest, np.zeros((*rest.shape, n)))
     return Evaluation(
         scaled=np.asarray(scaled),
         code=np.full(cases, int(Outcome.captured)),

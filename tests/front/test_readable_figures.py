@@ -21,7 +21,7 @@ from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
-from jaxbuffer.tuning.cases import Distribution, sample
+from jaxbuffer.tuning.cases import Distribution, Scatter
 from jaxbuffer.tuning.cases import grid as cases_of
 from jaxbuffer.tuning.pareto import Front
 
@@ -144,7 +144,7 @@ def sampled(count):
         "misalignment": Distribution("uniform", -0.02, 0.02),
         "passive_rate": Distribution("uniform", -0.01, 0.01),
     }
-    return sample(count, speeds, spread)
+    return Scatter(count, speeds, spread).cases([jb.Case(jb.Scenario())], jb.table2())
 
 
 MANY = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T", "buffer.free_length", "buffer.cylinder_mass",

@@ -5,7 +5,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.sweeps.store import SweepStore, identity
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.store import Store
 
 REPEAT = "repeat the study and the options of the first run, or choose another --output"

@@ -4,8 +4,7 @@ import numpy as np
 
 from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, Then, Variable, replace, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.tuning.composed import composed
-from jaxbuffer.tuning.evaluation import PEAKS, Evaluation
+from jaxbuffer.tuning.evaluation import PEAKS, Evaluation, compose
 
 QUANTITIES = PROBE_CONE.tuned
 
@@ -55,7 +54,7 @@ class Functions:
             if self.margin is not None:
                 margin[k], slope = gradient(self.margin, x)
                 margin_slope[k] = slope * stretch
-        own = composed(self.problem, peaks[:, 0], rest, rest_slope)
+        own = compose(self.problem, peaks[:, 0], rest, rest_slope)
         code = np.where(margin >= 0.0, int(Outcome.captured), int(Outcome.timeout))
         return Evaluation(
             scaled=scaled,

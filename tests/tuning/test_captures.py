@@ -5,8 +5,8 @@ import pytest
 
 from jaxbuffer import Case, Outcome, Problem, Scenario, Variable, get, replace, simulate, table2, tune
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
+from jaxbuffer.tuning.checks import floor
 from jaxbuffer.tuning.evaluation import Evaluator
-from jaxbuffer.tuning.floor import floor
 from verification.cases import CASES, PARAMETERS
 from verification.cases import PATHS as NAMES
 from verification.test_first_impact import closed_form

@@ -7,13 +7,12 @@ from scipy.optimize import minimize_scalar
 
 import jaxbuffer as jb
 from jaxbuffer import Derived, InputError, Limits, Objective, Then
-from jaxbuffer.tuning import judged
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.derived import RESERVED
 from jaxbuffer.tuning.evaluation import Evaluator
 from jaxbuffer.tuning.goal import Goal, Tangent
 from jaxbuffer.tuning.model_step import best_step
-from jaxbuffer.tuning.record import record
+from jaxbuffer.tuning.store import record_of
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_model_step import CURVATURE, PEAKS, SCALE
@@ -37,7 +36,7 @@ def solve(monkeypatch):
         functions = Functions(asked, peaks, rest)
         functions.dies_after = dies_after
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr(judged, "floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
         return tune(asked, **{"starts": 1, "searches": 1, **settings})
 
     return run
@@ -146,7 +145,7 @@ def test_a_tuning_resumes_with_the_same_function_only(solve, tmp_path):
 def test_keys_of_a_record_are_no_names():
     asked = stated(lambda peak_force: peak_force**2)
     point = Functions(asked, [shifted(CB2, SHIFT)]).one(asked.start())
-    keys = set(record(Goal(asked, asked.objective), point, 0, 0, 0, None))
+    keys = set(record_of(Goal(asked, asked.objective), point, 0, 0, 0, None))
     assert keys - set(asked.names) <= RESERVED
 
 
@@ -186,7 +185,7 @@ def test_a_sum_as_a_function_is_the_built_in_sum(evidence, programs):
     assert own.captures == usual.captures
     source = "the same tuning by a weighted sum"
     evidence(TOPIC, "least sum of two quantities", abs(own.objective[1] / usual.objective[1] - 1), 1e-9, source, "-")
-    slopes = [judged.objective_slope(t.goal, t.before, np.ones(1))[0] for t in (own, usual)]
+    slopes = [t.goal.slope(t.before, np.ones(1))[0] for t in (own, usual)]
     evidence(TOPIC, "slope of a sum of two quantities", abs(slopes[0] / slopes[1] - 1), 1e-12, source, "-")
 
 

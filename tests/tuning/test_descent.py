@@ -5,7 +5,7 @@ import optax
 import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Then
-from jaxbuffer.tuning import judged, tune
+from jaxbuffer.tuning import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_search import PUBLISHED, SHIFT
 
@@ -17,7 +17,7 @@ def solve(monkeypatch):
     def run(stated, peaks, rest=None, optimizer=None, **settings):
         functions = Functions(stated, peaks, rest)
         monkeypatch.setattr(tune, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr(judged, "floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
         chosen = {"starts": 1, "searches": 1, "iterations": 300, **settings}
         schedule = optax.exponential_decay(0.02, 20, 0.7)
         return tune.tune(stated, optimizer=optimizer or optax.adam(schedule), **chosen)

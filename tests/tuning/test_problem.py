@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Case, InputError, Limits, Objective, Problem, Scenario, Then, Variable, get, replace, table2
-from jaxbuffer.tuning import Distribution, grid, sample
+from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)
 
@@ -60,14 +60,18 @@ def test_the_start_and_the_built_case():
     assert (get(built, "buffer.k_A"), get(built, "contact.friction")) == pytest.approx((2200.0, 0.9 * 0.33))
 
 
+def sampled(*numbers, seed=0):
+    return Scatter(*numbers, seed).cases([Case(Scenario())], table2())
+
+
 def test_grid_and_sample():
     cases = grid({"approach_speed": [0.1, 0.2], "misalignment": [-0.05, 0.0, 0.05]}, Scenario(passive_rate=0.01))
     assert len(cases) == 6 and {case.scenario.passive_rate for case in cases} == {0.01}
     assert (cases[5].scenario.approach_speed, cases[5].scenario.misalignment) == (0.2, 0.05)
     spread = {"approach_speed": Distribution("uniform", 0.1, 0.3), "misalignment": Distribution("normal", 0.0, 0.02)}
     factors = {"buffer.k_A": Distribution("uniform", 0.9, 1.1)}
-    drawn = sample(100, spread, factors, seed=3)
-    assert drawn == sample(100, spread, factors, seed=3) != sample(100, spread, factors, seed=4)
+    drawn = sampled(100, spread, factors, seed=3)
+    assert drawn == sampled(100, spread, factors, seed=3) != sampled(100, spread, factors, seed=4)
     speeds = np.sort([case.scenario.approach_speed for case in drawn])
     assert np.all(np.abs(speeds - np.linspace(0.101, 0.299, 100)) < 0.0011), "one in every hundredth: a Latin hypercube"
     angles = np.array([case.scenario.misalignment for case in drawn])
@@ -127,8 +131,11 @@ def test_bad_problems(fields, message):
         (lambda: Distribution("triangle", 2.0, 1.0), "'triangle' is unknown"),
         (lambda: grid({"speed": [1.0]}), "speed is unknown"),
         (lambda: grid({"approach_speed": []}), r"grid\.approach_speed is empty"),
-        (lambda: sample(0, {"approach_speed": Distribution("uniform", 1.0, 2.0)}), r"sample\.count = 0"),
-        (lambda: sample(2, {}, {"buffer.damping": Distribution("uniform", 1.0, 2.0)}), "not a number that can scatter"),
+        (lambda: sampled(0, {"approach_speed": Distribution("uniform", 1.0, 2.0)}), r"sample\.count = 0"),
+        (
+            lambda: sampled(2, {}, {"buffer.damping": Distribution("uniform", 1.0, 2.0)}),
+            "not a number that can scatter",
+        ),
     ],
 )
 def test_bad_parts(make, message):

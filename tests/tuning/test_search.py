@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from jaxbuffer import InputError, Limits, Objective, Outcome, Then
-from jaxbuffer.tuning import judged, search
+from jaxbuffer.tuning import search
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.settings import Settings
+from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
 
@@ -21,7 +21,7 @@ def solve(monkeypatch):
     def run(stated, peaks, rest=None, margin=None, **settings):
         functions = Functions(stated, peaks, rest, margin)
         monkeypatch.setattr(module, "Evaluator", lambda *_: functions)
-        monkeypatch.setattr(judged, "floor", lambda *_: None)
+        monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
         return tune(stated, **{"starts": 1, "searches": 1, **settings}), functions
 
     return run
@@ -218,7 +218,7 @@ def test_a_curvature_that_holds_a_search_up_is_forgotten_once():
     rules = search.Search(Goal(stated, stated.objective), 27.0, Settings())
     start = rules.begin(functions.one(stated.start()))
     held_up = start._replace(curvature=1e6 * np.eye(2), merits=np.zeros_like(start.merits))
-    ((_, _, restarted),) = search.advanced(rules, [held_up], functions)
+    ((_, _, restarted),) = search.advance(rules, [held_up], functions)
     assert restarted.status == search.RUNNING and not np.any(restarted.curvature)
-    ((_, _, stalled),) = search.advanced(rules, [held_up._replace(restarted=0.0)], functions)
+    ((_, _, stalled),) = search.advance(rules, [held_up._replace(restarted=0.0)], functions)
     assert stalled.status == search.STALLED, "no gain since the last time"

@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from jaxbuffer import Objective, Outcome, Problem, Scenario, Then, Variable, table2
-from jaxbuffer.tuning import floor as floors
-from jaxbuffer.tuning import judged
+from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
-from jaxbuffer.tuning.evaluation import Evaluator, Measured
-from jaxbuffer.tuning.floor import floor
-from jaxbuffer.tuning.message import borne_out
-from jaxbuffer.tuning.progress import Progress
-from jaxbuffer.tuning.settings import Settings
-from jaxbuffer.tuning.starts import anywhere, around
-from jaxbuffer.tuning.summary import tuned_table
+from jaxbuffer.tuning.checks import floor
+from jaxbuffer.tuning.evaluation import Evaluator, Measurement
+from jaxbuffer.tuning.message import agreement_in_words
+from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.tuning.rounds import anywhere, around
+from jaxbuffer.tuning.store import Progress
 from jaxbuffer.tuning.tune import tune
+from jaxbuffer.tuning.tuned import tuned_table
 from tuning.analytic import Functions, problem
 
 SHIFT = 10.0
@@ -40,7 +39,7 @@ def stated(**fields):
 @pytest.fixture
 def solve(monkeypatch):
     """`tune` at its defaults, on functions instead of captures; ``dies_after`` so many batches."""
-    monkeypatch.setattr(judged, "floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
 
     def run(margin, dies_after=None, fields=None, **settings):
         functions = Functions(stated(**(fields or {})), [[falling]], {"peak_hinge_force": lambda x: x[0]}, margin)
@@ -80,7 +79,7 @@ def test_where_searches_end_apart_the_message_says_so(solve):
 )
 def test_the_message_claims_no_more_than_the_searches_show(apart, said):
     progress = Progress(0, 1, 1.0, np.nan, 4, apart, None, ())
-    assert borne_out(progress, "raise …").startswith(said)
+    assert agreement_in_words(progress, "raise …").startswith(said)
 
 
 def test_searches_that_agree_end_the_rounds(solve):
@@ -152,7 +151,7 @@ def test_a_design_that_does_not_fit_is_a_lost_case():
 def hertz(wanted, design, scenario, duration, rtol):
     """Stands in for `measure`: a first impact of 100 N at an angle of 1, falling with it by 50 N/rad."""
     angle = float(design.cone.half_angle)
-    found = Measured.lost(askew())
+    found = Measurement.lost(askew())
     peaks, slope = np.zeros(24), np.zeros((24, 1))
     peaks[0], slope[0] = 100.0 + 50.0 * (1.0 - angle), -50.0
     return found._replace(code=int(Outcome.timeout), peaks=peaks, first=peaks[0], peaks_slope=slope)
@@ -160,7 +159,7 @@ def hertz(wanted, design, scenario, duration, rtol):
 
 def test_the_lowest_floor_is_looked_for_among_designs_that_fit(monkeypatch):
     """It falls with the angle up to π/2 - 0.5, where designs cease to fit: 100 + 50 (1 - 1.0708) N."""
-    monkeypatch.setattr(floors, "measure", hertz)
+    monkeypatch.setattr(checks, "measure", hertz)
     stated_ = askew()
     found = floor(stated_, stated_.start())
     edge = np.pi / 2 - 0.5
@@ -173,7 +172,7 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
     from front.made_up import made_up_tuning
 
     stated_ = askew()
-    monkeypatch.setattr(floors, "measure", lambda *_: Measured.lost(stated_))
+    monkeypatch.setattr(checks, "measure", lambda *_: Measurement.lost(stated_))
     found = floor(stated_, stated_.start())
     assert found.unknown == 1 and np.isnan(found.lowest)
     tuned = made_up_tuning(stated_)

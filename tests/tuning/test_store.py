@@ -6,7 +6,6 @@ import shutil
 import pytest
 
 from jaxbuffer import InputError, Objective, Then
-from jaxbuffer.tuning import judged
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.tune import tune
 from tuning.analytic import Functions, problem, shifted
@@ -22,7 +21,7 @@ def stated():
 
 @pytest.fixture
 def run(monkeypatch):
-    monkeypatch.setattr(judged, "floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
 
     def call(folder, dies_after=None, **options):
         functions = Functions(stated(), [shifted(CB2, SHIFT)], {"peak_hinge_force": lambda x: 1 + (x[1] - 12) ** 2})

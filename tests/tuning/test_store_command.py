@@ -8,7 +8,6 @@ import jaxbuffer.compiling.process
 import jaxbuffer.output.results
 from jaxbuffer.cli.entry import run
 from jaxbuffer.study.config import load
-from jaxbuffer.tuning import judged
 from jaxbuffer.tuning import tune as module
 from tuning.analytic import Functions, shifted
 from tuning.test_search import CB2, SHIFT
@@ -39,7 +38,7 @@ def tune(monkeypatch, tmp_path):
         jaxbuffer.output.results, "tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
-    monkeypatch.setattr(judged, "floor", lambda *_: None)
+    monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
 
     def call(*words, dies_after=None):
         def evaluator(problem, workers, *_):

@@ -8,7 +8,6 @@ import pytest
 
 from jaxbuffer import InputError
 from jaxbuffer.files import Lock
-from jaxbuffer.tuning import judged
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.tune import best_so_far, tune
 from test_files import room_for
@@ -56,7 +55,7 @@ def finished(folder, dies_after=None, **options):
     functions.dies_after = dies_after
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "Evaluator", lambda *_: functions)
-        patch.setattr(judged, "floor", lambda *_: None)
+        patch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
         return tune(STATED, **{**SETTINGS, **options}, folder=folder)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.goal import Goal
-from jaxbuffer.tuning.why import broken_limits
+from jaxbuffer.tuning.message import broken_limits
 from tuning.analytic import Functions, Limits, problem
 
 LOW, HIGH = [1.0, 1.0], [10.0, 4.0]
@@ -50,19 +50,19 @@ def test_a_weak_variable_at_its_bound_is_named_if_no_other_is_strong():
     _, _, (limit,) = at(15.0)
     assert limit.reason == "it would fall with buffer.c_A above its bound of 4 N s/m (-0.013 N per 1 %)"
     _, _, (limit,) = at(11.0)
-    assert limit.held == ("buffer.c_A",) and ", to about 12 N s/m (-0.0099 N per 1 %)" in limit.reason
+    assert limit.at_bounds == ("buffer.c_A",) and ", to about 12 N s/m (-0.0099 N per 1 %)" in limit.reason
 
 
 def test_a_limit_that_no_variable_moves():
     _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), lambda x: 15.0 + 0.0 * x[0], [5.0, 4.0])
-    assert "no variable changes it: the limit can't be kept" in limit.reason and limit.held == ()
+    assert "no variable changes it: the limit can't be kept" in limit.reason and limit.at_bounds == ()
 
 
 def test_rounding_at_a_bound_holds_nothing_back():
     """A slope of 1e-12 N per unit of y, at its bound, is none."""
     flat = lambda x: 15.0 - 1e-12 * x[1]  # noqa: E731
     _, _, (limit,) = broken(Limits(at_most={"peak_hinge_force": 10.0}), flat, [5.0, 4.0])
-    assert "no variable changes it" in limit.reason and limit.held == ()
+    assert "no variable changes it" in limit.reason and limit.at_bounds == ()
 
 
 def test_a_variable_inside_its_bounds_is_said_apart():

@@ -21,7 +21,7 @@ from rich.progress import (
 )
 
 if TYPE_CHECKING:
-    from ..tuning import Record
+    from ..tuning.store import Record
 
 T = TypeVar("T")
 
@@ -50,7 +50,7 @@ def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None 
 
     ``success``: how runs should end; ``most`` evaluations that there can be.
     """
-    from ..tuning.summary import in_words
+    from ..tuning.store import in_words
 
     begin = said = time.monotonic()
 

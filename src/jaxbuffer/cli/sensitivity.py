@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from .exits import fail
-from .limits import asked_limits, keeps_limits
+from .limits import keeps_limits, study_constraints
 from .request import Request, ScenarioNumber, given
 from .scheduler import Scheduler
 
@@ -45,7 +45,7 @@ def sensitivity(
       jaxbuffer sensitivity --of peak_force --of impact.1.peak_force --of capture_margin --certify thorough
     """
     study = request.one_scenario(scenario_number)
-    limits = asked_limits(study)
+    limits = study_constraints(study)
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     from ..errors import check_choice
     from ..fields import check_numbers

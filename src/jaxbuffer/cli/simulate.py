@@ -4,7 +4,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from .exits import fail
-from .limits import asked_limits, keeps_limits
+from .limits import keeps_limits, study_constraints
 from .request import Request, ScenarioNumber
 from .streams import note
 from .trust import Trust, asked_for
@@ -41,7 +41,7 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
-    limits, name = asked_limits(study), study.mechanism.run_name
+    limits, name = study_constraints(study), study.mechanism.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
     run, closer = simulated(study, request.output is not None, asked_for(trust))

@@ -18,7 +18,7 @@ def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") 
         return INTERRUPTED
     from ..errors import InputError
     from ..study.designs import tuned_toml
-    from ..tuning.summary import objective_in_words
+    from ..tuning.store import objective_in_words
     from ..tuning.tune import best_so_far
 
     try:

@@ -36,6 +36,11 @@ class Quantity(NamedTuple):
         """The unit that people are shown, and how many of those its own unit is."""
         return self.shown or (self.unit, 1.0)
 
+    def in_words(self, value: float, digits: int = 6) -> str:
+        """Return a value in the unit that people are shown: "7.1 mm"."""
+        unit, factor = self.in_figures
+        return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
+
 
 Catalogue = Mapping[str, Quantity]
 

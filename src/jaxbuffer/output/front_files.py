@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fields import get, unit
 from ..study.designs import tuned_toml
-from ..tuning.front_summary import standing
+from ..tuning.pareto import point_status
 from .formats import Contents, Made, csv_text, json_text, table_json
 from .records import tuned_comment
 from .style import BLUE, GREY, RED, both, label, panels, styled
@@ -58,7 +58,7 @@ def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         kept = [None if np.isinf(limit) else float(limit) for limit in limits]
-        told = [float(point.residual), float(point.gradient_error), point.converged, standing(front, k)]
+        told = [float(point.residual), float(point.gradient_error), point.converged, point_status(front, k)]
         rows.append(
             [k + 1, *map(float, values), *kept, *told, *(float(get(point.design, v.path)) for v in problem.variables)]
         )

@@ -14,22 +14,22 @@ from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run, history_columns, rising
 from ..sensitivities.result import advice, sensitivity_rows
 from ..tuning.message import headline
-from ..tuning.summary import SHOWN, tuned_warnings
+from ..tuning.tuned import SHOWN, tuned_warnings
 from ..version import version
 
 if TYPE_CHECKING:
     from ..run.trust import Trust
     from ..sensitivities.sensitivity import Sensitivity
-    from ..tuning.asked import Asked
     from ..tuning.derived import Derived
     from ..tuning.evaluation import Evaluation
+    from ..tuning.objective import Constraints
     from ..tuning.tuned import Tuned
 
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run, asked: "Asked | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
-    """Everything but the history. Impacts count from 1. ``asked``: by the run's study; ``trust`` in its numbers."""
+def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
+    """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
     mechanism, names = run.mechanism, run.mechanism.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
@@ -37,7 +37,7 @@ def run_record(run: Run, asked: "Asked | None" = None, trust: "Trust | None" = N
         "kind": mechanism.name,
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
-        **_asked_record(run, asked),
+        **_constraints_record(run, constraints),
         "trust": None if trust is None else _trust_record(trust),
         "rising": rising(run),
         "outside_validity": mechanism.warnings(run),
@@ -71,15 +71,15 @@ def run_record(run: Run, asked: "Asked | None" = None, trust: "Trust | None" = N
     }
 
 
-def _asked_record(run: Run, asked: "Asked | None") -> dict[str, Any]:
-    if asked is None:
+def _constraints_record(run: Run, constraints: "Constraints | None") -> dict[str, Any]:
+    if constraints is None:
         return {"limits": {}, "lower_limits": {}, "most_impacts": None, "quantities": {}, "limited": {}}
     return {
-        "limits": dict(asked.limits.at_most),
-        "lower_limits": dict(asked.limits.at_least),
-        "most_impacts": asked.limits.impacts,
-        "quantities": own_record(asked.own),
-        "limited": {name: _number(value) for name, value in asked.values(run).items()},
+        "limits": dict(constraints.limits.at_most),
+        "lower_limits": dict(constraints.limits.at_least),
+        "most_impacts": constraints.limits.impacts,
+        "quantities": own_record(constraints.own),
+        "limited": {name: _number(value) for name, value in constraints.values(run).items()},
     }
 
 
@@ -287,7 +287,7 @@ def tuned_comment(tuned: "Tuned") -> str:
         f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
-        peaks = f"{tuned.before.quantities[k, 0]:.6g} N, {tuned.after.quantities[k, 0]:.6g} N"
+        peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
         lines.append(f"  peak at {problem.mechanism.label(scenario, problem.scenarios_met)}: {peaks}")
     return "\n".join(lines)
 

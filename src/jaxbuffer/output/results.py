@@ -14,14 +14,16 @@ if TYPE_CHECKING:
     from ..sensitivities.sensitivity import Sensitivity
     from ..sweeps.computed import Computed
     from ..sweeps.swept import Swept
-    from ..tuning.asked import Asked
+    from ..tuning.objective import Constraints
     from ..tuning.tuned import Tuned
 
 
-def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust: "Trust | None" = None) -> Contents:
+def run_files(
+    run: "Run", made: Made = None, constraints: "Constraints | None" = None, trust: "Trust | None" = None
+) -> Contents:
     """Of `jaxbuffer simulate`, named after what the mechanism calls a run.
 
-    **Arguments:** ``run``: with its history; ``made``: how it came about; ``asked``: by its study;
+    **Arguments:** ``run``: with its history; ``made``: how it came about; ``constraints``: of its study;
     ``trust``: how far its numbers can be trusted.
     """
     from ..labelled.netcdf import SUFFIX, content
@@ -35,7 +37,7 @@ def run_files(run: "Run", made: Made = None, asked: "Asked | None" = None, trust
 
     name, label = run.mechanism.run_name, run.mechanism.label(run.scenario)
     return {
-        f"{name}.json": lambda: json_text(_told(run_record(run, asked, trust), made)),
+        f"{name}.json": lambda: json_text(_told(run_record(run, constraints, trust), made)),
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
@@ -64,7 +66,7 @@ def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None]
     from ..errors import InputError
     from ..run.simulate import simulate
     from ..study.designs import tuned_toml
-    from ..tuning.table import tuning_history
+    from ..tuning.tuned import tuning_history
     from .force_record import force_record
     from .records import tuned_comment, tuned_record
     from .style import both

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..tuning.tuned import Tuned
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
-PEAK = 0  # the column of a case's peak force among its quantities
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
 LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
@@ -70,16 +69,16 @@ def _asked(problem: Any, objective: Any) -> str:
 
 def worst_case(tuned: "Tuned") -> int:
     """Which scenario has the largest contact force with the tuned design."""
-    return int(np.argmax(tuned.after.quantities[:, PEAK]))
+    return int(np.argmax(tuned.after.peak_force))
 
 
 def _cases(axes: "Axes", tuned: "Tuned") -> None:
     """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
-    drawn = np.sort(np.argsort(-tuned.after.quantities[:, PEAK], kind="stable")[:MOST])
+    drawn = np.sort(np.argsort(-tuned.after.peak_force, kind="stable")[:MOST])
     row = np.arange(len(drawn))
-    peaks = [point.quantities[drawn, PEAK] for point in (tuned.before, tuned.after)]
+    peaks = [point.peak_force[drawn] for point in (tuned.before, tuned.after)]
     axes.hlines(row, peaks[0], peaks[1], color=GREY, linewidth=1.0, zorder=1)
     for (name, colour, marker), point, forces in zip(POINTS, (tuned.before, tuned.after), peaks, strict=True):
         met = point.succeeded[drawn]

@@ -34,7 +34,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid
-from ..tuning.settings import Settings
+from ..tuning.problem import Settings
 from .mistaken import no_file, no_table, no_toml
 from .sample_toml import read_sample
 

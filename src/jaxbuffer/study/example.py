@@ -11,7 +11,7 @@ import tomli_w
 from ..errors import range_text
 from ..fields import Part, get, meaning, metadata, unit_at
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.settings import Settings
+from ..tuning.problem import Settings
 from .config import Options, sections
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line

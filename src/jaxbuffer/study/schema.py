@@ -12,8 +12,7 @@ from ..experiments.points import METHODS
 from ..fields import Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
 from ..sweeps.grid import SCALES as RANGES
-from ..tuning.problem import SCALES
-from ..tuning.settings import Settings
+from ..tuning.problem import SCALES, Settings
 from .config import KINDS, Options, sections
 
 DIALECT = "http://json-schema.org/draft-07/schema#"

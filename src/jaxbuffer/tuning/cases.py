@@ -1,5 +1,4 @@
-"""The runs that a design must serve, and many of them from few words: a grid over scenario fields, or samples and
-corners of what scatters."""
+"""Load cases, the runs that a design must serve: one by one, as a grid of scenarios, or sampled from what scatters."""
 
 import dataclasses
 import itertools
@@ -12,7 +11,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
 from ..fields import Part, check_path, get, replace, unit
-from ..mechanisms import mechanism_named
+from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
 
 KINDS = ("uniform", "normal")
@@ -24,7 +23,7 @@ ONE_NUMBER = "a distribution has two numbers"
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """One run the design must serve.
+    """A load case: one run that the design must serve.
 
     **Arguments:**
 
@@ -57,20 +56,23 @@ class Case:
             check_single(f"case's factor on {pair[0]}", pair[1], "-", "a case is one run")
 
     def label(self, among: Sequence["Case"] = ()) -> str:
-        """What people call the case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
+        """Return what people call the load case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
         factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
         return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
             factors
         )
 
     def of(self, design: Part) -> Part:
-        """The mechanism as built."""
+        """Return the design as built."""
         return replace(design, {path: float(get(design, path)) * factor for path, factor in self.factors})
 
 
 @dataclasses.dataclass(frozen=True)
 class Distribution:
-    """How a number scatters: "uniform" between ``first`` and ``second``, or "normal" with mean and deviation."""
+    """A distribution says how a number scatters.
+
+    It is "uniform" between ``first`` and ``second``, or "normal" with mean and deviation.
+    """
 
     kind: str
     first: float
@@ -83,8 +85,8 @@ class Distribution:
         check_single(f"{self.kind}, second number", self.second, "-", ONE_NUMBER, **low, low_open=True)
 
     def at(self, share: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-        """Quantiles."""
-        from scipy.stats import norm
+        """Return the quantiles of these shares."""
+        from scipy.stats import norm  # takes seconds to import, which a command without samples is spared
 
         if self.kind == "uniform":
             return self.first + share * (self.second - self.first)
@@ -100,7 +102,7 @@ class Distribution:
 
 @dataclasses.dataclass(frozen=True)
 class Scatter:
-    """How scenarios and the built design scatter.
+    """How scenarios and the built design scatter, to sample load cases from.
 
     **Arguments:**
 
@@ -122,21 +124,21 @@ class Scatter:
         check_whole("sample.seed", self.seed, 0)
         if not self.fields and not self.factors:
             raise InputError("sample: nothing scatters; give a field of the scenario or of the design a distribution")
-        for name, given in (*self.fields.items(), *self.factors.items()):
-            check_type(f"sample.{name}", given, Distribution, "Distribution('uniform', 0.9, 1.1)")
+        for name, distribution in (*self.fields.items(), *self.factors.items()):
+            check_type(f"sample.{name}", distribution, Distribution, "Distribution('uniform', 0.9, 1.1)")
 
     @property
     def distributions(self) -> dict[str, Distribution]:
         """All of them, the scenario's first, by the address of their number."""
-        return {f"scenario.{name}": given for name, given in self.fields.items()} | dict(self.factors)
+        return {f"scenario.{name}": distribution for name, distribution in self.fields.items()} | dict(self.factors)
 
     def cases(self, scenarios: Sequence[Case], design: Part) -> tuple[Case, ...]:
-        """The samples, each at every scenario. ``design``: to check the paths of ``factors`` with.
+        """Return the samples, each at every scenario. ``design``: to check the paths of ``factors`` with.
 
         **Raises:** `InputError` for unknown fields, those that are no numbers, ends of a range that a scenario does not
         allow, and too many cases.
         """
-        from scipy.stats import qmc
+        from scipy.stats import qmc  # takes seconds to import
 
         if (most := MOST // len(scenarios)) < self.count:
             raise InputError(f"sample.count = {self.count} is out of range; allowed: [1, {most}]")
@@ -153,7 +155,7 @@ class Scatter:
         return self._at(scenarios, np.array(spread).T)
 
     def corners(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
-        """The corners of all ranges, each at every scenario: every one of up to six ranges, of more a fraction.
+        """Return the corners of all ranges, each at every scenario: every one of up to six ranges, of more a fraction.
 
         In the fraction each two ranges, and each three of up to 32, take all combinations of their ends equally often.
         It is a two-level fractional factorial design (Box and Hunter, 1961): a range is at its high end where an odd
@@ -163,28 +165,31 @@ class Scatter:
         basic = min(count, max(WHOLE_CORNERS, count.bit_length()))
         sets = sorted(range(1, 2**basic), key=lambda it: (it.bit_count() % 2 == 0, it.bit_count()))[:count]
         high = np.array([[(row & it).bit_count() % 2 for it in sets] for row in range(2**basic)])
-        ends = np.array([given.range for given in self.distributions.values()])
+        ends = np.array([it.range for it in self.distributions.values()])
         return self._at(scenarios, np.where(high, ends[:, 1], ends[:, 0]))
 
     def middle(self, scenarios: Sequence[Case]) -> tuple[Case, ...]:
-        """The middle of all ranges at every scenario."""
+        """Return the middle of all ranges at every scenario."""
         return self._at(scenarios, np.array([[np.mean(given.range) for given in self.distributions.values()]]))
 
     def _at(self, scenarios: Sequence[Case], rows: Float[np.ndarray, "n numbers"]) -> tuple[Case, ...]:
-        """Each row of numbers at every scenario, all rows of the first one first."""
-        split, names, found = len(self.fields), [*self.distributions], list[Case]()
+        """Return each row of numbers at every scenario, all rows of the first one first."""
+        split, names, cases = len(self.fields), [*self.distributions], list[Case]()
         for case, row in itertools.product(scenarios, rows.tolist()):
             scenario = dataclasses.replace(case.scenario, **dict(zip(self.fields, row[:split], strict=True)))
             drawn = dict(zip(names[split:], row[split:], strict=True))
             factors = dict(case.factors)
             factors |= {path: factor * factors.get(path, 1.0) for path, factor in drawn.items()}
-            found.append(Case(scenario, tuple(factors.items())))
-        return tuple(found)
+            cases.append(Case(scenario, tuple(factors.items())))
+        return tuple(cases)
 
 
 def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:
-    """Every combination of the listed values of scenario fields; the others are ``base``'s (default: a capture's)."""
-    base = mechanism_named("probe_cone").scenario() if base is None else base
+    """Return every combination of the listed values of scenario fields.
+
+    The other fields are those of ``base``, by default of the first mechanism's scenario.
+    """
+    base = all_mechanisms()[0].scenario() if base is None else base
     check_type("grid's fields", fields, Mapping, "grid({'approach_speed': [0.1, 0.2]})")
     for name, values in fields.items():
         check_path(base, name)
@@ -198,18 +203,3 @@ def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tup
         Case(dataclasses.replace(base, **dict(zip(fields, values, strict=True))))
         for values in itertools.product(*fields.values())
     )
-
-
-def sample(
-    count: int,
-    fields: Mapping[str, Distribution],
-    factors: Mapping[str, Distribution] | None = None,
-    *,
-    seed: int = 0,
-    base: Part | None = None,
-    design: Part | None = None,
-) -> tuple[Case, ...]:
-    """The cases of a `Scatter` about one scenario, ``base``; ``design``: to check the paths of ``factors`` with."""
-    base = mechanism_named("probe_cone").scenario() if base is None else base
-    design = mechanism_of_scenario(base).design() if design is None else design
-    return Scatter(count, fields, factors or {}, seed).cases([Case(base)], design)

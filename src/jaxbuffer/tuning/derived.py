@@ -5,7 +5,7 @@ import functools
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,9 +16,7 @@ from ..compiling.identity import fingerprint, lasting
 from ..errors import InputError, shown, suggest
 from ..fields.units import check_unit
 from ..mechanisms.quantity import Catalogue, Quantity
-
-if TYPE_CHECKING:
-    from ..mechanisms.run import Run
+from ..mechanisms.run import Run
 
 EXAMPLE = "Derived(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
@@ -74,12 +72,12 @@ class Derived:
             if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
                 raise InputError(f"{self.label}: its parameter {parameter} names no quantity; write {EXAMPLE}")
             if parameter.default is not parameter.empty:
-                told = "each parameter is a quantity of the run; write constants into the function"
-                raise InputError(f"{self.label}: its parameter {parameter.name} has a default value; {told}")
+                remedy = "each parameter is a quantity of the run; write constants into the function"
+                raise InputError(f"{self.label}: its parameter {parameter.name} has a default value; {remedy}")
         check_traced(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the arguments: what is derived from them holds compiled code."""
+        """Pickle the arguments only, because what is made of them contains compiled code."""
         return type(self), (self.function, self.unit, self.description)
 
     @functools.cached_property
@@ -92,7 +90,7 @@ class Derived:
 
     @property
     def label(self) -> str:
-        """What messages call it: "effort(peak_force, stroke)"."""
+        """What messages call it: "function effort"."""
         name = getattr(self.function, "__name__", type(self.function).__name__)
         return name if name == "<lambda>" else f"function {name}"
 
@@ -102,38 +100,41 @@ class Derived:
         return f"{self.label.removeprefix('function ')}({', '.join(self.parameters)})"
 
     def value(self, values: Sequence[Any]) -> Float[Array, ""]:
-        """Its value from those of its parameters, in their order, each in its unit."""
-        found = self.function(**dict(zip(self.parameters, values, strict=True)))
-        if not isinstance(found, (int, float, np.number, np.ndarray, jax.Array)) or isinstance(found, bool):
-            raise InputError(f"{self.label} returns {shown(found)}, not a number")
-        if jnp.shape(found) != ():
-            raise InputError(f"{self.label} returns an array of the shape {jnp.shape(found)}, not one number")
-        if not jnp.issubdtype(jnp.result_type(found), jnp.number) or jnp.iscomplexobj(found):
-            raise InputError(f"{self.label} returns a number of the type {jnp.result_type(found)}, not a real one")
-        return jnp.asarray(found, float)
+        """Return its value from those of its parameters, in their order, each in its unit."""
+        result = self.function(**dict(zip(self.parameters, values, strict=True)))
+        if not isinstance(result, (int, float, np.number, np.ndarray, jax.Array)) or isinstance(result, bool):
+            raise InputError(f"{self.label} returns {shown(result)}, not a number")
+        if jnp.shape(result) != ():
+            raise InputError(f"{self.label} returns an array of the shape {jnp.shape(result)}, not one number")
+        if not jnp.issubdtype(jnp.result_type(result), jnp.number) or jnp.iscomplexobj(result):
+            raise InputError(f"{self.label} returns a number of the type {jnp.result_type(result)}, not a real one")
+        return jnp.asarray(result, float)
 
     @functools.cached_property
     def linearised(self) -> Callable[[Array], tuple[Array, Array]]:
-        """From values (n, parameters) to what it returns (n,) and its derivatives (n, parameters): compiled once."""
+        """The compiled function from values (n, parameters) to results (n,) and derivatives (n, parameters)."""
 
         def one(values: Float[Array, " parameters"]) -> tuple[Array, Array]:
-            return self.value(list(values)), jax.jacfwd(lambda given: self.value(list(given)))(values)
+            return self.value(list(values)), jax.jacfwd(lambda at: self.value(list(at)))(values)
 
         return jax.jit(jax.vmap(one))
 
     def as_quantity(self, name: str) -> Quantity:
-        """An entry of a catalogue."""
+        """Return it as an entry of a catalogue."""
 
-        def of(run: "Run") -> Float[Array, ""]:
+        def of(run: Run) -> Float[Array, ""]:
             catalogue = run.mechanism.quantities
             return self.value([jnp.asarray(catalogue[parameter].of(run)) for parameter in self.parameters])
 
-        told = self.description or self.signature
-        return Quantity(self.unit, of, told, name.replace("_", " "), signed=True, tuned=True)
+        description = self.description or self.signature
+        return Quantity(self.unit, of, description, name.replace("_", " "), signed=True, tuned=True)
 
     @property
     def identity(self) -> str | None:
-        """The same in every process for the same code and the values that it reads; None where that can't be told."""
+        """A text that is the same in every process for the same code and the values that it reads.
+
+        None where the code does not say which values it reads.
+        """
         described = fingerprint(self.function)
         return hashlib.sha256(repr(described).encode()).hexdigest()[:16] if lasting(described) else None
 
@@ -146,6 +147,7 @@ def check_traced(derived: Derived) -> None:
     if str(jaxpr) != str(again) or not all(np.array_equal(a, b, equal_nan=True) for a, b in consts):
         raise InputError(f"{derived.label} is another one at each call; it must not depend on chance, time or a state")
     count = len(derived.parameters)
+    # Which parameters each value of the traced derivative depends on, followed from equation to equation.
     reached: dict[int, frozenset[int]] = {id(v): frozenset([k]) for k, v in enumerate(jaxpr.jaxpr.invars[count:])}
     for equation in jaxpr.jaxpr.eqns:
         through = frozenset().union(*(reached.get(id(v), frozenset()) for v in equation.invars))
@@ -153,59 +155,59 @@ def check_traced(derived: Derived) -> None:
     by = reached.get(id(jaxpr.jaxpr.outvars[1]), frozenset())
     lost = [name for k, name in enumerate(derived.parameters) if k not in by]
     if lost:
-        told = "it is not used, or only rounded, compared or behind stop_gradient"
-        raise InputError(f"{derived.label}: its derivative by {lost[0]} is zero everywhere: {told}")
+        cause = "it is not used, or only rounded, compared or behind stop_gradient"
+        raise InputError(f"{derived.label}: its derivative by {lost[0]} is zero everywhere: {cause}")
 
 
 def _traced(derived: Derived) -> Any:
-    """The function and its derivative as JAX sees them."""
+    """Return the function and its derivative as JAX sees them."""
     numbers = [jax.ShapeDtypeStruct((), jnp.result_type(float))] * len(derived.parameters)
 
     def both(values: list[Array], changes: list[Array]) -> tuple[Array, Array]:
-        found: tuple[Array, Array] = jax.jvp(lambda *given: derived.value(given), values, changes)
-        return found
+        pair: tuple[Array, Array] = jax.jvp(lambda *args: derived.value(args), values, changes)
+        return pair
 
     try:
         return jax.make_jaxpr(both)(numbers, numbers)
     except InputError:
         raise
     except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
-        told = "float(), int(), if, math and numpy do; write jax.numpy and jax.numpy.where"
-        raise InputError(f"{derived.label} takes a number out of JAX{_line(derived, error)}: {told}") from None
+        remedy = "float(), int(), if, math and numpy do; write jax.numpy and jax.numpy.where"
+        raise InputError(f"{derived.label} takes a number out of JAX{_line(derived, error)}: {remedy}") from None
     except Exception as error:  # the user's own code
         raise InputError(f"{derived.label} {raised(error)}{_line(derived, error)}") from None
 
 
 def raised(error: BaseException) -> str:
-    """What an error in somebody's code says: "raises KeyError: 'a'"."""
+    """Return what an error in somebody's code says: "raises KeyError: 'a'"."""
     first = next(iter(str(error).splitlines()), "")
     return f"raises {type(error).__name__}{f': {first}' if first else ''}"[:200]
 
 
 def _line(derived: Derived, error: BaseException) -> str:
-    """Where in the function's file an error came about, as text."""
+    """Return where in the function's file an error came about, as text."""
     code = getattr(inspect.unwrap(derived.function), "__code__", None)
-    found, at = "", error.__traceback__
+    text, at = "", error.__traceback__
     while at is not None:
         if code is not None and at.tb_frame.f_code.co_filename == code.co_filename:
-            found = f" in line {at.tb_lineno}"
+            text = f" in line {at.tb_lineno}"
         at = at.tb_next
-    return found
+    return text
 
 
-def check_derived(given: Any, catalogue: Catalogue) -> dict[str, Derived]:
-    """The own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
-    if not isinstance(given, Mapping):
-        raise InputError(f"quantities = {shown(given)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
-    for name, derived in given.items():
+def check_derived(quantities: Any, catalogue: Catalogue) -> dict[str, Derived]:
+    """Check the own quantities of a problem. **Raises:** `InputError` for names and parameters that can't be."""
+    if not isinstance(quantities, Mapping):
+        raise InputError(f"quantities = {shown(quantities)} is not a mapping; write quantities={{'effort': {EXAMPLE}}}")
+    for name, derived in quantities.items():
         check_name(name, catalogue)
         if not isinstance(derived, Derived):
             raise InputError(f"quantities.{name} = {shown(derived)} is not a Derived; write {EXAMPLE}")
         for parameter in derived.parameters:
             if parameter not in catalogue:
-                told = suggest(parameter, catalogue)
-                raise InputError(f"quantities.{name}: {derived.label} asks for {parameter}, which is unknown{told}")
-    return dict(given)
+                hint = suggest(parameter, catalogue)
+                raise InputError(f"quantities.{name}: {derived.label} asks for {parameter}, which is unknown{hint}")
+    return dict(quantities)
 
 
 def check_name(name: Any, catalogue: Catalogue) -> None:

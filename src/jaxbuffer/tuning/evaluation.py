@@ -1,9 +1,17 @@
-"""All cases of a design problem at one design: values and first derivatives, on all cores."""
+"""All load cases of a design problem at one design: values and first derivatives, on all cores.
+
+The own quantities follow by the chain rule from those of the mechanism. The largest contact force is a maximum over
+impacts, max p_i, and another impact may take over within a step d. So the slope at a fixed largest force and the
+derivative by that force are separate numbers, and h(max p_i, x) becomes h + ∂h/∂p (max (p_i + ∇p_i d) - max p_i) +
+∂h/∂x ∇x d, with the linear model of every impact inside (a composite function; Fletcher, *Practical Methods of
+Optimization*, chapter 14).
+"""
 
 import functools
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -16,17 +24,15 @@ from ..run.request import check_pair
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
 from .cases import Case
-from .composed import check_start, composed
-from .problem import Problem
+from .problem import PEAK_FORCE, Problem
 
-PEAKS = (
-    24  # highest impacts of each run that are listed: at a step's length from the top none below them has yet mattered
-)
+# How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
+PEAKS = 24
 LOST = -10.0  # margin of a run that could not be solved [-]
 
 
 class Evaluation(NamedTuple):
-    """A design in all cases. Derivatives are by the scaled variables (see `Variable`).
+    """A design in all load cases. Derivatives are by the scaled variables (see `Variable`).
 
     ``scaled`` [-]: the variables, 0 at the low bound and 1 at the high one; ``code`` of each outcome, ``solved``: which
     cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
@@ -34,7 +40,7 @@ class Evaluation(NamedTuple):
     they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
     the run succeeds; ``first`` [N]: the first impact's peak; ``rising``: which of the mechanism's tuned quantities are
     largest at the end of a run that succeeded, and still rising there; ``rest_slope``: at a fixed largest peak,
-    ``by_peak`` [unit/N]: by that peak, zero for all but own quantities (see `composed`).
+    ``by_peak`` [unit/N]: by that peak, zero for all but own quantities.
     """
 
     scaled: Float[np.ndarray, " variables"]
@@ -54,20 +60,28 @@ class Evaluation(NamedTuple):
     by_peak: Float[np.ndarray, "cases rest"]
 
     @property
+    def peak_force(self) -> Float[np.ndarray, " cases"]:
+        """The largest contact force of each load case [N]."""
+        return np.asarray(self.peaks[:, 0])  # they fall
+
+    @property
     def quantities(self) -> Float[np.ndarray, "cases quantities"]:
-        """The problem's quantities of each case."""
-        return np.column_stack([self.peaks[:, 0], self.rest])
+        """The quantities of each load case, in the order of `Problem.names`: the peak force, then the ``rest``."""
+        return np.column_stack([self.peak_force, self.rest])
 
     @property
     def quantities_slope(self) -> Float[np.ndarray, "cases quantities variables"]:
-        """Their slopes, with that of the largest impact."""
+        """The slopes of `quantities`; the peak force has that of the largest impact."""
         top = self.peaks_slope[:, :1]
         return np.concatenate([top, self.rest_slope + self.by_peak[:, :, None] * top], axis=1)
 
 
 class Evaluator:
-    """Evaluates designs of one problem and counts the runs it took, each with its derivatives unless ``slopes`` is
-    False: they are zero then, for methods that use none. ``client``: as in `tune`."""
+    """An evaluator runs designs of one problem and counts the runs.
+
+    Each run has its derivatives unless ``slopes`` is False: they are zero then, for methods that use none. ``client``:
+    as in `tune`.
+    """
 
     def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True, client: Any = None) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
@@ -86,24 +100,26 @@ class Evaluator:
         slopes: bool | None = None,
         cases: Sequence[Case] | None = None,
     ) -> list[Evaluation]:
-        """Evaluate designs, each given by its scaled variables, together; ``rtol`` [-] and ``cases`` default to the
-        problem's, ``slopes`` to the evaluator's."""
+        """Evaluate designs, each given by its scaled variables, in one batch.
+
+        ``rtol`` [-] and ``cases`` default to the problem's, ``slopes`` to the evaluator's.
+        """
         problem, with_slopes = self.problem, self.slopes if slopes is None else slopes
         cases = problem.cases if cases is None else cases
         points = [np.asarray(point, float) for point in points]
-        jobs = [(fitted(problem, point, case), case.scenario) for point in points for case in cases]
+        jobs = [(built_design(problem, point, case), case.scenario) for point in points for case in cases]
         fitting = [(design, scenario) for design, scenario in jobs if design is not None]
-        one = functools.partial(_measured, Wanted.of(problem), problem.duration, rtol or problem.rtol, with_slopes)
-        measured = iter(self._pool.map(one, fitting))
-        found = [Measured.lost(problem) if design is None else next(measured) for design, _ in jobs]
+        one = functools.partial(_measure_job, Readings.of(problem), problem.duration, rtol or problem.rtol, with_slopes)
+        results = iter(self._pool.map(one, fitting))
+        # Designs whose parts do not fit are not run, and count: a resumed tuning must count the same.
+        runs = [Measurement.lost(problem) if design is None else next(results) for design, _ in jobs]
         self.captures += len(jobs)
         count = len(cases)
-        return [_gathered(problem, point, cases, found[k * count : (k + 1) * count]) for k, point in enumerate(points)]
+        return [_gather(problem, point, cases, runs[k * count : (k + 1) * count]) for k, point in enumerate(points)]
 
 
-def fitted(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
-    """The mechanism of a case as built with those scaled variables, or None where its parts or its scenario do not
-    fit."""
+def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case) -> Part | None:
+    """Return the design as a load case has it built, or None where its parts or its scenario do not fit."""
     try:
         design = case.of(problem.built(scaled))
         check_pair(problem.mechanism, design, case.scenario)
@@ -112,9 +128,11 @@ def fitted(problem: Problem, scaled: Float[np.ndarray, " variables"], case: Case
     return design
 
 
-class Measured(NamedTuple):
-    """What one run tells the tuner (see `Evaluation`); slopes by the variables' own values. ``rest`` has the problem's
-    measured quantities, without the own ones that are made of them."""
+class Measurement(NamedTuple):
+    """The numbers of one run (see `Evaluation`), with slopes by the variables' own values.
+
+    ``rest`` has the problem's measured quantities, without the own ones that are made of them.
+    """
 
     code: int
     impacts: int
@@ -129,56 +147,59 @@ class Measured(NamedTuple):
     margin_slope: Float[np.ndarray, " paths"]
 
     @staticmethod
-    def lost(problem: Problem) -> "Measured":
-        """Of a case whose design and scenario do not fit each other."""
+    def lost(problem: Problem) -> "Measurement":
+        """Return that of a load case whose design and scenario do not fit each other."""
         rest, paths = len(problem.measured) - 1, len(problem.paths)
-        code, peaks, unknown = int(problem.mechanism.outcomes["failed_input"]), np.full(PEAKS, np.nan), np.nan
-        slopes = [np.full((*shape, paths), np.nan) for shape in ((PEAKS,), (rest,), ())]
-        return Measured(
-            code,
-            0,
-            peaks,
-            np.arange(PEAKS),
-            np.full(rest, np.nan),
-            unknown,
-            unknown,
-            np.zeros(len(problem.mechanism.tuned), bool),
-            *slopes,
+        return Measurement(
+            code=int(problem.mechanism.outcomes["failed_input"]),
+            impacts=0,
+            peaks=np.full(PEAKS, np.nan),
+            slots=np.arange(PEAKS),
+            rest=np.full(rest, np.nan),
+            margin=np.nan,
+            first=np.nan,
+            rising=np.zeros(len(problem.mechanism.tuned), bool),
+            peaks_slope=np.full((PEAKS, paths), np.nan),
+            rest_slope=np.full((rest, paths), np.nan),
+            margin_slope=np.full(paths, np.nan),
         )
 
 
-class Wanted(NamedTuple):
-    """What is read off each run: quantities and the paths they are differentiated by, all by name."""
+class Readings(NamedTuple):
+    """The names of what is read off each run: quantities, the peak force first, and the paths to differentiate by."""
 
     measured: tuple[str, ...]
     paths: tuple[str, ...]
 
     @staticmethod
-    def of(problem: Problem) -> "Wanted":
-        """A problem's."""
-        return Wanted(tuple(problem.measured), tuple(problem.paths))
+    def of(problem: Problem) -> "Readings":
+        """Return those of a problem."""
+        return Readings(problem.measured, problem.paths)
 
 
-def measure(wanted: Wanted, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True) -> Measured:
-    """One run and, with ``slopes``, its derivatives by the paths wanted; else those are zero."""
-    mechanism, rest, paths = mechanism_of(design), list(wanted.measured[1:]), wanted.paths
+def measure(
+    readings: Readings, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
+) -> Measurement:
+    """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero."""
+    mechanism, paths = mechanism_of(design), readings.paths
+    rest = [name for name in readings.measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
     margin = [] if mechanism.margin is None else [mechanism.margin]
     if slopes:
-        found = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
-        run = found.run
-        of_peaks = np.asarray(found.by_impact["peak_force"])
-        top_slope, *others = (found.of(name) for name in ("peak_force", *rest, *margin))
+        result = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
+        run = result.run
+        of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
+        top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
     else:
         run = simulate(design, scenario, duration, rtol=rtol)
         none = np.zeros(len(paths))
         of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
         top_slope, others = none, [none] * (len(rest) + len(margin))
     values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
-    peaks, of_peaks = _peaks(run, of_peaks, top_slope)
+    peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
     of_rest = np.array(others[: len(rest)]).reshape(len(rest), len(paths))
-    return Measured(
+    return Measurement(
         code=int(run.code),
         impacts=int(run.impact_count),
         peaks=peaks[slots],
@@ -193,13 +214,16 @@ def measure(wanted: Wanted, design: Part, scenario: Part, duration: Any, rtol: f
     )
 
 
-def _measured(wanted: Wanted, duration: Any, rtol: float, slopes: bool, job: tuple[Part, Part]) -> Measured:
-    return measure(wanted, *job, duration, rtol, slopes)
+def _measure_job(readings: Readings, duration: Any, rtol: float, slopes: bool, job: tuple[Part, Part]) -> Measurement:
+    """Measure a pair of design and scenario: a function of a module, because a pool's tasks are pickled."""
+    return measure(readings, *job, duration, rtol, slopes)
 
 
-def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Every impact's peak [N] and its slopes, at least `PEAKS` of them, the rest zero. The last slot is free: of a run
-    with more impacts than are listed it takes the largest, if that is not listed."""
+def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return every impact's peak [N] and its slopes, at least `PEAKS` of them, the rest zero.
+
+    The last slot is free: of a run with more impacts than are listed it takes the largest, if that is not listed.
+    """
     more = max(PEAKS - len(slopes), 0)
     peaks, slopes = np.pad(run.impacts.peak_force, (0, more)), np.pad(slopes, ((0, more), (0, 0)))
     unlisted = int(run.peak_impact) < 0
@@ -207,46 +231,48 @@ def _peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndar
     return peaks, slopes
 
 
-def _gathered(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], found: list[Measured]) -> Evaluation:
-    """The cases' numbers as arrays, the own quantities among them. A case where one of these is not finite counts as
-    failed, and is an error at the problem's start."""
+def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: list[Measurement]) -> Evaluation:
+    """Gather the runs' numbers in arrays and add the own quantities.
+
+    A load case where one of these is not finite counts as failed, and is an error at the problem's start.
+    """
     factors = [dict(case.factors) for case in cases]
     values = problem.values(scaled)
     stretch = np.array(
         [[v.slope(x) * f.get(v.path, 1.0) for v, x in zip(problem.variables, values, strict=True)] for f in factors]
     )
-    stacked = {name: np.stack([getattr(m, name) for m in found]) for name in Measured._fields}
+    stacked = {name: np.stack([getattr(m, name) for m in runs]) for name in Measurement._fields}
     for name in ("peaks_slope", "rest_slope"):
         stacked[name] = stacked[name] * stretch[:, None, :]
     stacked["margin_slope"] = stacked["margin_slope"] * stretch
     lost = (stacked["code"] >= problem.mechanism.outcomes["failed_steps"]) | ~np.isfinite(stacked["margin"])
     for name in ("peaks_slope", "rest_slope", "margin_slope"):
         lost |= ~np.all(np.isfinite(stacked[name]), axis=tuple(range(1, stacked[name].ndim)))
-    run = _settled(problem, stacked, lost)
-    peak, rest = run["peaks"][:, 0], run["rest"]
-    own = composed(problem, peak, rest, run["rest_slope"])
+    run = _by_field(problem, stacked, lost)
+    peak, rest = run["peaks"][:, 0], run["rest"]  # peaks fall, so the first is the largest
+    own = compose(problem, peak, rest, run["rest_slope"])
     if np.any(without := ~own.finite & ~lost):
         if cases is problem.cases and np.array_equal(scaled, problem.start()):
             check_start(problem, peak, rest, int(np.argmax(without)))
-        run = _settled(problem, stacked, lost | without)
-    kept, others = run["solved"][:, None], len(problem.mechanism.tuned) - 1
+        run = _by_field(problem, stacked, lost | without)
+    # Quantities that only the own ones are made of stand behind the mechanism's tuned ones and are left out here.
+    solved, others = run["solved"][:, None], len(problem.mechanism.tuned) - 1
     return Evaluation(
         scaled=scaled,
         **run
         | {
             "rising": run["rising"] & run["succeeded"][:, None],
-            "rest": np.column_stack([run["rest"][:, :others], np.where(kept, own.values, 0.0)]),
+            "rest": np.column_stack([run["rest"][:, :others], np.where(solved, own.values, 0.0)]),
             "rest_slope": np.concatenate(
-                [run["rest_slope"][:, :others], np.where(kept[:, :, None], own.slopes, 0.0)], axis=1
+                [run["rest_slope"][:, :others], np.where(solved[:, :, None], own.slopes, 0.0)], axis=1
             ),
-            "by_peak": np.column_stack([np.zeros((len(found), others)), np.where(kept, own.by_peak, 0.0)]),
+            "by_peak": np.column_stack([np.zeros((len(runs), others)), np.where(solved, own.by_peak, 0.0)]),
         },
     )
 
 
-def _settled(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray) -> dict[str, np.ndarray]:
-    """The runs' numbers by the fields of `Evaluation`: ``lost`` ones without numbers and slopes, end times of those
-    that ended otherwise than they should at the duration."""
+def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the runs' numbers by the fields of `Evaluation`, zero for the ``lost`` runs."""
     outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
     code = stacked["code"]
     code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)
@@ -257,8 +283,75 @@ def _settled(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray)
     run["margin"][lost] = LOST
     succeeded = ~lost if success is None else code == outcomes[success]
     ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
-    time = problem.measured.index("end_time") - 1
+    # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
+    time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
     run["rest"][ended_otherwise, time] = problem.duration
     run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": succeeded}
     return run | states | {name: stacked[name] for name in ("impacts", "slots", "rising")}
+
+
+class OwnQuantities(NamedTuple):
+    """The own quantities of every load case.
+
+    ``values`` in their units; ``slopes`` by the scaled variables at a fixed largest contact force; ``by_peak``: their
+    derivatives by that force [unit/N].
+    """
+
+    values: Float[np.ndarray, "cases own"]
+    slopes: Float[np.ndarray, "cases own variables"]
+    by_peak: Float[np.ndarray, "cases own"]
+
+    @property
+    def finite(self) -> Bool[np.ndarray, " cases"]:
+        """Which load cases have numbers throughout."""
+        known = np.isfinite(self.values) & np.isfinite(self.by_peak) & np.all(np.isfinite(self.slopes), axis=2)
+        return np.asarray(np.all(known, axis=1))
+
+
+def compose(
+    problem: Problem,
+    peak: Float[np.ndarray, " cases"],
+    rest: Float[np.ndarray, "cases measured-1"],
+    rest_slope: Float[np.ndarray, "cases measured-1 variables"],
+) -> OwnQuantities:
+    """Compute the own quantities from the measured ones by the chain rule.
+
+    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, with their
+    slopes by the scaled variables.
+    """
+    count, variables = len(peak), rest_slope.shape[2]
+    own = len(problem.quantities)
+    result = OwnQuantities(np.zeros((count, own)), np.zeros((count, own, variables)), np.zeros((count, own)))
+    known = np.column_stack([peak, rest])
+    for k, derived in enumerate(problem.quantities.values()):
+        columns = [problem.measured.index(name) for name in derived.parameters]
+        values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
+        result.values[:, k] = values
+        for name, column, partial in zip(derived.parameters, columns, partials.T, strict=True):
+            if name == PEAK_FORCE:
+                result.by_peak[:, k] = partial
+            else:
+                result.slopes[:, k] += partial[:, None] * rest_slope[:, column - 1]
+    return result
+
+
+def check_start(
+    problem: Problem, peak: Float[np.ndarray, " cases"], rest: Float[np.ndarray, "cases measured-1"], case: int
+) -> None:
+    """Raise `InputError` with the own quantity that has no number, or no derivative, in a load case of the start."""
+    known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
+    for name, derived in problem.quantities.items():
+        values = [known[parameter] for parameter in derived.parameters]
+        value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
+        units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
+        at = ", ".join(
+            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, values, units, strict=True)
+        )
+        where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
+        if not np.isfinite(value):
+            raise InputError(f"quantities.{name}: {derived.label} is {float(value):g} {where}")
+        for parameter, partial in zip(derived.parameters, partials, strict=True):
+            if not np.isfinite(partial):
+                what = f"its derivative by {parameter} is {float(partial):g}"
+                raise InputError(f"quantities.{name}: {derived.label}: {what} {where}")

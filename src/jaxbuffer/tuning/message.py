@@ -1,18 +1,21 @@
-"""What a tuning says of its end: how the best search ended, how far others bear it out, and what to do."""
+"""The words with which a tuning ends: how the best search ended, which limits are broken and why, and what to do."""
 
 from typing import Literal, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from .evaluation import Evaluation
 from .goal import Goal
-from .progress import Progress
-from .search import CONVERGED, Branch
-from .settings import Settings
-from .starts import AGREE
-from .why import broken_limits
+from .problem import Settings, Variable
+from .search import AGREE, CONVERGED, Branch
+from .store import Progress
 
 INFEASIBLE = "no feasible design found: "
+LEAST = 1e-6  # change of a limited quantity, relative to its limit, for a change of 1 % of a variable: less is none
+WEAK = 0.1  # change relative to the strongest variable's: one with less is not named
+WEAK_AT_BOUND = 0.01  # the same of a variable at its bound
+FARTHEST = 10.0  # times a variable's value: beyond it no guess is made
 Ended = Literal["converged", "limit_of_steps", "stalled", "cliff"]
 """How a search ends: nothing left to gain within its tolerance, at its limit of steps, steps that gain less than the
 tolerance though more seems to be left, or where a small change makes a run fail."""
@@ -27,7 +30,7 @@ class End(NamedTuple):
 
 
 def end(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> End:
-    """How the best search ended, how far others bear it out, and what to do."""
+    """Return how the best search ended, whether another one agrees, and what to do."""
     agree = progress.searches > 1 and progress.apart <= AGREE
     return End(ending(branch, settings), agree, _message(goal, branch, after, progress, settings))
 
@@ -40,27 +43,27 @@ def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, 
     steps = f"raise iterations (now {settings.iterations}) in [tune] of the study or by --iterations"
     if not goal.feasible(after):
         more = f"{steps}, or {more}" if ending(branch, settings) == "limit_of_steps" else more
-        return f"{infeasible(goal, after, _counted(progress.searches))}. To search on within the bounds, {more}"
+        return f"{infeasible(goal, after, _count(progress.searches))}. To search on within the bounds, {more}"
     further = f". To go on, {steps}" if ending(branch, settings) == "limit_of_steps" else ""
-    return f"{_ending(branch, settings)}{further}. {borne_out(progress, more)}"
+    return f"{_ending(branch, settings)}{further}. {agreement_in_words(progress, more)}"
 
 
-def infeasible(goal: Goal, after: Evaluation, searched: str) -> str:
-    """That no design keeps to the limits, and which limits; ``searched``: by how much searching."""
-    found = broken_limits(goal, after)
-    broken = "; ".join(limit.heading for limit in found)
-    held = dict.fromkeys(path for limit in found for path in limit.held)
-    widen = f"widen the bounds of {', '.join(held)}, which hold them back, or relax" if held else "relax"
-    return f"{INFEASIBLE}after {searched}, {broken}. To keep the limits, {widen} the limits"
+def infeasible(goal: Goal, after: Evaluation, effort: str) -> str:
+    """Say that no design is within the limits, and which limits are broken; ``effort``: by how much searching."""
+    limits = broken_limits(goal, after)
+    broken = "; ".join(limit.heading for limit in limits)
+    paths = dict.fromkeys(path for limit in limits for path in limit.at_bounds)
+    widen = f"widen the bounds of {', '.join(paths)}, which hold them back, or relax" if paths else "relax"
+    return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {widen} the limits"
 
 
 def headline(message: str, feasible: bool) -> str:
-    """A tuning's first line."""
+    """Return a tuning's first line."""
     return f"Tuned: {message}" if feasible else f"No feasible design found: {message.removeprefix(INFEASIBLE)}"
 
 
 def ending(branch: Branch, settings: Settings) -> Ended:
-    """How a search ended."""
+    """Return how a search ended."""
     if branch.status == CONVERGED:
         return "converged"
     if branch.steps >= settings.iterations:
@@ -69,24 +72,24 @@ def ending(branch: Branch, settings: Settings) -> Ended:
 
 
 def left_to_gain(branch: Branch) -> str:
-    """The first-order residual in words."""
+    """Return the first-order residual in words."""
     return f"small changes would gain {100.0 * branch.residual:.2g} % of the objective"
 
 
 def _ending(branch: Branch, settings: Settings) -> str:
-    told: dict[Ended, str] = {
+    words: dict[Ended, str] = {
         "converged": "converged",
         "limit_of_steps": f"stopped at the limit of {settings.iterations} steps",
         "stalled": "stalled: steps gain less than the tolerance",
         "cliff": "stopped at a cliff: ahead a small change makes a run fail",
     }
     within = f", the tolerance being {100.0 * settings.tolerance:g} %" if branch.status == CONVERGED else ""
-    return f"{told[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
+    return f"{words[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
 
 
-def borne_out(progress: Progress, more: str) -> str:
-    """Whether another search found the same; ``more``: what to do for further ones."""
-    searches = _counted(progress.searches)
+def agreement_in_words(progress: Progress, more: str) -> str:
+    """Say whether another search agrees; ``more``: what to do for further ones."""
+    searches = _count(progress.searches)
     if progress.searches == 1:
         return f"Only one search was made; for others {more}"
     if not np.isfinite(progress.apart):
@@ -100,5 +103,180 @@ def borne_out(progress: Progress, more: str) -> str:
     return f"Of {searches} the best two that began apart differ by {percent}; a better design may exist: {more}"
 
 
-def _counted(searches: int) -> str:
+def _count(searches: int) -> str:
     return "1 search" if searches == 1 else f"{searches} searches"
+
+
+class WorstCase(NamedTuple):
+    """A broken limit in the load case where it is broken worst.
+
+    ``value``: the quantity's; ``limit``; ``size``, relative to which a change of the quantity counts; ``slope``: the
+    quantity's by the scaled variables; ``falls``: whether it must fall, or else rise; ``shown``: the unit of figures,
+    and how many of those its own unit is.
+    """
+
+    value: float
+    limit: float
+    size: float
+    slope: Float[np.ndarray, " variables"]
+    falls: bool
+    shown: tuple[str, float]
+
+
+class BrokenLimit(NamedTuple):
+    """A limit that is broken in some load cases.
+
+    ``excess``: in the worst load case, relative to the limit [-]; ``heading``: the limit, in how many load cases it is
+    broken, the worst of them; ``reason``: which variables stand against it, to first order, "" where no slope tells;
+    ``at_bounds``: paths of those whose bound does.
+    """
+
+    excess: float
+    heading: str
+    reason: str = ""
+    at_bounds: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.heading}; {self.reason}" if self.reason else self.heading
+
+
+def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
+    """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
+    solved, limits = point.solved, list[BrokenLimit]()
+    for q, limit in goal.signed_limits():
+        excess = np.where(solved, point.quantities[:, q] / limit - np.sign(limit), 0.0)
+        if np.any(excess > 0.0):
+            limits.append(_of_quantity(goal, point, q, limit, excess))
+    if goal.must_succeed and np.any(solved & (point.margin < 0.0)):
+        limits.append(_of_margin(goal, point, np.where(solved, -point.margin, 0.0)))
+    return sorted([*limits, *_without_slopes(goal, point)], key=lambda limit: -limit.excess)
+
+
+def _of_quantity(
+    goal: Goal, point: Evaluation, q: int, limit: float, excess: Float[np.ndarray, " cases"]
+) -> BrokenLimit:
+    """Describe a broken upper limit, or with a minus sign a lower one."""
+    problem, k = goal.problem, int(np.argmax(excess))
+    name = problem.names[q]
+    quantity = problem.catalogue[name]
+    value, falls = float(point.quantities[k, q]), limit > 0.0
+    text = f"{name} {'≤' if falls else '≥'} {quantity.in_words(abs(limit))}"
+    heading = _heading(goal, text, excess, quantity.in_words(value, 4))
+    worst = WorstCase(value, abs(limit), abs(limit), point.quantities_slope[k, q], falls, quantity.in_figures)
+    return _broken(goal, point, excess, heading, worst)
+
+
+def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
+    """Describe load cases that do not end as they must, by the mechanism's margin."""
+    mechanism, k = goal.problem.mechanism, int(np.argmax(excess))
+    assert mechanism.margin is not None
+    quantity = mechanism.quantities[mechanism.margin]
+    margin = f"{mechanism.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
+    heading = f"{_heading(goal, str(mechanism.success), excess, margin)} ({mechanism.margin}: {quantity.description})"
+    worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
+    return _broken(goal, point, excess, heading, worst)
+
+
+def _broken(
+    goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"], heading: str, worst: WorstCase
+) -> BrokenLimit:
+    influences = helpful_variables(goal, point, worst)
+    at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
+    return BrokenLimit(float(np.max(excess)), heading, _reason(goal, worst, influences), at_bounds)
+
+
+def _heading(goal: Goal, limit: str, excess: Float[np.ndarray, " cases"], worst: str) -> str:
+    cases = goal.problem.cases
+    where = cases[int(np.argmax(excess))].label(cases)
+    return f"{limit}: broken in {int(np.sum(excess > 0.0))} of {len(cases)} scenarios, worst {worst} at {where}"
+
+
+class Influence(NamedTuple):
+    """The influence of a variable on a quantity.
+
+    ``change`` of the quantity for 1 % more of the variable, in the quantity's unit; ``up``: whether more of the
+    variable helps; ``at_bound``: whether its bound stands against that.
+    """
+
+    variable: Variable
+    value: float
+    change: float
+    up: bool
+    at_bound: bool
+
+
+def helpful_variables(goal: Goal, point: Evaluation, worst: WorstCase) -> list[Influence]:
+    """Return the variables that bring a quantity nearer to its limit to first order, the strongest first.
+
+    Those whose effect is none, or weak beside the strongest one's, are left out.
+    """
+    problem, influences = goal.problem, list[Influence]()
+    values = problem.values(point.scaled)
+    for variable, value, by in zip(problem.variables, values, worst.slope, strict=True):
+        change = 0.01 * float(by) * abs(float(value)) / variable.slope(float(value))
+        up = (change < 0.0) == worst.falls
+        at_bound = variable.at_bound(float(value)) == f"at {'high' if up else 'low'} bound"
+        influences.append(Influence(variable, float(value), change, up, at_bound))
+    strongest = max((abs(it.change) for it in influences), default=0.0)
+    least = {True: WEAK_AT_BOUND * strongest, False: WEAK * strongest}
+    strong = [it for it in influences if abs(it.change) > max(least[it.at_bound], LEAST * worst.size)]
+    return sorted(strong, key=lambda it: -abs(it.change))
+
+
+def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
+    """Say which variables at a bound stand against a limited quantity, and which would help within their bounds."""
+    way = "fall" if worst.falls else "rise"
+    if not influences:
+        return "no variable changes it: the limit can't be kept by these variables"
+    outside = [_beyond(goal, worst, it) for it in influences if it.at_bound]
+    inside = [
+        f"{'more' if it.up else 'less'} {it.variable.path} {_effect(worst, it)}" for it in influences if not it.at_bound
+    ]
+    lines = [f"it would {way} with {' or '.join(outside)}"] if outside else []
+    if inside:
+        lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
+    return "; ".join(lines)
+
+
+def _beyond(goal: Goal, worst: WorstCase, it: Influence) -> str:
+    """Say of a variable at its bound how far about it would have to go beyond."""
+    path, problem = it.variable.path, goal.problem
+    bound = problem.said(path, it.variable.high if it.up else it.variable.low)
+    enough = _enough(worst, it)
+    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {problem.said(path, enough, 2)}"
+    return f"{it.variable.path} {'above' if it.up else 'below'} its bound of {bound}{far} {_effect(worst, it)}"
+
+
+def _effect(worst: WorstCase, it: Influence) -> str:
+    sign, (symbol, factor) = "-" if worst.falls else "+", worst.shown
+    return f"({sign}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+
+
+def _enough(worst: WorstCase, it: Influence) -> float | None:
+    """Return the variable's value at which the quantity would reach its limit if it went as a power of the variable.
+
+    **Returns:** None for what has no sign of its own, and beyond a factor of `FARTHEST`.
+    """
+    if worst.value * worst.limit <= 0.0 or it.value <= 0.0:
+        return None
+    with np.errstate(over="ignore"):
+        times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
+    return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
+
+
+def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
+    """Return the broken limits without slopes: impacts, failed simulations, the first objective's ceiling."""
+    limits, problem, solved = list[BrokenLimit](), goal.problem, point.solved
+    most = problem.limits.impacts
+    if most is not None and np.any(point.impacts > most):
+        excess = np.maximum(point.impacts / most - 1.0, 0.0)
+        heading = _heading(goal, f"impacts ≤ {most}", excess, str(int(np.max(point.impacts))))
+        limits.append(BrokenLimit(float(np.max(excess)), heading))
+    if not np.all(solved):
+        count = f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
+        limits.append(BrokenLimit(np.inf, count))
+    if goal.ceiling is not None and (now := goal.first_value(point)) > goal.ceiling.value:
+        first, catalogue = goal.ceiling.objective, problem.catalogue
+        heading = f"{first}: {first.said(now, catalogue)} is above {first.said(goal.ceiling.value, catalogue)}"
+        limits.append(BrokenLimit(now / goal.ceiling.scale - goal.ceiling.value / goal.ceiling.scale, heading))
+    return limits

@@ -1,16 +1,17 @@
-"""The best step of a stage's model: a linear programme, with the Lagrangian's curvature a quadratic one.
+"""The best step of a stage's model in a trust region: a linear programme, or a quadratic one with curvature.
 
-Peaks, cases and constraints are first-order in the step, and their true maxima, not smoothed ones, become the rows of a
-programme in epigraph form. A row that falls with the largest peak, a lower limit on it say, has the present largest
-impact instead: that bounds the row from above, where the maximum would make the programme non-convex. With ½ dᵀ B d
-added, B the Lagrangian's curvature, it is the subproblem of sequential quadratic programming with an exact penalty in a
-trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of its rows are the Lagrangian's multipliers.
+Peaks, load cases and constraints are first-order in the step, and their true maxima, not smoothed ones, become the rows
+of a programme in epigraph form. A row that falls with the largest peak, a lower limit on it say, has the present
+largest impact instead: that bounds the row from above, where the maximum would make the programme non-convex. With ½ dᵀ
+B d added, B the Lagrangian's curvature, it is the subproblem of sequential quadratic programming with an exact penalty
+in a trust region (Nocedal and Wright, section 18.5, Sℓ₁QP). The duals of its rows are the Lagrangian's multipliers.
 
 What the linear programme can still gain within a tenth of every range is the first-order (KKT) residual: zero exactly
-where weights on the active peaks, cases, limits and bounds balance the slopes (Fletcher, Practical Methods of
+where weights on the active peaks, load cases, limits and bounds balance the slopes (Fletcher, Practical Methods of
 Optimization, section 14.2). A step that a schedule shortens does not lower it.
 """
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -18,24 +19,89 @@ from jaxtyping import Float
 
 from .goal import ROOM, Goal, Tangent
 from .objective import Objective
-from .programme import Entries, Programme
+from .problem import PEAK_FORCE
 
 RESIDUAL_RADIUS = 0.1  # of each variable's range
+DAMPING = 0.2  # Powell's: keeps the estimate positive definite
 
+Entries = list[tuple[int, float]]  # column and coefficient
 Step = Float[np.ndarray, " variables"]
 Source = tuple[str, int | tuple[int, int], np.ndarray | float]  # of a row: field of the tangent, where, coefficient
 Row = tuple[Entries, float, tuple[Source, ...]]
 
 
+class Minimum(NamedTuple):
+    """The point where a programme is least, and the duals of its rows, none of them negative."""
+
+    x: Float[np.ndarray, " columns"]
+    duals: Float[np.ndarray, " rows"]
+
+
+class Programme:
+    """A linear or convex quadratic programme: minimise Σ cost x within bounds and rows Σ a x ≤ b.
+
+    It is built one variable and one row at a time; HiGHS and Clarabel solve it.
+    """
+
+    def __init__(self) -> None:
+        self.cost: list[float] = []
+        self.bounds: list[tuple[float, float]] = []
+        self.entries: list[tuple[int, int, float]] = []
+        self.right: list[float] = []
+
+    def add(self, cost: float, low: float, high: float = np.inf) -> int:
+        """Add a variable and return its column."""
+        self.cost.append(cost)
+        self.bounds.append((low, high))
+        return len(self.cost) - 1
+
+    def row(self, entries: Entries, right: float) -> None:
+        """Add a row."""
+        self.entries += [(len(self.right), column, value) for column, value in entries if value != 0.0]
+        self.right.append(right)
+
+    def solve(self, curvature: Float[np.ndarray, "n n"]) -> Minimum | None:
+        """Solve it with ½ dᵀ B d added, d the first variables and B a positive semidefinite ``curvature``.
+
+        **Returns:** None where the solver gives up.
+        """
+        from scipy.sparse import csc_matrix  # SciPy and the solvers take a second to import, which few commands need
+
+        rows, columns, values = zip(*self.entries, strict=True)
+        matrix = csc_matrix((values, (rows, columns)), shape=(len(self.right), len(self.cost)))
+        return self._quadratic(matrix, curvature) if np.any(curvature) else self._linear(matrix)
+
+    def _linear(self, matrix: np.ndarray) -> Minimum | None:
+        from scipy.optimize import linprog
+
+        result = linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
+        # SciPy's marginals are what the cost gains for more on the right: the duals with the other sign.
+        return Minimum(result.x, -result.ineqlin.marginals) if result.success else None
+
+    def _quadratic(self, matrix: np.ndarray, curvature: np.ndarray) -> Minimum | None:
+        import qpsolvers
+        from scipy.sparse import csc_matrix
+
+        along, across = np.indices(curvature.shape).reshape(2, -1)
+        square = csc_matrix((curvature.ravel(), (along, across)), shape=(len(self.cost),) * 2)
+        low, high = np.array(self.bounds).T
+        problem = qpsolvers.Problem(square, np.array(self.cost), matrix, np.array(self.right), lb=low, ub=high)
+        with warnings.catch_warnings(action="ignore"):  # the solution says the same
+            solution = qpsolvers.solve_problem(problem, solver="clarabel")
+        if not solution.found or solution.x is None or solution.z is None:
+            return None
+        return Minimum(solution.x, solution.z)
+
+
 class Multipliers(NamedTuple):
-    """The weight of each impact's peak, other quantity at a fixed largest peak, and margin in the Lagrangian."""
+    """The weights in the Lagrangian of each impact's peak, each other quantity at a fixed largest peak, each margin."""
 
     peaks: Float[np.ndarray, "cases peaks"]
     rest: Float[np.ndarray, "cases rest"]
     margin: Float[np.ndarray, " cases"]
 
     def slope(self, tangent: Tangent) -> Step:
-        """The Lagrangian's slope at a design with these multipliers."""
+        """Return the Lagrangian's slope at a design with these multipliers."""
         return (
             np.einsum("ck,ckn->n", self.peaks, tangent.peaks_slope)
             + np.einsum("cq,cqn->n", self.rest, tangent.rest_slope)
@@ -43,8 +109,10 @@ class Multipliers(NamedTuple):
         )
 
     def moved(self, change: Float[np.ndarray, "cases rest"]) -> "Multipliers":
-        """Those at another design, where the rest's derivatives by the largest peak are others by ``change`` [unit/N]:
-        the peaks' weights are made of them."""
+        """Return those at another design, where the rest's derivatives by the largest peak differ by ``change``.
+
+        The peaks' weights are made of these derivatives [unit/N].
+        """
         through, total = np.sum(self.rest * change, axis=1), np.sum(self.peaks, axis=1)
         factor = 1.0 + np.divide(through, total, out=np.zeros_like(total), where=total != 0.0)
         return self._replace(peaks=self.peaks * factor[:, None])
@@ -62,36 +130,42 @@ class ModelStep(NamedTuple):
 
 
 class Cuts(NamedTuple):
-    """Half-spaces that steps keep to: ``normals @ step <= offsets``, each offset positive."""
+    """Half-spaces in which steps stay: ``normals @ step <= offsets``, each offset positive."""
 
     normals: Float[np.ndarray, "cuts variables"]
     offsets: Float[np.ndarray, " cuts"]
 
 
 class _Model:
-    """A goal's merit to first order as a programme over steps in a box. All rows are relative, so of size one."""
+    """A model is a goal's merit to first order as a programme over steps in a box.
+
+    All rows are relative, so of size one.
+    """
 
     def __init__(self, goal: Goal, tangent: Tangent, box: tuple[Step, Step]) -> None:
         self.goal, self.tangent, self.cases = goal, tangent, range(len(tangent.margin))
         self.programme, self.sources = Programme(), list[tuple[Source, ...]]()
         self.steps = [self.programme.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
-        used = goal.weights(goal.objective)[0] > 0.0 or "peak_force" in goal.problem.limits.at_most
-        used = used or (goal.ceiling is not None and goal.weights(goal.ceiling.objective)[0] > 0.0)
+        used = goal.uses_peak(goal.objective) or PEAK_FORCE in goal.problem.limits.at_most
+        used = used or (goal.ceiling is not None and goal.uses_peak(goal.ceiling.objective))
         used = used or bool(np.any(tangent.by_peak))
         self.peak_scale = max(float(np.max(tangent.peaks)), 1.0)
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
 
     def row(self, entries: Entries, right: float, sources: tuple[Source, ...] = ()) -> None:
-        """Another row, and what of the tangent is on its left."""
+        """Add a row and note what of the tangent is on its left, by which its dual is given out later."""
         self.programme.row(entries, right)
         self.sources.append(sources)
 
     def along(self, slope: np.ndarray) -> Entries:
-        """A slope by the step as entries."""
+        """Return a slope by the step as entries."""
         return list(zip(self.steps, map(float, slope), strict=True))
 
     def _peaks(self, reach: Step) -> list[int]:
-        """Each case's peak over `peak_scale`: a column above all impacts that may become the largest within reach."""
+        """Add for each load case a column for its peak over `peak_scale`.
+
+        It lies above all impacts that may become the largest within reach.
+        """
         tangent, scale = self.tangent, self.peak_scale
         columns = [self.programme.add(0.0, 0.0) for _ in self.cases]
         for k, column in enumerate(columns):
@@ -103,23 +177,26 @@ class _Model:
         return columns
 
     def weighted(self, k: int, weights: np.ndarray) -> Row:
-        """A weighted sum of one case's quantities: entries and a constant. Where it rises with the largest peak it has
-        the column of `_peaks`; where it falls with it the present largest impact, which the largest peak is never
-        below, while the column may lie above every impact."""
+        """Return a weighted sum of one load case's quantities: entries and a constant.
+
+        Where it rises with the largest peak it has the column of `_peaks`; where it falls with it the present largest
+        impact, which the largest peak is never below, while the column may lie above every impact.
+        """
         tangent, rest = self.tangent, ("rest", k, weights[1:])
+        of_peak = float(weights[0])  # the peak force is the first of the names
         through = float(weights[1:] @ tangent.by_peak[k])
-        by_peak = float(weights[0]) + through
+        by_peak = of_peak + through
         slope = weights[1:] @ tangent.rest_slope[k]
         constant = float(weights[1:] @ tangent.rest[k])
         if by_peak > 0.0:
             entries = [*self.along(slope), (self.peaks[k], by_peak * self.peak_scale)]
             return entries, constant - through * float(tangent.largest[k]), (rest,)
         slope = slope + by_peak * tangent.peaks_slope[k, 0]
-        constant += float(weights[0]) * float(tangent.largest[k])
+        constant += of_peak * float(tangent.largest[k])
         return self.along(slope), constant, (rest, ("peaks", (k, 0), by_peak))
 
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
-        """min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; its entries."""
+        """Add min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; return its entries."""
         cap, weights = objective.cap(len(self.cases)), self.goal.weights(objective) / scale
         base = self.programme.add(cost, -np.inf)
         above = [self.programme.add(cost * cap, 0.0) for _ in self.cases]
@@ -129,9 +206,9 @@ class _Model:
         return [(base, 1.0), *((column, cap) for column in above)]
 
     def constraints(self) -> list[Row]:
-        """The rows of `Goal.rows` in their order."""
+        """Return the rows of `Goal.rows` in their order."""
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
-        for quantity, limit in goal.limited():
+        for quantity, limit in goal.signed_limits():
             one = np.zeros(len(goal.problem.names))
             one[quantity] = 1.0 / limit
             for k in self.cases:
@@ -146,13 +223,13 @@ class _Model:
         return rows
 
     def multipliers(self, duals: np.ndarray) -> Multipliers:
-        """The rows' duals, gathered by what is on their left."""
+        """Gather the rows' duals by what is on their left."""
         tangent = self.tangent
-        found = Multipliers(*(np.zeros_like(values) for values in (tangent.peaks, tangent.rest, tangent.margin)))
+        result = Multipliers(*(np.zeros_like(values) for values in (tangent.peaks, tangent.rest, tangent.margin)))
         for dual, sources in zip(duals, self.sources, strict=True):
             for name, where, coefficient in sources:
-                getattr(found, name)[where] += dual * coefficient
-        return found
+                getattr(result, name)[where] += dual * coefficient
+        return result
 
 
 def best_step(
@@ -166,9 +243,11 @@ def best_step(
     room: Float[np.ndarray, " rows"] | float = 0.0,
     curvature: Float[np.ndarray, "n n"] | None = None,
 ) -> ModelStep:
-    """Minimise the merit's model over steps of at most ``radius`` in each variable, inside bounds and cuts and with
-    ``room`` [-] to the limits (one for all, or one a row). Without ``curvature``, and where the quadratic programme
-    can't be solved, the model is that to first order."""
+    """Minimise the merit's model over steps of at most ``radius`` in each variable, inside bounds and cuts.
+
+    Steps leave ``room`` [-] to the limits (one for all, or one a row). Without ``curvature``, and where the quadratic
+    programme can't be solved, the model is that to first order.
+    """
     still = np.zeros(len(scaled))
     bend = np.zeros((len(scaled),) * 2) if curvature is None else curvature
     low, high = np.maximum(-radius, -scaled), np.minimum(radius, 1.0 - scaled)
@@ -177,9 +256,9 @@ def best_step(
         model.row(model.along(normal), float(offset))
     model.aggregate(goal.objective, scale, 1.0)
     rows = model.constraints()
-    for (entries, right, sources), given in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
+    for (entries, right, sources), gap in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
         excess = model.programme.add(penalty, 0.0)
-        model.row([*entries, (excess, -1.0)], right - float(given), sources)
+        model.row([*entries, (excess, -1.0)], right - float(gap), sources)
     minimum = model.programme.solve(bend) or model.programme.solve(0.0 * bend)
     if minimum is None:
         return ModelStep(still, np.nan, model.multipliers(np.zeros(len(model.sources))))
@@ -192,9 +271,35 @@ def best_step(
 
 
 def residual(goal: Goal, tangent: Tangent, scaled: Step, scale: float, penalty: float) -> ModelStep:
-    """The best step within `RESIDUAL_RADIUS` to first order, and what it gains relative to the objective.
+    """Return the best step within `RESIDUAL_RADIUS` to first order, and what it gains relative to the objective.
 
-    Limits that the design keeps to by less than `ROOM` count as met exactly.
+    Limits that the design is within by less than `ROOM` count as met exactly.
     """
     slack = -goal.rows(*tangent.after(np.zeros(len(scaled))))
     return best_step(goal, tangent, scaled, RESIDUAL_RADIUS, scale, penalty, room=np.clip(slack, 0.0, ROOM))
+
+
+def updated_curvature(
+    curvature: Float[np.ndarray, "n n"], step: Float[np.ndarray, " n"], change: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n n"]:
+    """Update the Lagrangian's curvature by damped BFGS (Nocedal and Wright, procedure 18.2).
+
+    ``change``: of the Lagrangian's slope over a ``step``.
+
+    It starts from zero, which makes first steps those of the first-order model; the first update that shows positive
+    curvature sets its size.
+    """
+    length, bend = float(step @ step), float(step @ change)
+    if length == 0.0 or not np.all(np.isfinite(change)):
+        return curvature
+    if not np.any(curvature):
+        if bend <= 0.0:
+            return curvature
+        curvature = (bend / length) * np.eye(len(step))
+    along = curvature @ step
+    expected = float(step @ along)
+    if expected <= 0.0:
+        return curvature
+    share = 1.0 if bend >= DAMPING * expected else (1.0 - DAMPING) * expected / (expected - bend)
+    change = share * change + (1.0 - share) * along
+    return curvature - np.outer(along, along) / expected + np.outer(change, change) / float(step @ change)

@@ -1,7 +1,8 @@
-"""What to lower and what to keep to: objective, limits, and what decides beyond them."""
+"""The objective of a tuning, its constraints, and what decides among designs that are as good."""
 
 import dataclasses
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +11,7 @@ from ..errors import InputError, check_choice, check_flag, check_number, check_s
 from ..mechanisms import all_mechanisms
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
+from .derived import Derived
 
 AGGREGATES = ("worst", "mean", "cvar")
 ONE_LIMIT = "it holds for all cases"
@@ -17,7 +19,7 @@ ONE_LIMIT = "it holds for all cases"
 
 @dataclasses.dataclass(frozen=True)
 class Objective:
-    """What to lower: a weighted sum of quantities in each case, put together over the cases.
+    """The objective: a weighted sum of quantities in each load case, put together over the load cases, to be lowered.
 
     **Arguments:**
 
@@ -52,37 +54,41 @@ class Objective:
         check_number("objective.level", self.level, "", low=0.0, high=1.0, high_open=True)
 
     def unit(self, catalogue: Catalogue) -> str:
-        """The unit of its value: that of a single quantity with a weight of 1, else N."""
+        """Return the unit of its value: that of a single quantity with a weight of 1, else N."""
         (name, weight), *more = self.weights.items()
         return "N" if more or weight != 1.0 else catalogue[name].unit
 
     def in_figures(self, catalogue: Catalogue) -> tuple[str, float]:
-        """The unit in which people are shown its value, and how many of those its own unit is."""
+        """Return the unit in which people are shown its value, and how many of those its own unit is."""
         unit = self.unit(catalogue)
         (name, *_) = self.weights
         return catalogue[name].in_figures if unit == catalogue[name].unit else (unit, 1.0)
 
     def said(self, value: float, catalogue: Catalogue, digits: int = 5) -> str:
-        """Its value in words, in the unit that people are shown: "7.1 mm"."""
+        """Return its value in words, in the unit that people are shown: "7.1 mm"."""
         unit, factor = self.in_figures(catalogue)
         return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
 
     def cap(self, cases: int) -> float:
-        """The largest weight of a case: each aggregate is max w·f over weights that sum to 1 and stay below it."""
+        """Return the largest weight of a load case.
+
+        Each aggregate is max w·f over weights that sum to 1 and are at most this one.
+        """
         if self.over == "mean":
             return 1.0 / cases
         return 1.0 if self.over == "worst" else min(1.0, 1.0 / ((1.0 - self.level) * cases))
 
     def vector(self, names: Iterable[str]) -> Float[np.ndarray, " quantities"]:
-        """The weights of the named quantities, in their order."""
+        """Return the weights of the named quantities, in their order."""
         return np.array([float(self.weights.get(name, 0.0)) for name in names])
 
     def aggregate(self, values: Float[np.ndarray, " cases"]) -> float:
-        """The cases' values as one."""
+        """Put the load cases' values together."""
         return float(self.case_weights(values) @ values)
 
     def case_weights(self, values: Float[np.ndarray, " cases"]) -> Float[np.ndarray, " cases"]:
-        """How much each case counts; they sum to 1."""
+        """Return how much each load case counts; the weights sum to 1."""
+        # The largest values get the cap each until nothing is left of 1: all of it at once for the worst case.
         cap = self.cap(len(values))
         left = 1.0 - cap * np.arange(len(values))
         weights = np.empty(len(values))
@@ -93,7 +99,7 @@ class Objective:
         return self.worded()
 
     def worded(self, samples: str = "") -> str:
-        """The objective in words. ``samples``: "24 samples", where the cases are such: their worst is no bound."""
+        """Return it in words. ``samples``: "24 samples", where the load cases are such: their worst is no bound."""
         names = [f"{w:g} {name}" if w != 1.0 else name for name, w in self.weights.items()]
         over = f"mean of the worst {1.0 - self.level:.3g}" if self.over == "cvar" else self.over
         no_bound = ", no bound" if self.over == "worst" else ""
@@ -102,7 +108,7 @@ class Objective:
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """What every case must keep to.
+    """The constraints that hold in every load case.
 
     **Arguments:**
 
@@ -144,39 +150,39 @@ class Limits:
             check_whole("constraints.impacts", self.impacts, 1)
 
     def broken(self, values: Mapping[str, float], impacts: int, catalogue: Catalogue) -> list[str]:
-        """A line for each limit that a run with these quantities and this number of impacts does not keep to."""
+        """Return a line for each limit that a run with these quantities and this number of impacts breaks."""
         sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
-        found = [
-            f"{name} {_in_words(catalogue, name, values[name], 4)} is {side} {_in_words(catalogue, name, limit)}"
+        lines = [
+            f"{name} {catalogue[name].in_words(values[name], 4)} is {side} {catalogue[name].in_words(limit)}"
             for side, limits, sign in sides
             for name, limit in limits.items()
             if sign * values[name] > sign * limit
         ]
         if self.impacts is not None and impacts > self.impacts:
-            found.append(f"{impacts} impacts, above {self.impacts}")
-        return found
+            lines.append(f"{impacts} impacts, above {self.impacts}")
+        return lines
 
     def broken_by(self, run: Run, own: Catalogue | None = None) -> list[str]:
-        """A line for each limit that one run does not keep to; ``own``: quantities beside the mechanism's.
+        """Return a line for each limit that one run breaks; ``own``: quantities beside the mechanism's.
 
         **Raises:** `InputError` for limited quantities that are unknown.
         """
         mechanism, outcome = run.mechanism, run.outcome
         catalogue = {**mechanism.quantities, **(own or {})}
-        found = []
+        lines = []
         if self.captured and mechanism.success is not None and outcome.name != mechanism.success:
-            found.append(f"not {mechanism.success} ({outcome.reason})")
+            lines.append(f"not {mechanism.success} ({outcome.reason})")
         for name in (*self.at_most, *self.at_least):
             if name not in catalogue:
                 raise InputError(f"constraints.{name} is unknown{suggest(name, catalogue)}")
         named = {name: float(catalogue[name].of(run)) for name in (*self.at_most, *self.at_least)}
-        return found + self.broken(named, int(run.impact_count), catalogue)
+        return lines + self.broken(named, int(run.impact_count), catalogue)
 
     def lines(self, catalogue: Catalogue) -> list[str]:
-        """Each limit on a quantity: "stroke ≤ 0.025 m"."""
+        """Return each limit on a quantity: "stroke ≤ 0.025 m"."""
         sides = (("≤", self.at_most), ("≥", self.at_least))
         return [
-            f"{name} {sign} {_in_words(catalogue, name, limit)}"
+            f"{name} {sign} {catalogue[name].in_words(limit)}"
             for sign, limits in sides
             for name, limit in limits.items()
         ]
@@ -184,7 +190,7 @@ class Limits:
 
 @dataclasses.dataclass(frozen=True)
 class Then:
-    """What decides among designs that are about as good as the best: a second objective.
+    """A second objective, which decides among designs that are about as good as the best.
 
     **Arguments:**
 
@@ -210,12 +216,25 @@ class Then:
         check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
 
 
-def _in_words(catalogue: Catalogue, name: str, value: float, digits: int = 6) -> str:
-    """A quantity's value in the unit that people are shown."""
-    unit, factor = catalogue[name].in_figures
-    return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
-
-
 def _units() -> dict[str, str]:
-    """Units of all quantities that objectives and limits of some mechanism may use, by name."""
+    """Return the units of all quantities that objectives and limits of some mechanism may use, by name."""
     return {name: m.quantities[name].unit for m in all_mechanisms() for name in m.tuned}
+
+
+class Constraints(NamedTuple):
+    """A study's constraints on a single run: limits, and the ``own`` quantities, by name, that they may be on."""
+
+    limits: Limits
+    own: Mapping[str, Derived]
+
+    def broken_by(self, run: Run) -> list[str]:
+        """Return a line for each limit that the run breaks."""
+        return self.limits.broken_by(run, self._own_catalogue())
+
+    def values(self, run: Run) -> dict[str, float]:
+        """Return each limited quantity of the run, in its unit."""
+        catalogue = {**run.mechanism.quantities, **self._own_catalogue()}
+        return {name: float(catalogue[name].of(run)) for name in (*self.limits.at_most, *self.limits.at_least)}
+
+    def _own_catalogue(self) -> Catalogue:
+        return {name: derived.as_quantity(name) for name, derived in self.own.items()}

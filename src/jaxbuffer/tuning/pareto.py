@@ -13,7 +13,8 @@ from jaxtyping import Bool, Float
 from ..cluster.connect import connected
 from ..errors import InputError, check_names, check_type, check_whole, suggest
 from ..fields import Part
-from .objective import Limits, Objective
+from ..tables import table, text
+from .objective import Objective
 from .problem import Problem
 from .store import LOG, Record
 from .tune import tune
@@ -57,7 +58,7 @@ class Front:
 
     @property
     def feasible(self) -> Bool[np.ndarray, " points"]:
-        """Which points keep to every limit."""
+        """Which points are within every limit."""
         return np.array([point.feasible for point in self.points])
 
     @property
@@ -71,21 +72,21 @@ class Front:
         return self.feasible & ~self.dominated
 
     def __repr__(self) -> str:
-        from .front_summary import front_table
-
         return front_table(self)
 
 
 def dominated(values: Float[np.ndarray, "points k"], feasible: Bool[np.ndarray, " points"]) -> np.ndarray:
-    """Which feasible points are dominated by a feasible one; of points that are the same within `SAME` all but the
-    first are."""
-    found = np.zeros(len(values), bool)
+    """Return which feasible points are dominated by a feasible one.
+
+    Of points that are the same within `SAME` all but the first are.
+    """
+    result = np.zeros(len(values), bool)
     room = SAME * np.abs(values)
     for i in np.flatnonzero(feasible):
         for j in np.flatnonzero(feasible):
             no_worse = np.all(values[j] <= values[i] + room[i])
-            found[i] |= i != j and bool(no_worse and (np.any(values[j] < values[i] - room[i]) or j < i))
-    return found
+            result[i] |= i != j and bool(no_worse and (np.any(values[j] < values[i] - room[i]) or j < i))
+    return result
 
 
 def pareto(
@@ -102,7 +103,9 @@ def pareto(
     finished: Callable[[int, int], None] | None = None,
     **settings: Any,
 ) -> Front:
-    """The front of several objectives: the least worst value of the first, under ever tighter limits on the others.
+    """Compute the front of several objectives: the least of the first one under ever tighter limits on the others.
+
+    Of each objective the worst value over the load cases counts.
 
     The ends come first: the least of the first objective, with the others free, and the least of each other one. Limits
     between the least and the largest values there make the rest of the front, the tightest first, each searched from
@@ -116,8 +119,8 @@ def pareto(
     - ``points``: how many, both ends included; with more than two objectives, for each limited one.
     - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
     - ``folder``: a folder for each point's run is made in it; ``resume``: go on there.
-    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with points done and asked
-      for.
+    - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with the points
+      done and the points in all.
 
     **Returns:** a `Front`; points that are infeasible or dominated are in it, and it says which they are.
 
@@ -146,12 +149,12 @@ def pareto(
         search = _Search(problem, names, place, resume, workers, shared, report, settings)
         if limits is None:
             return _between_ends(search, points, finished)
-        wanted = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
-        return search.front(wanted, None, problem.design, finished)
+        rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
+        return search.front(rows, None, problem.design, finished)
 
 
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:
-    """The ends of the front, and limits between them."""
+    """Search for the ends of the front, and for points under limits between them."""
     names = search.names
     free = search.at({}, "least-" + names[0], search.problem.design)
     ends = [search.alone(name, free.design) for name in names[1:]]
@@ -163,13 +166,13 @@ def _between_ends(search: "_Search", points: int, finished: Callable[[int, int],
                 " is traded for it; leave it out of the objectives"
             )
     spread = limits_between(values[:, 1:], points)
-    wanted = np.array(list(itertools.product(*spread)))
-    wanted[0] = np.inf
-    return search.front(wanted, free, ends[-1].design, finished)
+    rows = np.array(list(itertools.product(*spread)))
+    rows[0] = np.inf
+    return search.front(rows, free, ends[-1].design, finished)
 
 
 def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.ndarray]:
-    """For each objective but the first, limits from its largest value over all ends down to its least.
+    """Return for each objective but the first limits from its largest value over all ends down to its least.
 
     ``ends``: their values [units of the objectives], of the first objective's end, then of the others' in order.
     """
@@ -194,47 +197,50 @@ class _Search:
 
     def front(
         self,
-        wanted: np.ndarray,
+        rows: np.ndarray,
         free: Tuned | None,
         start: Part,
         finished: Callable[[int, int], None] | None,
     ) -> Front:
-        """A point for each row of limits, the tightest first: its design keeps to the next ones too, which can only be
-        better. ``free``: the first point, if it is known; ``start``: the design to begin from."""
+        """Search for a point for each row of limits, the tightest first.
+
+        Its design is within the next, looser limits too, so that these points can only be better. ``free``: the first
+        point, if it is known; ``start``: the design to begin from.
+        """
         known = {} if free is None else {0: free}
-        for done, number in enumerate(reversed(range(len(wanted))), 1):
+        for done, number in enumerate(reversed(range(len(rows))), 1):
             if number not in known:
-                known[number] = self.at(self._limits(wanted[number]), f"point-{number + 1}", start)
+                known[number] = self.at(self._limits(rows[number]), f"point-{number + 1}", start)
                 start = known[number].design
             if finished is not None:
-                finished(done, len(wanted))
-        for number in range(1, len(wanted)):
+                finished(done, len(rows))
+        for number in range(1, len(rows)):
             if not known[number].converged:
-                known[number] = self._again(known[number], known[number - 1], wanted[number], number)
-        return Front(self.problem, self.names, wanted, tuple(known[number] for number in range(len(wanted))))
+                known[number] = self._again(known[number], known[number - 1], rows[number], number)
+        return Front(self.problem, self.names, rows, tuple(known[number] for number in range(len(rows))))
 
-    def _again(self, found: Tuned, looser: Tuned, limits: np.ndarray, number: int) -> Tuned:
-        """A point that did not converge is searched from the next looser one's design too; the better one stays."""
+    def _again(self, point: Tuned, looser: Tuned, limits: np.ndarray, number: int) -> Tuned:
+        """Search for a point that did not converge from the next looser one's design too, and return the better one."""
         other = self.at(self._limits(limits), f"point-{number + 1}-again", looser.design)
-        better = not found.feasible or other.objective[1] < found.objective[1]
-        return other if other.feasible and better else found
+        better = not point.feasible or other.objective[1] < point.objective[1]
+        return other if other.feasible and better else point
 
     def _limits(self, row: np.ndarray) -> dict[str, float]:
         return {name: float(x) for name, x in zip(self.names[1:], row, strict=True) if np.isfinite(x)}
 
     def at(self, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
-        """The least of the first objective under some limits."""
+        """Search for the least of the first objective under some limits."""
         return self._tuned({self.names[0]: 1.0}, limits, name, start)
 
     def alone(self, objective: str, start: Part) -> Tuned:
-        """The least of another objective."""
+        """Search for the least of another objective."""
         return self._tuned({objective: 1.0}, {}, "least-" + objective, start)
 
     def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Part) -> Tuned:
-        given = self.problem.limits
-        tighter = {key: min(x, given.at_most.get(key, np.inf)) for key, x in limits.items()}
-        kept = Limits(given.captured, {**given.at_most, **tighter}, given.impacts, given.at_least)
-        problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=kept)
+        own = self.problem.limits
+        tighter = {key: min(x, own.at_most.get(key, np.inf)) for key, x in limits.items()}
+        constraints = dataclasses.replace(own, at_most={**own.at_most, **tighter})
+        problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=constraints)
         folder = None if self.folder is None else self.folder / name
         begun = self.resume and folder is not None and (folder / LOG).exists()
         who = {"workers": self.workers, "client": self.client}
@@ -247,7 +253,7 @@ def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
 
 
 def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int:
-    """How many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
+    """Return how many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
         if name not in problem.names:
@@ -267,3 +273,52 @@ def _check_limits(names: tuple[str, ...], limits: Mapping[str, Sequence[float]] 
     check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
     if set(limits) != set(names[1:]):
         raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
+
+
+def front_table(front: Front) -> str:
+    """Return a table of each point's objectives, limits and certificate, and what is not on the front."""
+    catalogue = front.problem.catalogue
+    sampled = front.problem.samples
+    over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
+    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
+    shown.add_column("point", justify="right")
+    units, factors = zip(*(catalogue[name].in_figures for name in front.objectives), strict=True)
+    for name, unit in zip(front.objectives, units, strict=True):
+        shown.add_column(f"{name} [{unit}]", justify="right")
+    for name in front.objectives[1:]:
+        shown.add_column(f"{name} ≤", justify="right")
+    shown.add_column("residual [-]", justify="right")
+    shown.add_column("gradient error [-]", justify="right")
+    shown.add_column("", justify="left")
+    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        shown.add_row(
+            str(k + 1),
+            *(f"{value:.6g}" for value in values * np.array(factors)),
+            *("free" if np.isinf(limit) else f"{limit:.5g}" for limit in limits * np.array(factors[1:])),
+            f"{point.residual:.1e}",
+            f"{point.gradient_error:.1e}",
+            point_status(front, k),
+        )
+    count, lost = int(front.dominated.sum()), int((~front.feasible).sum())
+    lines = [f"{int(front.kept.sum())} of {len(front.points)} points are on the front"]
+    if count:
+        lines.append(f"{count} left out: another point is as good or better in every objective")
+    if lost:
+        lines.append(f"{lost} left out: no design was found that keeps to the limits")
+    if any(point.ended == "limit_of_steps" for point in front.points):
+        iterations = front.points[0].settings.iterations
+        lines.append(
+            f"searches stopped at their limit of {iterations} steps: raise iterations in [tune] or --iterations"
+        )
+    return text(
+        shown, "; ".join(lines), "Values at rtol 1e-9; residual: what first-order information there still gains."
+    )
+
+
+def point_status(front: Front, k: int) -> str:
+    """Return what a point is: "front", "dominated" or "limits broken", and whether it converged."""
+    if not front.feasible[k]:
+        return "limits broken"
+    if front.dominated[k]:
+        return "dominated"
+    return "front" if front.points[k].converged else "front, not converged"

@@ -1,23 +1,16 @@
-"""The design problem as data: what may change, in which cases, what to lower and what to keep to."""
+"""The design problem as data: design variables, load cases, objective, constraints, and the settings of a search."""
 
 import dataclasses
 import hashlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import (
-    InputError,
-    check_choice,
-    check_single,
-    check_type,
-    shown,
-    suggest,
-)
-from ..fields import Part, as_typed, get, paths, replace, unit
+from ..errors import InputError, check_choice, check_single, check_type, shown, suggest
+from ..fields import Part, as_typed, get, limits_of, number, paths, replace, unit, whole
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
@@ -27,12 +20,13 @@ from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then
 
 SCALES = ("log", "linear")
+PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
 AT_BOUND = 1e-6  # of a variable's range, on its scale
 
 
 @dataclasses.dataclass(frozen=True)
 class Variable:
-    """A number in the design to tune. `Problem` checks it.
+    """A design variable: a number in the design to tune. `Problem` checks it.
 
     **Arguments:**
 
@@ -52,7 +46,7 @@ class Variable:
     scale: str = "log"
 
     def value(self, scaled: float) -> float:
-        """The number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
+        """Return the number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
         if scaled <= 0.0 or scaled >= 1.0:
             return self.low if scaled <= 0.0 else self.high
         if self.scale == "log":
@@ -60,24 +54,24 @@ class Variable:
         return self.low + scaled * (self.high - self.low)
 
     def scaled(self, value: float) -> float:
-        """The inverse of `value`."""
+        """Return the scaled value of a number: the inverse of `value`."""
         if self.scale == "log":
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
     def at_bound(self, value: float) -> str:
-        """ "at low bound" or "at high bound" of a value within `AT_BOUND` of the range from it, "" of any other."""
+        """Return "at low bound" or "at high bound" for a value within `AT_BOUND` of the range from it, else ""."""
         scaled = self.scaled(value)
         return "at low bound" if scaled <= AT_BOUND else "at high bound" if scaled >= 1.0 - AT_BOUND else ""
 
     def slope(self, value: float) -> float:
-        """d value / d scaled."""
+        """Return d value / d scaled."""
         return value * math.log(self.high / self.low) if self.scale == "log" else self.high - self.low
 
 
 @dataclasses.dataclass(frozen=True)
 class Problem:
-    """A design problem.
+    """A design problem: design variables, load cases, an objective and constraints.
 
     **Arguments:**
 
@@ -85,7 +79,7 @@ class Problem:
     - ``scenarios``: the mechanism's scenarios, or `Case`s, to serve; ``cases`` has them all as `Case`s.
     - ``variables``: what may change.
     - ``objective``: what to lower (default: the worst peak force).
-    - ``limits``: what to keep to (default: captured in every case).
+    - ``limits``: the constraints (default: captured in every load case).
     - ``then``: what decides beyond the objective, or None.
     - ``duration`` [s], ``rtol`` [-]: as for `simulate`.
     - ``quantities``: your own by name, a `Derived` each; objective, limits and ``then`` use them as any other.
@@ -133,11 +127,11 @@ class Problem:
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
         _check_variables(self.design, self.variables)
-        for number, case in enumerate(cases, 1):
+        for k, case in enumerate(cases, 1):
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
-                raise error.between(f"scenario {number} ({case.label(cases)}): ") from None
+                raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
         mechanism.check_problem(self)
 
     def _check_parts(self, mechanism: Mechanism) -> None:
@@ -157,12 +151,12 @@ class Problem:
 
     def _check_quantities(self, mechanism: Mechanism) -> None:
         """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
-        asked: dict[str, Iterable[str]] = {
+        uses: dict[str, Iterable[str]] = {
             "objective": self.objective.weights,
             "constraints": [*self.limits.at_most, *self.limits.at_least],
         }
-        asked |= {} if self.then is None else {"then": self.then.objective.weights}
-        for where, names in asked.items():
+        uses |= {} if self.then is None else {"then": self.then.objective.weights}
+        for where, names in uses.items():
             for name in names:
                 if name not in self.names:
                     raise InputError(f"{where}.{name} is unknown{suggest(name, self.names)}")
@@ -174,20 +168,23 @@ class Problem:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Whose designs are tuned."""
+        """The mechanism whose designs are tuned."""
         return mechanism_of(self.design)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The quantities that objectives and limits may use, the own ones last; the first is made of every impact's
-        peak."""
-        return (*self.mechanism.tuned, *self.quantities)
+        """The quantities that objectives and constraints may use: `PEAK_FORCE` first, the own ones last."""
+        return (*self._tuned, *self.quantities)
+
+    @property
+    def _tuned(self) -> tuple[str, ...]:
+        return (PEAK_FORCE, *(name for name in self.mechanism.tuned if name != PEAK_FORCE))
 
     @property
     def measured(self) -> tuple[str, ...]:
         """The mechanism's quantities among `names`, then those that only the own ones are made of."""
-        asked = (name for derived in self.quantities.values() for name in derived.parameters)
-        return tuple(dict.fromkeys((*self.mechanism.tuned, *asked)))
+        parameters = (name for derived in self.quantities.values() for name in derived.parameters)
+        return tuple(dict.fromkeys((*self._tuned, *parameters)))
 
     @property
     def catalogue(self) -> Catalogue:
@@ -214,32 +211,32 @@ class Problem:
         return f"{self.scatter.count} samples" + (f" at each of {scenarios} scenarios" if scenarios > 1 else "")
 
     def worded(self, objective: Objective) -> str:
-        """An objective of this problem in words."""
+        """Return an objective of this problem in words."""
         return objective.worded(self.samples)
 
     def shown(self, path: str, value: float) -> tuple[float, str]:
-        """A number of the design in the unit that people are shown, and that unit."""
+        """Return a number of the design in the unit that people are shown, and that unit."""
         return as_typed(float(value), unit(self.design, path), self.units.get(path, ""))
 
     def said(self, path: str, value: float, digits: int = 6) -> str:
-        """The same in words: "25 mm"."""
-        number, symbol = self.shown(path, value)
-        return f"{number:.{digits}g} {symbol}".rstrip(" -")
+        """Return the same in words: "25 mm"."""
+        value, symbol = self.shown(path, value)
+        return f"{value:.{digits}g} {symbol}".rstrip(" -")
 
     def start(self) -> Float[np.ndarray, " variables"]:
-        """The design's scaled variables [-]."""
+        """Return the design's scaled variables [-]."""
         return np.array([v.scaled(float(get(self.design, v.path))) for v in self.variables])
 
     def values(self, scaled: Iterable[float]) -> Float[np.ndarray, " variables"]:
-        """The variables' numbers, each in its unit, from their scaled values (0 low, 1 high)."""
+        """Return the variables' numbers, each in its unit, from their scaled values (0 low, 1 high)."""
         return np.array([v.value(float(z)) for v, z in zip(self.variables, scaled, strict=True)])
 
     def built(self, scaled: Iterable[float]) -> Part:
-        """The design with those scaled variables."""
+        """Return the design with those scaled variables."""
         return replace(self.design, dict(zip(self.paths, map(float, self.values(scaled)), strict=True)))
 
     def fingerprint(self) -> str:
-        """The same for the same problem, so that a run goes on with none but its own."""
+        """Return a text that is the same for the same problem, so that a run goes on with none but its own."""
         listed = [f"{path}={get(self.design, path)!r}" for path in paths(self.design)]
         for case in self.cases:
             listed.append(repr([getattr(case.scenario, name) for name in paths(case.scenario)]) + repr(case.factors))
@@ -252,13 +249,13 @@ class Problem:
 def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
     if not variables:
         raise InputError("variables is empty; tuning needs at least one")
-    seen: set[str] = set()
+    names: set[str] = set()
     for variable in variables:
         check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
         path, value = variable.path, get(design, variable.path)
-        if path in seen:
+        if path in names:
             raise InputError(f"{path} is named twice among the variables")
-        seen.add(path)
+        names.add(path)
         if value is None or isinstance(value, (str, bool)):
             raise InputError(f"{path} = {value!r} is not a number that can be tuned")
         check_choice(f"{path} scale", variable.scale, SCALES)
@@ -277,3 +274,55 @@ def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
             raise InputError(
                 f"the start, {path} = {value:g} {name}, is outside its bounds {bounds}".replace(" -,", ",")
             )
+
+
+class Settings(Part):
+    """The settings of a search: the keywords of `tune`, and the section ``[tune]`` of a study.
+
+    ``iterations`` of each local search at most; ``starts``: designs screened in a round, the first time the problem's
+    own among them (1: that one alone, and no further round); ``searches``: the best of them that are followed;
+    ``rounds`` at most; ``seed`` of the samples; ``tolerance`` [-]: a search has converged when first-order information
+    predicts no larger reduction of the objective, relative, within a tenth of every range.
+    """
+
+    section: ClassVar[str] = "tune"
+    iterations: int = whole(40, 1, doc="steps of each local search at most")
+    starts: int = whole(32, 1, 2**20, doc="designs screened in a round; 1: the start alone, and no further round")
+    searches: int = whole(2, 1, doc="how many of the best of them are followed")
+    rounds: int = whole(6, 1, doc="rounds at most")
+    seed: int = whole(0, 0, doc="of the samples of starts")
+    tolerance: float = number(
+        1e-4,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        high_open=True,
+        doc="a search has converged when slopes predict no larger relative gain",
+    )
+
+    @property
+    def most_evaluations(self) -> int:
+        """How many designs are evaluated at most in one stage: in each round ``starts``, and of every search its first
+        design and ``iterations``."""
+        if self.starts == 1:
+            return 1 + self.iterations
+        followed = max(2, self.searches) * (1 + self.iterations)
+        return self.searches * (1 + self.iterations) + (self.rounds - 1) * followed + self.rounds * self.starts
+
+
+def settings_of(settings: Mapping[str, Any]) -> Settings:
+    """Return settings by name. **Raises:** `InputError` for names that are unknown and values out of range."""
+    known = [field.name for field in dataclasses.fields(Settings)]
+    for name in settings:
+        if name not in known:
+            raise InputError(f"tune.{name} is unknown{suggest(name, known)}")
+    if "tolerance" in settings:
+        check_single(
+            "tune.tolerance",
+            settings["tolerance"],
+            "-",
+            "it holds for all searches",
+            **limits_of(Settings(), "tolerance"),
+        )
+    return Settings(**settings)

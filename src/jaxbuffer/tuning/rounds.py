@@ -1,23 +1,28 @@
-"""The default search: rounds of local searches, in two stages where a problem has a second objective."""
+"""The default search: rounds of local searches, in two stages where a problem has a second objective.
+
+Slopes do not see a discontinuity, so what lies beyond one is looked for by trying. A round screens a sample of the
+bounds, which costs a fraction of as many gradients, and follows the best of it. Rounds after the first also screen
+around the best design so far, on all sides of its discontinuities.
+"""
 
 import dataclasses
-from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
-from .judged import judged
 from .message import end
-from .problem import Problem
-from .progress import Progress
-from .record import record
-from .search import RUNNING, Branch, Search, advanced, without_hopeless
-from .settings import Settings
-from .starts import Scaled, Standing, anywhere, around
-from .store import Record, Store
-from .tuned import Tuned
+from .problem import Problem, Settings
+from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
+from .store import Progress, Store, record_of
+from .tuned import Tuned, assess
+
+WIDEST, NARROWEST = 0.5, 0.01  # half-widths of the boxes around the best design, of each variable's range
+
+Scaled = Float[np.ndarray, " variables"]
 
 
 @dataclasses.dataclass
@@ -28,41 +33,40 @@ class Rounds:
     settings: Settings
     evaluator: Evaluator
     store: Store
-    report: Callable[[Record], None] | None
 
-    def searched(self, progress: Progress | None) -> Progress:
-        """All rounds of both stages."""
-        progress = self._begun() if progress is None else progress
+    def run(self, progress: Progress | None) -> Progress:
+        """Run all rounds of both stages, from stored progress if there is some."""
+        progress = self._begin() if progress is None else progress
         self.evaluator.captures = progress.captures
         while True:
             search = self._search(progress)
-            progress = self._ended(search, progress)
+            progress = self._finish_searches(search, progress)
             best = best_branch(search, progress.branches)
             if progress.stage == 0:
-                standing = Standing.of(search, progress.branches)
-                progress = progress._replace(searches=len(progress.branches), apart=standing.apart)
-            if self._unsettled(search, progress):
-                progress = self._again(search, progress, best)
+                agreement = Agreement.of(search, progress.branches)
+                progress = progress._replace(searches=len(progress.branches), apart=agreement.difference)
+            if self._needs_round(search, progress):
+                progress = self._next_round(search, progress, best)
             elif self.problem.then is not None and progress.stage == 0 and search.goal.feasible(best.best):
-                progress = self._second(progress, search, best)
+                progress = self._second_stage(progress, search, best)
             else:
                 return progress
-            self.store.keep(progress.written())
+            self.store.keep(progress.arrays())
 
-    def _ended(self, search: Search, progress: Progress) -> Progress:
-        """After all running searches have stopped."""
+    def _finish_searches(self, search: Search, progress: Progress) -> Progress:
+        """Advance the running searches until all have stopped."""
         while any(branch.status == RUNNING for branch in progress.branches):
             branches = list(progress.branches)
-            for k, trial, branch in advanced(search, branches, self.evaluator):
+            for k, trial, branch in advance(search, branches, self.evaluator):
                 branches[k] = branch
                 self._log(progress.stage, k, search, trial, branch)
             branches = without_hopeless(search, branches)
             progress = progress._replace(branches=tuple(branches), captures=self.evaluator.captures)
-            self.store.keep(progress.written())
+            self.store.keep(progress.arrays())
         return progress
 
-    def _begun(self) -> Progress:
-        """The first round, with the problem's own start among the designs screened; alone it needs no screening."""
+    def _begin(self) -> Progress:
+        """Begin the first round, with the problem's own start among the designs screened; alone it needs none."""
         goal, own, settings = Goal(self.problem, self.problem.objective), self.problem.start(), self.settings
         alone = settings.starts == 1
         points = self.evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=alone)
@@ -75,48 +79,48 @@ class Rounds:
         branches = (search.begin(points[0]),) if alone else self._branches(search, progress, picked)
         check_starts(self.problem, [branch.point for branch in branches])
         progress = progress._replace(branches=branches, captures=self.evaluator.captures)
-        self.store.keep(progress.written())
+        self.store.keep(progress.arrays())
         return progress
 
-    def _unsettled(self, search: Search, progress: Progress) -> bool:
-        """Whether another round is called for and allowed."""
+    def _needs_round(self, search: Search, progress: Progress) -> bool:
+        """Return whether another round is needed and allowed."""
         latest = max(branch.round for branch in progress.branches)
         if self.settings.starts == 1 or latest + 1 >= self.settings.rounds:
             return False
-        return not Standing.of(search, progress.branches).settled(progress.stage)
+        return not Agreement.of(search, progress.branches).suffices(progress.stage)
 
-    def _again(self, search: Search, progress: Progress, best: Branch) -> Progress:
-        """Another round: of designs around the best one and, in the first stage, anywhere."""
+    def _next_round(self, search: Search, progress: Progress, best: Branch) -> Progress:
+        """Begin another round, of designs around the best one and, in the first stage, anywhere."""
         settings, round_ = self.settings, max(branch.round for branch in progress.branches) + 1
         count, number = settings.starts // 2, len(progress.branches)
-        near = self._screened(search, progress.stage, around(best.best.scaled, settings, round_, count))
+        near = self._screen(search, progress.stage, around(best.best.scaled, settings, round_, count))
         picked = [(min(near, key=search.rank).scaled, best.family)]
         if progress.stage == 0:
             scaled = anywhere(settings, round_, len(best.best.scaled), settings.starts - count)
-            far = sorted(self._screened(search, 0, scaled), key=search.rank)[: max(1, settings.searches - 1)]
+            far = sorted(self._screen(search, 0, scaled), key=search.rank)[: max(1, settings.searches - 1)]
             picked += [(point.scaled, number + k) for k, point in enumerate(far, 1)]
         branches = progress.branches + self._branches(search, progress, picked, round_)
         return progress._replace(branches=branches, captures=self.evaluator.captures)
 
-    def _screened(self, search: Search, stage: int, points: list[Scaled]) -> list[Evaluation]:
-        """Designs evaluated without derivatives."""
-        found = self.evaluator(points, slopes=False)
-        for point in found:
+    def _screen(self, search: Search, stage: int, points: list[Scaled]) -> list[Evaluation]:
+        """Evaluate designs without derivatives."""
+        evaluations = self.evaluator(points, slopes=False)
+        for point in evaluations:
             self._log(stage, 0, search, point, None)
-        return found
+        return evaluations
 
     def _branches(
         self, search: Search, progress: Progress, picked: list[tuple[Scaled, int]], round_: int = 0
     ) -> tuple[Branch, ...]:
-        """New searches from scaled variables, each with its family."""
+        """Begin searches from scaled variables, each with its family."""
         branches, points = list[Branch](), self.evaluator([scaled for scaled, _ in picked])
         for k, (point, (_, family)) in enumerate(zip(points, picked, strict=True), len(progress.branches)):
             branches.append(search.begin(point, round_, family))
             self._log(progress.stage, k, search, point, branches[-1])
         return tuple(branches)
 
-    def _second(self, progress: Progress, search: Search, best: Branch) -> Progress:
-        """The second stage, from the first one's best design."""
+    def _second_stage(self, progress: Progress, search: Search, best: Branch) -> Progress:
+        """Begin the second stage, from the first one's best design."""
         assert self.problem.then is not None
         lowest = search.goal.value(best.best)
         ceiling = (1.0 + (self.problem.then.slack if lowest >= 0.0 else -self.problem.then.slack)) * lowest
@@ -128,17 +132,14 @@ class Rounds:
         return stage_search(self.problem, self.settings, progress)
 
     def _log(self, stage: int, number: int, search: Search, point: Evaluation, branch: Branch | None) -> None:
-        """One evaluated design as a line of the log; ``branch`` is None for a start."""
-        entry = record(search.goal, point, len(self.store.records), stage, number, branch)
-        self.store.append(entry)
-        if self.report is not None:
-            self.report(entry)
+        """Log an evaluated design; ``branch`` is None for a start."""
+        self.store.append(record_of(search.goal, point, len(self.store.records), stage, number, branch))
 
-    def finished(self, progress: Progress) -> Tuned:
-        """The best design, judged at tight tolerance."""
+    def result(self, progress: Progress) -> Tuned:
+        """Return the best design, evaluated at tight tolerance."""
         search = self._search(progress)
         branch = best_branch(search, progress.branches)
-        return judged(
+        return assess(
             search.goal,
             self.settings,
             self.evaluator,
@@ -152,7 +153,7 @@ class Rounds:
 
 
 def stage_search(problem: Problem, settings: Settings, progress: Progress) -> Search:
-    """The rules of the stage that the progress is in."""
+    """Return the rules of the stage that the progress is in."""
     then = problem.then
     if progress.stage == 0 or then is None:
         goal = Goal(problem, problem.objective)
@@ -162,12 +163,12 @@ def stage_search(problem: Problem, settings: Settings, progress: Progress) -> Se
 
 
 def best_branch(search: Search, branches: tuple[Branch, ...]) -> Branch:
-    """The search with the best design."""
+    """Return the search with the best design."""
     return min(branches, key=lambda branch: search.rank(branch.best))
 
 
 def size(goal: Goal, points: list[Evaluation]) -> float:
-    """Size of the objective [N]: the first of its values among the starts that is not zero, without sign; else 1."""
+    """Return the size of the objective [N]: that of its first value among the starts that is not zero, else 1."""
     return next((abs(value) for value in map(goal.value, points) if value != 0.0), 1.0)
 
 
@@ -186,3 +187,78 @@ def check_starts(problem: Problem, points: list[Evaluation]) -> None:
             f"no {problem.mechanism.run_name} of the start succeeds ({reasons}), and no variable changes that to first "
             "order: start from another design or tune other variables"
         )
+
+
+def anywhere(settings: Settings, round_: int, size: int, count: int) -> list[Scaled]:
+    """Sample the whole range between the bounds by a Latin hypercube, another one in each round."""
+    return list(_hypercube((settings.seed, round_, 0), size, count))
+
+
+def around(best: Scaled, settings: Settings, round_: int, count: int) -> list[Scaled]:
+    """Sample boxes around a design, each narrower than the one before, cut off at the bounds."""
+    widths = np.geomspace(WIDEST, NARROWEST, count)[:, None]
+    shares = _hypercube((settings.seed, round_, 1), len(best), count)
+    return list(np.clip(best + widths * (2.0 * shares - 1.0), 0.0, 1.0))
+
+
+def _hypercube(seed: tuple[int, ...], size: int, count: int) -> np.ndarray:
+    from scipy.stats import qmc  # takes seconds to import
+
+    return np.asarray(qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count))
+
+
+class Agreement(NamedTuple):
+    """How well the searches agree.
+
+    ``families``: the best objective [N] of each independent search that ended feasible, rising; searches that began
+    around another's design belong to its family. ``difference`` [-]: of the best two, relative, infinite where there
+    are none; ``cliffs``: whether a search met a discontinuity; ``gain`` [-]: by how much the last round lowered the
+    best objective, infinite where nothing feasible was known before.
+    """
+
+    families: tuple[float, ...]
+    difference: float
+    cliffs: bool
+    gain: float
+
+    @staticmethod
+    def of(search: Search, branches: tuple[Branch, ...]) -> "Agreement":
+        """Return that of all searches of a stage."""
+        latest = max(branch.round for branch in branches)
+        families = _families(search, branches)
+        earlier = _families(search, tuple(branch for branch in branches if branch.round < latest))
+        return Agreement(
+            tuple(families),
+            _above(families[1], families[0]) if len(families) > 1 else np.inf,
+            any(bool(np.any(np.isfinite(branch.cliffs))) for branch in branches),
+            _above(earlier[0], families[0]) if earlier else np.inf,
+        )
+
+    def suffices(self, stage: int) -> bool:
+        """Return whether nothing tells of a better design elsewhere.
+
+        That is so where no search met a discontinuity, or the last round gained nothing more; and in the first stage
+        independent searches agree.
+        """
+        if not self.families:
+            return False
+        agree = stage > 0 or self.difference <= AGREE
+        return (agree or len(self.families) == 1) if not self.cliffs else (agree and self.gain <= AGREE)
+
+
+def _above(value: float, lowest: float) -> float:
+    """Return by how much an objective is above the lowest, relative to that one's size [-]."""
+    if value == lowest:
+        return 0.0
+    return value / abs(lowest) - float(np.sign(lowest)) if lowest else np.inf
+
+
+def _families(search: Search, branches: tuple[Branch, ...]) -> list[float]:
+    """Return the best of each family; of a search that was dropped before its end, only what agrees with the best."""
+    feasible = [(search.goal.value(b.best), b) for b in branches if search.goal.feasible(b.best)]
+    lowest = min((value for value, _ in feasible), default=np.inf)
+    best: dict[int, float] = {}
+    for value, branch in feasible:
+        if branch.status != BEHIND or _above(value, lowest) <= AGREE:
+            best[branch.family] = min(best.get(branch.family, np.inf), value)
+    return sorted(best.values())

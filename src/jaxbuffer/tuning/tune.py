@@ -1,25 +1,21 @@
-"""`tune`: from a design problem to a design, with everything that was tried on the way."""
+"""`tune`: search for the best design of a problem, or tell the best one of an interrupted run."""
 
-import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InputError, check_single, check_type, check_whole, suggest
-from ..fields import Part, limits_of
+from ..errors import InputError, check_type, check_whole
+from ..fields import Part
 from ..progress import reported
-from .descent import check_optimizer, descended
+from .descent import check_optimizer, descend
 from .evaluation import Evaluator
-from .problem import Problem
-from .progress import Progress
+from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .settings import Settings
-from .store import Record, Store, read_state
-from .summary import in_words
+from .store import Progress, Record, Store, in_words, read_state
 from .tuned import Tuned
 
 if TYPE_CHECKING:
-    import optax
+    import optax  # takes half a second to import; a caller who has an optimizer has it imported
 
 
 def tune(
@@ -35,17 +31,17 @@ def tune(
 ) -> Tuned:
     """Find the best design of a problem.
 
-    Steps minimise a model that is first-order in every impact's peak of every case, with the curvature seen so far,
-    inside a region that shrinks where the model was wrong (docs/tuning.md). An infeasible start is led to feasibility
-    first. ``problem.then`` is a second search from the first one's best.
+    Steps minimise a model that is first-order in every impact's peak of every load case, with the curvature that past
+    steps have shown, in a trust region (docs/tuning.md). An infeasible start is led to feasibility first.
+    ``problem.then`` is a second search from the first one's best.
 
     **Arguments:**
 
-    - ``problem``: what may change, what to lower and what to keep to.
+    - ``problem``: design variables, load cases, objective and constraints.
     - ``optimizer``: search by this instead, on the certified gradient with projected bounds and an augmented
       Lagrangian for the limits (``optax.adam(0.05)`` say; rates are of the variables' ranges), without a second
       objective and not to be resumed.
-    - ``folder``: where log and state are kept; an earlier run's files there are overwritten.
+    - ``folder``: for log and state; an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
     - ``workers``: threads, by default one a core.
     - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers evaluate
@@ -75,7 +71,7 @@ def tune(
         check_whole("workers", workers, 1)
     if folder is not None and not str(folder):
         raise InputError("folder = '' is empty; name the folder for log and state, or leave it out")
-    chosen = checked(settings)
+    chosen = settings_of(settings)
     if optimizer is not None:
         check_optimizer(problem, optimizer, resume)
     if resume:
@@ -83,20 +79,24 @@ def tune(
     with (
         Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
         Evaluator(problem, workers, True, client) as evaluator,
-        reported(report, lambda record: in_words(record, problem.mechanism.success)) as told,
+        reported(report, lambda record: in_words(record, problem.mechanism.success)) as show,
     ):
-        if told is not None:
-            for record in store.records:
-                told(record)
+        if show is not None:
+            for record in store.records:  # of the run that is resumed
+                show(record)
+        store.report = show
         if optimizer is not None:
-            return descended(problem, optimizer, chosen, evaluator, store, told)
-        rounds = Rounds(problem, chosen, evaluator, store, told)
-        return rounds.finished(rounds.searched(Progress.read(store.state)))
+            return descend(problem, optimizer, chosen, evaluator, store)
+        rounds = Rounds(problem, chosen, evaluator, store)
+        return rounds.result(rounds.run(Progress.read(store.state)))
 
 
 class Unfinished(NamedTuple):
-    """The best design of a run that was interrupted: ``objective`` [``unit``] of the stage it was in, 0 for the first;
-    ``feasible``: whether it keeps to every constraint; ``evaluations`` so far."""
+    """The best design of a run that was interrupted.
+
+    ``objective`` [``unit``]: of the ``stage`` it was in, 0 for the first; ``feasible``: whether every constraint holds;
+    ``evaluations`` so far.
+    """
 
     design: Part
     objective: float
@@ -107,11 +107,11 @@ class Unfinished(NamedTuple):
 
 
 def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfinished | None:
-    """The best design of an interrupted run, or None before its first designs were evaluated. Changes nothing.
+    """Read the best design of an interrupted run, or None before its first designs were evaluated. Changes nothing.
 
     **Arguments:** as for `tune`; ``settings``: those that the run was started with.
     """
-    chosen = checked(settings)
+    chosen = settings_of(settings)
     state, lines = read_state(Path(folder), _fingerprint(problem, chosen))
     progress = Progress.read(state or None)
     if progress is None:
@@ -129,31 +129,14 @@ def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfini
 
 
 def _check_known(problem: Problem) -> None:
-    """Raise `InputError` for an own quantity of which no process can tell whether it is the same as before."""
+    """Raise `InputError` for an own quantity whose code does not say whether it is the same as before."""
     for name, own in problem.quantities.items():
         if own.identity is None:
-            told = "write it with def, of numbers and functions that it reads by their names"
+            remedy = "write it with def, of numbers and functions that it reads by their names"
             raise InputError(
-                f"resume: whether quantities.{name} is the same as before can't be told from its code; {told}"
+                f"resume: whether quantities.{name} is the same as before can't be told from its code; {remedy}"
             )
 
 
 def _fingerprint(problem: Problem, settings: Settings) -> str:
     return f"{problem.fingerprint()}-{settings}"
-
-
-def checked(settings: Mapping[str, Any]) -> Settings:
-    """Settings by name. **Raises:** `InputError` for names that are unknown and values out of range."""
-    known = [field.name for field in dataclasses.fields(Settings)]
-    for name in settings:
-        if name not in known:
-            raise InputError(f"tune.{name} is unknown{suggest(name, known)}")
-    if "tolerance" in settings:
-        check_single(
-            "tune.tolerance",
-            settings["tolerance"],
-            "-",
-            "it holds for all searches",
-            **limits_of(Settings(), "tolerance"),
-        )
-    return Settings(**settings)

@@ -1,38 +1,46 @@
-"""The result of a tuning."""
+"""The result of a tuning: the best design evaluated at tight tolerance, and its tables."""
 
 import dataclasses
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 import numpy as np
+from jaxtyping import Float
+from rich.table import Table
 
-from ..fields import Part
-from .corners import Corners
-from .evaluation import Evaluation
-from .floor import Floor
-from .goal import Goal
-from .problem import Problem
-from .settings import Settings
+from ..fields import Part, get, unit
+from ..mechanisms.energy import energy_text
+from ..tables import html, table, text
+from .checks import Corners, Floor, corners, floor
+from .evaluation import Evaluation, Evaluator
+from .goal import Goal, Tangent
+from .message import End, broken_limits, headline
+from .model_step import residual
+from .problem import Problem, Settings
 from .store import Record
-from .why import broken_limits
 
 if TYPE_CHECKING:
-    import pandas as pd
+    import pandas as pd  # takes half a second to import; only `Tuned.to_pandas` needs it
+
+TIGHT = 1e-9  # rtol at which the result is evaluated, where the mechanism does not say otherwise
+SHOWN = 12  # scenarios in a table
+OWN = 3  # own quantities in that table, in place of the usual ones
 
 
 @dataclasses.dataclass(frozen=True)
 class Tuned:
     """A finished tuning. Print it for tables.
 
-    - ``problem``, ``settings``: what was asked.
+    - ``problem``, ``settings``: the arguments of the tuning.
     - ``goal``: of the last stage.
-    - ``design``: the best one found.
-    - ``before``, ``after``: start and result in every case at rtol 1e-9, with derivatives.
+    - ``design``: the best one.
+    - ``before``, ``after``: start and result in every load case at rtol 1e-9, with derivatives.
     - ``residual``: what first-order information at rtol 1e-9 still predicts to gain within a tenth of every range,
-    relative to the objective [-].
+      relative to the objective [-].
     - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
       to the largest [-].
-    - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether another search that began apart
-      found the same; ``message``: both in words.
+    - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether an independent search agrees;
+      ``message``: both in words.
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
@@ -70,8 +78,8 @@ class Tuned:
 
     @property
     def worst_first(self) -> tuple[Part, ...]:
-        """The cases' scenarios by their peak contact force with the tuned design, the largest first."""
-        return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.quantities[:, 0], kind="stable"))
+        """The load cases' scenarios by their peak contact force with the tuned design, the largest first."""
+        return tuple(self.problem.scenarios_met[k] for k in np.argsort(-self.after.peak_force, kind="stable"))
 
     @property
     def screened(self) -> int:
@@ -86,12 +94,12 @@ class Tuned:
 
     @property
     def feasible(self) -> bool:
-        """Whether the result keeps to every constraint."""
+        """Whether every constraint holds in the result."""
         return self.goal.feasible(self.after)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Paths of variables that change no quantity of any case, neither at the start nor in the result."""
+        """Paths of variables that change no quantity of any load case, neither at the start nor in the result."""
         points = (self.before, self.after)
         slopes = [slope for point in points for slope in (point.quantities_slope[point.solved], point.margin_slope)]
         still = np.all([np.all(slope == 0.0, axis=tuple(range(slope.ndim - 1))) for slope in slopes], axis=0)
@@ -108,22 +116,225 @@ class Tuned:
         """How far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor."""
         if self.floor is None:
             return float("nan")
-        return float(np.max(self.after.quantities[:, 0]) / np.max(self.floor.simulated) - 1.0)
+        return float(np.max(self.after.peak_force) / np.max(self.floor.simulated) - 1.0)
 
     def to_pandas(self) -> "pd.DataFrame":
-        """A row for each evaluated design, as in history.csv: objective, worst values over the scenarios, variables."""
-        from ..labelled.arrays import frame
-        from .table import tuning_history
+        """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
+        from ..labelled.arrays import frame  # imports xarray and pandas, which take a second
 
         return frame(*tuning_history(self))
 
     def __repr__(self) -> str:
-        from .summary import tuned_table
-
         return tuned_table(self)
 
     def _repr_html_(self) -> str:
-        from ..tables import html
-        from .summary import tuned_parts
-
         return html(*tuned_parts(self))
+
+
+def assess(
+    goal: Goal,
+    settings: Settings,
+    evaluator: Evaluator,
+    first: Float[np.ndarray, " variables"],
+    best: Evaluation,
+    scale: float,
+    penalty: float,
+    end: Callable[[Evaluation], End],
+    records: Sequence[Record],
+) -> Tuned:
+    """Evaluate the best design of a search at tight tolerance, with the evidence for it.
+
+    **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
+    tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
+    ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
+    """
+    problem, scaled = goal.problem, best.scaled
+    stepping = problem.mechanism.stepping
+    tight = TIGHT if stepping is None else stepping.tight
+    before, after = evaluator([first, scaled], rtol=tight)
+    # Before the count of captures below: the corners are runs, too.
+    in_corners = corners(goal, evaluator, scaled, tight)
+    return Tuned(
+        problem=problem,
+        settings=settings,
+        goal=goal,
+        design=problem.built(scaled),
+        before=before,
+        after=after,
+        residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
+        gradient_error=_gradient_error(goal, best, after),
+        **end(after)._asdict(),
+        floor=floor(problem, scaled),
+        records=tuple(records),
+        captures=evaluator.captures,
+        corners=in_corners,
+    )
+
+
+def _gradient_error(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
+    """Return the relative difference [-] of the objective's slopes between the search's tolerance and the tight one."""
+    # One set of weights for both: which load case is the worst may differ by rounding, and is no error of a slope.
+    cases = goal.objective.case_weights(tight.quantities @ goal.weights(goal.objective))
+    exact = goal.slope(tight, cases)
+    difference = np.abs(goal.slope(usual, cases) - exact)
+    return float(np.max(difference) / max(float(np.max(np.abs(exact))), 1e-300))
+
+
+def tuned_table(tuned: Tuned) -> str:
+    """Return the tables as text."""
+    return text(*tuned_parts(tuned))
+
+
+def tuned_parts(tuned: Tuned) -> list[str | Table]:
+    """Return a headline, tables of objective, scenarios and variables before and after, and lines about the result."""
+    problem = tuned.problem
+    lines = [
+        *_floor_facts(tuned),
+        f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes;"
+        f" the search's slopes are right to"
+        f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
+        f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
+    ]
+    lines += [] if tuned.corners is None else tuned.corners.lines(problem)
+    lines += tuned_warnings(tuned)
+    lines += [f"limit {line}" for line in tuned.why]
+    broken = tuned.goal.broken(tuned.after)
+    lines += [f"broken: {line}" for line in broken[:SHOWN]]
+    lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
+    tables = [_tuned_objective(tuned), _tuned_cases(tuned), _tuned_variables(tuned)]
+    return [headline(tuned.message, tuned.feasible), *tables, *lines]
+
+
+def _tuned_objective(tuned: Tuned) -> Table:
+    """Return the objectives and the load cases that succeed, before and after."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    summary = table("Objective and what limits it")
+    for heading in ("", "before", "after"):
+        summary.add_column(heading, justify="left" if not heading else "right")
+    change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
+    unit, factor = problem.objective.in_figures(problem.catalogue)
+    summary.add_row(
+        f"{problem.worded(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
+    )
+    if problem.then is not None and tuned.goal.ceiling is not None:
+        unit, factor = problem.then.objective.in_figures(problem.catalogue)
+        then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
+        summary.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
+    points = (tuned.before, tuned.after)
+    ended = f"cases {problem.mechanism.success or 'solved'}"
+    summary.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
+    return summary
+
+
+def tuned_warnings(tuned: Tuned) -> list[str]:
+    """Return a line for each validity limit that the tuned design exceeds, each quantity that still rises at the end of
+    the run, with the number of scenarios, and each variable that changes nothing."""
+    problem = tuned.problem
+    count: dict[str, int] = {}
+    for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
+        for limit in problem.mechanism.validity(case.of(tuned.design), peak):
+            count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
+    lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
+    for name, rising in zip(problem.mechanism.tuned, tuned.after.rising.T, strict=True):
+        if n := int(np.sum(rising)):
+            where = f"where the {problem.mechanism.run_name} ends, in {n} of {len(problem.cases)} scenarios"
+            lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
+    for path in tuned.without_effect:
+        lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
+    return lines
+
+
+def _floor_facts(tuned: Tuned) -> list[str]:
+    """Return lines about the floor of the worst scenario, or one that says that it is not known."""
+    floor, cases = tuned.floor, len(tuned.problem.cases)
+    if floor is None:
+        return []
+    if floor.unknown:
+        return [
+            "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
+            f" {floor.unknown} of {cases} scenarios"
+        ]
+    return [
+        "floor, the first impact in the worst scenario, which no buffer softens:",
+        f"  without any buffer {np.max(floor.simulated):.6g} N;"
+        f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
+        f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
+        f" from an energy of {energy_text(np.max(floor.energy))} that the contact takes up (effective energy T_c⁻)",
+        f"  within the bounds none gets below {floor.lowest:.6g} N",
+    ]
+
+
+def _tuned_cases(tuned: Tuned) -> Table:
+    """Return each load case's peak force, some other quantities, impacts and outcome, before and after.
+
+    The other quantities are the problem's own, or else those of the mechanism's map of a sweep that can be tuned.
+    """
+    problem, before, after = tuned.problem, tuned.before, tuned.after
+    mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
+    cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force")
+    cases.add_column("scenario")
+    usual = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names]
+    others = list(problem.quantities)[:OWN] or usual
+    headings = ["peak force [N]", "change"]
+    for name in others:
+        quantity = catalogue[name]
+        headings.append(f"{quantity.title} [{quantity.in_figures[0]}]")
+    for heading in (*headings, "impacts", "before", "after"):
+        cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
+    first, last = before.quantities, after.quantities
+    highest = np.argsort(-after.peak_force, kind="stable")
+    for k in highest[:SHOWN] if count > SHOWN else range(count):
+        shown = []
+        for name in others:
+            factor, q = catalogue[name].in_figures[1], problem.names.index(name)
+            shown.append(f"{factor * first[k, q]:.4g} → {factor * last[k, q]:.4g}")
+        cases.add_row(
+            problem.cases[k].label(problem.cases),
+            *_change(before.peak_force[k], after.peak_force[k]),
+            *shown,
+            f"{before.impacts[k]} → {after.impacts[k]}",
+            mechanism.outcomes(int(before.code[k])).name,
+            mechanism.outcomes(int(after.code[k])).name,
+        )
+    return cases
+
+
+def _tuned_variables(tuned: Tuned) -> Table:
+    """Return each variable's value before and after, and its bounds."""
+    variables = table("Variables")
+    variables.add_column("field")
+    for heading in ("before", "tuned", "low", "high", "unit"):
+        variables.add_column(heading, justify="left" if heading == "unit" else "right")
+    variables.add_column("")
+    problem = tuned.problem
+    for variable in problem.variables:
+        start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
+        numbers = [problem.shown(variable.path, x) for x in (start, value, variable.low, variable.high)]
+        texts = [f"{number:.5g}" for number, _ in numbers]
+        variables.add_row(variable.path, *texts, numbers[0][1], variable.at_bound(value))
+    return variables
+
+
+def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:
+    before, after = float(before), float(after)
+    return f"{before:.5g} → {after:.5g}", f"{100.0 * (after / before - 1.0):+.1f} %"
+
+
+def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
+    """Return a header and a row for each evaluated design, with its worst values over the scenarios.
+
+    ``unit``: that of the stage's objective.
+    """
+    problem = tuned.problem
+    plain = ("evaluation", "stage", "search", "step", "accepted", "feasible", "captures", "status", "objective", "unit")
+    numbers = {"excess": "-", "radius": "-", "residual": "-"}
+    catalogue = problem.catalogue
+    worst = {name: catalogue[name].unit for name in problem.names}
+    header = [*plain, *(f"{name} [{symbol}]" for name, symbol in numbers.items())]
+    header += [f"worst {name} [{symbol}]" for name, symbol in worst.items()]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for it in tuned.records:
+        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
+        rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
+    return header, rows
