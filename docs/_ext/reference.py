@@ -10,7 +10,7 @@ import jaxbuffer
 
 CODE = re.compile(r"(?<!`)`([^`]+)`(?!`)(\w?)")  # `simulate`, `Case`s
 PAGE = re.compile(r"\bdocs/([a-z_]+)\.md\b")  # docs/tuning.md
-IN_TEXT = re.compile(r"(?<![\[(/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")
+IN_TEXT = re.compile(r"(?<!\]\()(?<![\[/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")  # but in a link's own text or target
 FENCE = re.compile(r"(^```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
