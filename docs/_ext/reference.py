@@ -10,7 +10,7 @@ import jaxbuffer
 
 CODE = re.compile(r"(?<!`)`([^`]+)`(?!`)(\w?)")  # `simulate`, `Case`s
 PAGE = re.compile(r"\bdocs/([a-z_]+)\.md\b")  # docs/tuning.md
-IN_TEXT = re.compile(r"(?<![\[(/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")
+IN_TEXT = re.compile(r"(?<!\]\()(?<![\[/\w`])`?docs/([a-z_]+)\.md\b`?(?!\])")  # but in a link's own text or target
 FENCE = re.compile(r"(^```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
@@ -22,15 +22,15 @@ def docstring(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: 
     lines[:] = PAGE.sub(r":doc:`docs/\1.md </\1>`", text).split("\n")
 
 
-def _item(found: re.Match[str]) -> str:
+def _item(match: re.Match[str]) -> str:
     """A list's item, whose other lines are indented below it."""
-    first, *rest = found[1].split("\n")
+    first, *rest = match[1].split("\n")
     return "\n" + "\n".join([first, *(f"  {line.strip()}" for line in rest)])
 
 
-def _code(found: re.Match[str]) -> str:
+def _code(match: re.Match[str]) -> str:
     """A public name links to its entry; any other is code."""
-    name, letter = found[1], found[2]
+    name, letter = match[1], match[2]
     said = f":py:obj:`~jaxbuffer.{name}`" if name in jaxbuffer.__all__ else f"``{name}``"
     return said + (rf"\ {letter}" if letter else "")
 

@@ -32,13 +32,13 @@ INK = "#222222"
 def frames(design, scenario):
     """The bodies' frames at the start, with the active vehicle turned about the hinge and the probe pushed in."""
     masses = probe_masses(design)
-    found = np.array(start_motion(design, scenario, masses)[0]).reshape(4, 3)
-    hinge = Spot(B, design.buffer.cylinder_length / 2.0).at(found) + np.array([STROKE, 0.0])
+    places = np.array(start_motion(design, scenario, masses)[0]).reshape(4, 3)
+    hinge = Spot(B, design.buffer.cylinder_length / 2.0).at(places) + np.array([STROKE, 0.0])
     turn = -np.radians(HINGE)
-    found[S] = [*(hinge - design.active.hinge_offset * np.array([np.cos(turn), np.sin(turn)])), turn]
-    found[B, 0] += STROKE
-    tip = Spot(P, float(masses.front)).at(found)
-    return np.vstack([found, [*tip, 0.0]])
+    places[S] = [*(hinge - design.active.hinge_offset * np.array([np.cos(turn), np.sin(turn)])), turn]
+    places[B, 0] += STROKE
+    tip = Spot(P, float(masses.front)).at(places)
+    return np.vstack([places, [*tip, 0.0]])
 
 
 def arrow(axes, text, to, at):
@@ -67,11 +67,11 @@ def main():
     """Draw it and write it."""
     design = jb.table2()
     scenario = jb.Scenario(misalignment=np.radians(MISALIGNMENT))
-    at, found = frames(design, scenario), drawing(design)
+    at, picture = frames(design, scenario), drawing(design)
     with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         figure = Figure(figsize=(9.0, 5.6), layout="constrained")
         axes = figure.subplots()
-        named = sketch(axes, found.shapes, at)
+        named = sketch(axes, picture.shapes, at)
         hinge, tip, centre = Spot(B, design.buffer.cylinder_length / 2.0).at(at), at[TIP, :2], at[T, :2]
         far, wide = mouth(design)
         throat = -design.cone.offset

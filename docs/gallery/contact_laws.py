@@ -1,7 +1,7 @@
 """# The contact laws side by side
 
 One impact of two free bodies under each built-in law: force over penetration, force over time, and the restitution that
-a law delivers over the one it was asked for.
+a law delivers over the requested one.
 """
 
 import jaxbuffer as jb

@@ -1,6 +1,6 @@
 """# A response surface, and how far it is off
 
-The stroke from 64 captures spread over stiffness, damping and speed, predicted by a fit that had not seen the capture,
+The stroke from 64 captures spread over stiffness, damping and speed, predicted by a fit without the capture,
 over the computed one. A number of captures that are not captured are left out and counted.
 """
 

@@ -12,5 +12,5 @@ over = {
     "scenario.approach_speed": {"from": "5 cm/s", "to": "25 cm/s", "count": 15},
     "scenario.misalignment": {"from": "-6 deg", "to": "6 deg", "count": 13},
 }
-swept = jb.sweep(jb.table2(), jb.Scenario(), over=over)
-figure = envelope_figure(jb.safe_rectangle(swept, jb.Limits(at_most={"stroke": 0.02})))  # m
+sweep = jb.sweep(jb.table2(), jb.Scenario(), over=over)
+figure = envelope_figure(jb.safe_rectangle(sweep, jb.Limits(at_most={"stroke": 0.02})))  # m

@@ -11,8 +11,8 @@ import jaxbuffer as jb
 
 jb.configure()
 run = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), history=True)
-seen = jb.at_times(run, np.linspace(0.0, float(run.end_time), 5000)).others
-x, y = 1e3 * seen["piston_pin_x"], 1e3 * seen["piston_pin_y"]  # mm
+history = jb.at_times(run, np.linspace(0.0, float(run.end_time), 5000)).others
+x, y = 1e3 * history["piston_pin_x"], 1e3 * history["piston_pin_y"]  # mm
 clearance = 1e3 * run.design.piston_pin.clearance
 angle = np.linspace(0.0, 2.0 * np.pi, 200)
 

@@ -1,4 +1,4 @@
-"""The published set of seed 001, section 3: IMPACT by components, exponents below 1, a motor's torque."""
+"""The published slider-crank: IMPACT by components, exponents below 1, a motor's torque."""
 
 import numpy as np
 import pytest

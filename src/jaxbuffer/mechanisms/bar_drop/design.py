@@ -14,7 +14,7 @@ from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whol
 from ...multibody.flexible import Bar as UniformBar
 
 HERTZ_EXPONENT = 1.5  # -
-SEED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the seed's 48 049 N/mm^2.2
+PUBLISHED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the paper's 48 049 N/mm^2.2
 
 
 class Bar(Part):
@@ -58,7 +58,7 @@ class Impact(Part):
 
     section: ClassVar[str] = "impact"
     law: str = choice("adams", *LAWS, doc="contact law; it takes those of the other fields that it has")
-    stiffness: Scalar = number(SEED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
+    stiffness: Scalar = number(PUBLISHED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
     exponent: Scalar = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
     damping: Scalar = number(1000.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws adams and kelvin-voigt")
     ramp_depth: Scalar = number(1e-5, "m", **POSITIVE, doc="depth over which the damping of adams sets in")
@@ -116,7 +116,10 @@ class Plate(Part):
 
 
 class BarDrop(Part):
-    """The whole mechanism; the defaults are those of seed 001's section 2, with the density assumed.
+    """The whole mechanism.
+
+    The defaults are those of *Impact Dynamics Analysis of Mobile Mechanical Systems* (2021), section 2; the density is
+    assumed.
 
     - ``bar``: the bar and its ball end; rigid, unless it has modes.
     - ``impact``: the ball against the plate.

@@ -1,4 +1,4 @@
-"""The slider-crank of seed 001, section 3: its printed numbers with a geometry of ours."""
+"""The slider-crank of *Impact Dynamics Analysis of Mobile Mechanical Systems* (2021) with a geometry of ours."""
 
 from ..._types import Scalar
 from .design import Crank, Drive, SliderCrank

@@ -199,7 +199,7 @@ class TankDropScenario(Part):
 
     **Raises:** `InputError` where a number is out of its range.
 
-    **Example:** the seed's slider arrives with 6964 J.
+    **Example:** the paper's slider arrives with 6964 J.
 
     >>> drop = jb.TankDropScenario()
     >>> f"{float(jb.TankDrop().slider.mass * drop.gravity * drop.height):.0f} J"

@@ -106,7 +106,7 @@ TANK_DROP = register(
             "The liquid is a linear acoustic medium on the mesh it has at rest; it neither splashes nor is torn, and"
             " baffle plates do not hinder it.",
             "Walls do not touch each other, nor the liquid beyond its level; a wall with a hole does not leak.",
-            "Nothing has been compared with a measurement: seed 003 prints no value of any result.",
+            "Nothing has been compared with a measurement: the paper prints no value of any result.",
         ),
         warnings=warnings,
         validity=validity,
