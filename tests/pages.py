@@ -18,5 +18,6 @@ def commands(page: Path) -> str:
 
 
 DOCS = ROOT / "docs"
-GUIDES = [DOCS / "quickstart.md", *sorted((DOCS / "howto").glob("*.md"))]
-PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *GUIDES[1:]) if blocks(page)]
+HOWTO = sorted((DOCS / "howto").glob("*.md"))
+GUIDES = [*(DOCS / f"{name}.md" for name in ("quickstart", "gradients", "tuning", "tank_drop")), *HOWTO]
+PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *HOWTO) if blocks(page)]
