@@ -43,10 +43,10 @@ faults: $(READY)  ## kills of commands; kills, full disks, damage and strangers 
 	$(BIN)/python -m pytest tests/front/test_lost_work_kills.py --kills 10
 	$(BIN)/python -m verify.faults
 
-bench-docs: $(READY)  ## the tables of the latest `make bench` into docs/benchmarks.md
+bench-docs: $(READY)  ## the tables of the latest `make bench`, for docs/benchmarks.md
 	$(BIN)/python -m benchmarks.docs
 
-verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/verification.md
+verify: $(READY)  ## every check, deliberate breakages and the paper's claims: docs/generated/verified.md
 	$(BIN)/python -m verify
 
 docs: $(READY)  ## these pages as a site, docs/_build/html/index.html; a warning is an error

@@ -3,14 +3,15 @@
 import sys
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parent / "_ext")]
+DOCS = Path(__file__).parent
+sys.path[:0] = [str(DOCS / "_ext"), str(DOCS.parent)]  # the latter has `verify`
 
 import jaxbuffer
 
 project = "jaxbuffer"
 release = jaxbuffer.__version__
 copyright = "the authors of jaxbuffer; Apache-2.0"
-extensions = ["sphinx.ext.autodoc", "myst_nb", "sphinx_copybutton", "mathml", "reference", "gallery"]
+extensions = ["sphinx.ext.autodoc", "myst_nb", "sphinx_copybutton", "mathml", "reference", "gallery", "verified"]
 exclude_patterns = ["_build", "_ext", "gallery", "figures/*.py"]
 nitpicky = True
 

@@ -1,4 +1,4 @@
-"""What a test measured, kept for docs/verification.md: claim, measured error, tolerance, source."""
+"""What a test measured, kept for docs/generated/verified.md: claim, measured error, tolerance, source."""
 
 import json
 import os

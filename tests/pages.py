@@ -20,9 +20,7 @@ def commands(page: Path) -> str:
 DOCS = ROOT / "docs"
 HOWTO = sorted((DOCS / "howto").glob("*.md"))
 GUIDES = [
-    DOCS / "quickstart.md",
-    DOCS / "clusters.md",
-    DOCS / "laws.md",
+    *(DOCS / f"{name}.md" for name in ("quickstart", "clusters", "laws", "gradients", "tuning", "tank_drop")),
     *HOWTO,
 ]
 PAGES = [page for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *HOWTO) if blocks(page)]

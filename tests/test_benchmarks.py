@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import sys
 import time
 
@@ -172,20 +173,24 @@ def test_the_report_says_everything():
     assert "- a note" in text and "![Work](a-plot.png)" in text
 
 
-def test_the_page_is_filled_from_the_stored_results():
+def test_the_pages_tables_are_those_of_the_stored_results():
     stored = json.dumps(report.record([part()], RUN))
     assert "Infinity" not in stored
-    page = f"# Speed\nabove\n{docs.BEGIN}\nold\n{docs.END}\nbelow\n"
-    text = docs.filled(page, stored)
-    assert text.startswith(f"# Speed\nabove\n{docs.BEGIN}\n\n`python -m") and text.endswith(f"{docs.END}\nbelow\n")
-    assert "### One capture" in text and "| 5 | ≥ 4 | met |" in text and "old" not in text
-    assert docs.filled(text, stored) == text
-    with pytest.raises(ValueError, match="results: begin"):
-        docs.filled("# Speed\n", stored)
+    text = docs.tables(stored)
+    assert text.startswith("`python -m") and "### One capture" in text and "| 5 | ≥ 4 | met |" in text
 
 
-def test_our_page_has_the_place():
-    assert docs.filled(docs.PAGE.read_text(encoding="utf-8"), json.dumps(report.record([part()], RUN)))
+def test_our_page_includes_the_tables():
+    included = re.search(r"^```\{include\} (\S+)$", docs.PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert included and (docs.PAGE.parent / included[1]).resolve() == docs.TABLES and docs.TABLES.is_file()
+
+
+def test_the_command_writes_the_tables(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(docs, "TABLES", tmp_path / "measured.md")
+    assert docs.main([str(tmp_path / "none.json")]) == 2 and "no such file" in capsys.readouterr().err
+    (tmp_path / "results.json").write_text(json.dumps(report.record([part()], RUN)))
+    assert docs.main([str(tmp_path / "results.json")]) == 0
+    assert "### One capture" in docs.TABLES.read_text(encoding="utf-8")
 
 
 def test_fresh_processes_do_not_find_a_cache_of_ours(monkeypatch, tmp_path):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 from verify.breakages import BREAKAGES
-from verify.report import markdown, uncaught
+from verify.report import STATE, markdown, note_state, page, uncaught
 
 from evidence import Evidence
 
@@ -66,6 +66,24 @@ def test_a_breakage_nobody_noticed_and_a_check_that_cannot_fail_are_named():
     page = markdown([], None, records, {})
     assert "| second |  | **none**; crashed `b` |" in page
     assert "| `b` | **nothing** |" in page
+
+
+def test_the_page_of_an_empty_folder_lists_everything_and_says_that_nothing_was_run(tmp_path):
+    text = page(tmp_path)
+    assert text.count("Nothing has been run for these sources") == 4  # claims, breakages, two papers
+    assert all(f"| {breakage.name} | {breakage.what} |" in text for breakage in BREAKAGES)
+    assert "| Captured at all approach speeds | 8, fig. 10 |" in text and "| any measurement |" in text
+    assert "| `contact/test_damping.py` | Damping factors by author, for any spring. |" in text
+
+
+def test_results_of_other_sources_do_not_count(tmp_path):
+    (tmp_path / "evidence.json").write_text(
+        json.dumps([told(1e-4) | {"unit": "", "detail": "", "test": "t", "count": 1}])
+    )
+    note_state(tmp_path, ["tests"])
+    assert "| claim | 0.0001 | 0.001 |" in page(tmp_path)
+    (tmp_path / STATE).write_text(json.dumps({"tests": "another"}))
+    assert "| claim |" not in page(tmp_path)
 
 
 def test_at_least_ten_breakages_each_with_a_name_of_its_own():

@@ -1,4 +1,4 @@
-"""Run every check, break the physics, run the papers' studies, and write docs/verification.md."""
+"""Run every check, break the physics, run the papers' studies, and write docs/generated/verified.md."""
 
 import argparse
 import json
@@ -16,7 +16,7 @@ from .breakages import BREAKAGES
 from .packaged import packaged
 
 PARTS = ("tests", "breakages", "paper")
-PAGE = run.ROOT / "docs" / "verification.md"
+PAGE = run.ROOT / "docs" / "generated" / "verified.md"
 
 
 def main() -> int:
@@ -44,15 +44,12 @@ def main() -> int:
             ]
             done = subprocess.run(command, cwd=run.ROOT, env=run.environment(), stdout=subprocess.DEVNULL, check=False)
             status |= int(done.returncode != 0)
+    report.note_state(folder, options.only)
     broken = _read(folder / "breakages.json", [])
     unnoticed = report.uncaught(broken)
-    page = report.markdown(
-        _read(folder / "evidence.json", []),
-        folder / "tests.xml",
-        broken,
-        {paper: _read(folder / paper / "studies.json", {"claims": []})["claims"] for paper in PAPERS},
-    )
-    options.page.write_text(page)
+    page = report.page(folder)
+    options.page.parent.mkdir(parents=True, exist_ok=True)
+    options.page.write_text(page, encoding="utf-8")
     counted = packaged(_read(folder / "evidence.json", []), folder / "tests.xml", broken)
     if counted is not None and not options.quick and set(options.only) == set(PARTS):
         FILE.write_text(json.dumps(counted, indent=2) + "\n")
@@ -68,8 +65,8 @@ def _parsed() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="leave the slow tests out")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time; default: all cores")
-    parser.add_argument("--output", type=Path, default=Path("results/verify"), help="folder of what is measured")
-    parser.add_argument("--page", type=Path, default=PAGE, help="default: docs/verification.md")
+    parser.add_argument("--output", type=Path, default=run.RESULTS, help="folder of what is measured")
+    parser.add_argument("--page", type=Path, default=PAGE, help="default: docs/generated/verified.md")
     options = parser.parse_args()
     if unknown := set(options.only) - set(PARTS):
         parser.error(f"no such part: {', '.join(sorted(unknown))}")

@@ -12,16 +12,17 @@ from typing import Any
 from .breakages import BREAKAGES, Breakage
 
 ROOT = Path(__file__).parent.parent
-TESTS = (
+RESULTS = ROOT / "results" / "verify"
+CLAIMING = (  # folders of tests that carry the claims
     *("tests/properties", "tests/hybrid", "tests/verification", "tests/multibody", "tests/mechanisms"),
-    *("tests/structures", "tests/composites", "tests/shock"),
+    *("tests/structures", "tests/composites", "tests/shock", "tests/contact"),
 )
 LIMIT = 900  # s for the checks of one breakage
 
 
 def tests(folder: Path, quick: bool, jobs: int) -> int:
     """Run the tests that carry the claims; evidence.json and tests.xml in ``folder``. The exit status."""
-    command = [sys.executable, "-m", "pytest", *TESTS, "tests/contact", "-q", "--evidence", folder / "evidence.json"]
+    command = [sys.executable, "-m", "pytest", *CLAIMING, "-q", "--evidence", folder / "evidence.json"]
     command += ["-n", jobs, "--dist", "loadfile"]
     command += ["--junitxml", folder / "tests.xml", *(("-m", "not slow") if quick else ())]
     return subprocess.run([str(word) for word in command], cwd=ROOT, env=environment(), check=False).returncode

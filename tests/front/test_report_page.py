@@ -25,7 +25,7 @@ from jaxbuffer.report.compare import compared, comparison
 from jaxbuffer.report.page import Cell, Page, Section, Table, shown
 from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
-from jaxbuffer.report.verification import UNKNOWN, lines, sources, verified
+from jaxbuffer.report.verification import lines, sources, verified
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.swept import Swept
 
@@ -511,17 +511,25 @@ def test_different_versions_are_warned_of(folders, tmp_path):
     assert text == []
 
 
-@pytest.mark.parametrize("same", [True, False])
-def test_verification_is_told_as_it_is(tmp_path, same):
+@pytest.mark.parametrize("text", [None, "no JSON", "[]", '{"sources": "another"}'])
+def test_where_nothing_was_run_for_these_sources_the_page_says_so_and_how_to(tmp_path, text):
     file = tmp_path / "verified.json"
-    assert verified(file) is None and lines(None) == [UNKNOWN]
+    if text is not None:
+        file.write_text(text)
+    assert verified(file) is None
+    (told,) = lines(verified(file))
+    assert (
+        told.startswith("No checks have been run for these sources") and sources() in told and "`make verify`" in told
+    )
+
+
+def test_what_was_verified_for_these_sources_is_told(tmp_path):
+    file = tmp_path / "verified.json"
     counted = {name: [3, 4] for name in ("claims", "tests", "breakages")}
-    about = {"jaxbuffer": "0.1.0", "date": "2026-11-23", "sources": sources() if same else "another"}
-    file.write_text(json.dumps({**about, **counted}))
+    file.write_text(json.dumps({"jaxbuffer": "0.1.0", "date": "2026-11-23", "sources": sources(), **counted}))
     told = " ".join(lines(verified(file)))
-    assert "3 of 4 measured errors" in told
-    assert ("these very equations" in told) is same and ("need not hold" in told) is not same
-    assert ("an earlier state of version 0.1.0 (digest another)" in told and "`make verify`" in told) is not same
+    assert "Verified on 2026-11-23" in told and "these very equations" in told
+    assert "3 of 4 measured errors" in told and "3 of 4 deliberate breakages" in told
 
 
 def test_forces_of_compared_runs_are_in_one_figure(folders):

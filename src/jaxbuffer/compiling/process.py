@@ -16,7 +16,7 @@ ONE_KERNEL = f"--xla_backend_extra_options={THRESHOLD}=1000000000"
 # XLA ends the process at a flag that it does not know: what follows is set only with versions that it was tried on.
 TRIED = "0.10."  # of jaxlib
 # Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
-# and with all operations in one module instead of one each (docs/numerics.md).
+# and with all operations in one module instead of one each (docs/decisions.md).
 QUICK_COMPILATION = (
     "--xla_disable_hlo_passes=while-loop-invariant-code-motion,simplify-while-loops",
     "--xla_cpu_use_fusion_emitters=false",

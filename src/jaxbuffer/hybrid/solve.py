@@ -25,7 +25,7 @@ from .system import HybridSystem
 
 # With tangents: how closely events are located [s], and maxima, as a fraction of their height. Where a parameter moves
 # the arrival of an impact by a second, the tangent beside its peak holds that much of the force's rate, which cancels
-# at the peak only (a step of first order onto it leaves little of that: docs/numerics.md).
+# at the peak only (a step of first order onto it leaves little of that: docs/decisions.md).
 EVENT_TIME = 1e-12
 SHORTFALL = 1e-12
 

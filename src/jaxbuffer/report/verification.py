@@ -1,4 +1,4 @@
-"""What is known of how far this version's numbers can be trusted: a small file that `python -m verify` makes."""
+"""What was verified for these sources: `python -m verify` writes it into a small file, which a wheel built then has."""
 
 import functools
 import hashlib
@@ -11,47 +11,41 @@ from ..version import version
 
 PACKAGE = Path(__file__).parent.parent
 FILE = Path(__file__).parent / "verified.json"
-COMPUTING = ("plane", "multibody", "contact", "compiling", "hybrid", "mechanisms", "run", "sensitivities")
-UNKNOWN = "Nothing is known of how this version was verified: it was packaged without the results of python -m verify."
+HOW = "`make verify` in a checkout runs them all; docs/verification.md says what they are."
+TELLING = ("cli", "output", "papers", "report")  # folders that show numbers and compute none
 
 
 @functools.cache
 def sources() -> str:
-    """A digest of the program text of the rooms that compute, by which a state of them is known again."""
-    found = hashlib.sha256()
-    for path in sorted(path for room in COMPUTING for path in (PACKAGE / room).rglob("*.py")):
-        found.update(f"{path.relative_to(PACKAGE).as_posix()}\n".encode() + path.read_bytes())
-    return found.hexdigest()[:16]
+    """Return a digest of the program text, without the folders that only show numbers."""
+    digest = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        inside = path.relative_to(PACKAGE)
+        if inside.parts[0] not in TELLING:
+            digest.update(f"{inside.as_posix()}\n".encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def verified(file: Path = FILE) -> Mapping[str, Any] | None:
-    """What the last verification counted, None where that is not known."""
+    """Return what the last verification counted; None if none was run with these sources."""
     if not file.is_file():
         return None
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        counted = json.loads(file.read_text(encoding="utf-8"))
     except ValueError:
         return None
-    return found if isinstance(found, dict) else None
+    return counted if isinstance(counted, dict) and counted.get("sources") == sources() else None
 
 
-def lines(found: Mapping[str, Any] | None) -> list[str]:
-    """The same in a few sentences. ``found``: as of `verified`."""
-    if found is None:
-        return [UNKNOWN]
-    if found["sources"] == sources():
-        told = [f"Verified on {found['date']}, as jaxbuffer {found['jaxbuffer']}; these very equations and solvers."]
-    else:
-        told = [
-            f"The checks were run on {found['date']} on an earlier state of version {found['jaxbuffer']} (digest"
-            f" {found['sources']}); the computing code has changed since (jaxbuffer {version()}, digest {sources()});"
-            " what follows need not hold for it. Run `make verify` to check what is installed."
-        ]
-    count = lambda name: f"{found[name][0]} of {found[name][1]}"  # noqa: E731
-    told.append(
+def lines(counted: Mapping[str, Any] | None) -> list[str]:
+    """Return the same in a few sentences. ``counted``: as of `verified`."""
+    if counted is None:
+        return [f"No checks have been run for these sources (jaxbuffer {version()}, digest {sources()}). {HOW}"]
+    count = lambda name: f"{counted[name][0]} of {counted[name][1]}"  # noqa: E731
+    return [
+        f"Verified on {counted['date']}, as jaxbuffer {counted['jaxbuffer']}; these very equations and solvers.",
         f"{count('claims')} measured errors against closed forms, published numbers and independent programs are within"
         f" their tolerances; {count('tests')} tests passed; {count('breakages')} deliberate breakages of the equations"
-        " were noticed."
-    )
-    told.append("What each claim is, and where no evidence exists: docs/verification.md.")
-    return told
+        " were noticed.",
+        "What each claim is, and where no evidence exists: docs/verification.md.",
+    ]

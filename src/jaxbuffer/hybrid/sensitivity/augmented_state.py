@@ -1,7 +1,7 @@
 """Tangents as extra rows of the state: row 0 is y, row i is ∂y/∂p_i times a scale, all under one error control.
 
 AD through an adaptive loop bounds the error of the state only; carrying S = ∂y/∂p as state bounds its error too
-(docs/numerics.md). Every function of (parameters, state) is lifted to rows by one push-forward a row.
+(docs/decisions.md). Every function of (parameters, state) is lifted to rows by one push-forward a row.
 """
 
 from collections.abc import Callable
