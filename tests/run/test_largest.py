@@ -26,6 +26,7 @@ class Toy(eqx.Module):
     jumps: bool = eqx.field(default=False, static=True)
     impact_contacts: int = eqx.field(default=2, static=True)
     momentum_scale: float | None = 4.0
+    of_rate: bool = eqx.field(default=False, static=True)
     contact_count: ClassVar[int] = 2
     observed: ClassVar[tuple[str, ...]] = ("force_0", "force_1", "height", "rate")
     energy_scale: ClassVar[float] = 8.0
@@ -45,6 +46,9 @@ class Toy(eqx.Module):
 
     def time_to_contact(self, state, contact):
         return jnp.where(contact == 0, 0.25, 0.5) * (self.p - 1.0)
+
+    def rate_observables(self):
+        return False, False, False, self.of_rate
 
     def observables(self, state, rate, active):
         return jnp.array([self.p * state[0], self.p**2 * state[1], self.p * state[2], rate[2]])
@@ -158,6 +162,18 @@ def test_where_a_force_jumps_its_state_goes_with_the_touchdown():
     assert (float(top.peak_force), float(top.others["height"])) == (6.0, 8.0)
     np.testing.assert_allclose(move.peak_force, 6.0 - SPEED * 0.25, rtol=1e-15)
     np.testing.assert_allclose(move.others["height"], 8.0, rtol=1e-15)
+
+
+def test_what_is_largest_at_a_release_goes_with_it():
+    """The third number's rate 1 times dt = dp/4; what depends on the state's rate has the one after the release, not the
+    one in the step that ended there. A maximum stands."""
+    entries = [(Kind.RELEASE, 0, 1.0, (0.0, 0.0, 7.0)), (Kind.PEAK, 0, 2.0, (6.0, 0.0, 2.0))]
+    log = logged(entries)
+    log = dataclasses.replace(log, rates=log.rates.at[0, 0, 2].set(0.5), values=log.values.at[0, 3].set(9.0))
+    top, move = jax.jvp(lambda p: maxima(Toy(p, of_rate=True), log, start()), (1.0,), (1.0,))
+    assert (float(top.others["height"]), float(top.others["rate"])) == (7.0, 1.0)
+    np.testing.assert_allclose(move.others["height"], 7.0 + 0.25, rtol=1e-15)
+    assert float(move.peak_force) == 6.0
 
 
 def test_without_contacts_there_is_no_force():
