@@ -10,8 +10,7 @@ from jaxbuffer.mechanisms.energy import Balance, Energy
 from jaxbuffer.mechanisms.history import History
 from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.mechanisms.probe_cone.capture import Capture
-from jaxbuffer.mechanisms.probe_cone.closed_form import FirstImpact
+from jaxbuffer.mechanisms.probe_cone.capture import Capture, FirstImpact
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.sweep import Sweep, column_names

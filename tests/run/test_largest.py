@@ -165,8 +165,8 @@ def test_where_a_force_jumps_its_state_goes_with_the_touchdown():
 
 
 def test_what_is_largest_at_a_release_goes_with_it():
-    """The third number's rate 1 times dt = dp/4; what depends on the state's rate has the one after the release, not the
-    one in the step that ended there. A maximum stands."""
+    """The third number's rate 1 times dt = dp/4; what depends on the state's rate has the one after the release, not
+    the one in the step that ended there. A maximum stands."""
     entries = [(Kind.RELEASE, 0, 1.0, (0.0, 0.0, 7.0)), (Kind.PEAK, 0, 2.0, (6.0, 0.0, 2.0))]
     log = logged(entries)
     log = dataclasses.replace(log, rates=log.rates.at[0, 0, 2].set(0.5), values=log.values.at[0, 3].set(9.0))

@@ -10,6 +10,7 @@ from .address import value_at as value_at
 from .address import with_values as with_values
 from .declared import NON_NEGATIVE as NON_NEGATIVE
 from .declared import POSITIVE as POSITIVE
+from .declared import Number as Number
 from .declared import Part as Part
 from .declared import Portable as Portable
 from .declared import all_of as all_of

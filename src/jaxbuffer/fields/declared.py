@@ -4,7 +4,7 @@ import dataclasses
 import functools
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import equinox as eqx
 import jax
@@ -12,8 +12,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
 
+from .._types import Scalar
 from ..errors import InputError, check_choice, check_flag, check_number, check_type, check_whole, inside, suggest
 from .units import as_unit, in_unit
+
+if TYPE_CHECKING:  # a part also takes text with a unit ("3 mm") and, for a sweep, lists: no one type says all of that
+    Number = Any
+else:
+    Number = Scalar
 
 
 def number(default: float | None, unit: str, *, doc: str = "", **limits: Any) -> Any:

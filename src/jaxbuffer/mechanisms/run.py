@@ -1,6 +1,6 @@
 """A simulated run of any mechanism."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
 from ..errors import InputError
-from ..fields import Portable, get
+from ..fields import Part, Portable, get
 from ..hybrid import Log, Result, moving
 from ..labelled.arrays import Labelled, dataset, frame
 from ..tables import summary_html
@@ -194,6 +194,16 @@ class Run(Portable):
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))
+
+
+R = TypeVar("R", bound=Run)
+
+
+class DesignOf(Part, Generic[R]):
+    """A design whose runs are of the class `R`, as a type checker is to know: ``class BarDrop(DesignOf[BarDropRun])``.
+
+    A design may be a plain `Part`; its runs are then `Run` to a type checker.
+    """
 
 
 class Solved(NamedTuple):

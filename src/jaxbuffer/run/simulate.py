@@ -1,6 +1,6 @@
 """`simulate`: one run of any mechanism, from a design and a scenario to everything one wants to know of it."""
 
-from typing import Any
+from typing import Any, overload
 
 import equinox as eqx
 import jax
@@ -13,7 +13,7 @@ from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Options, Result, Solver, solver_named
 from ..mechanisms.registry import mechanism_of
-from ..mechanisms.run import Run
+from ..mechanisms.run import DesignOf, R, Run
 from .history import trimmed
 from .read_off import run_of
 from .request import (
@@ -33,6 +33,34 @@ from .request import (
 HISTORY_STEPS = 20_000
 
 
+@overload
+def simulate(
+    design: DesignOf[R],
+    scenario: Part | None = ...,
+    duration: Scalar | None = ...,
+    *,
+    solver: Solver | str | None = ...,
+    rtol: Scalar = ...,
+    atol: Scalar | None = ...,
+    history: bool = ...,
+    max_steps: int = ...,
+    max_events: int = ...,
+    stabilisation: Scalar = ...,
+) -> R: ...
+@overload
+def simulate(
+    design: Part,
+    scenario: Part | None = ...,
+    duration: Scalar | None = ...,
+    *,
+    solver: Solver | str | None = ...,
+    rtol: Scalar = ...,
+    atol: Scalar | None = ...,
+    history: bool = ...,
+    max_steps: int = ...,
+    max_events: int = ...,
+    stabilisation: Scalar = ...,
+) -> Run: ...
 def simulate(
     design: Part,
     scenario: Part | None = None,
@@ -45,7 +73,7 @@ def simulate(
     max_steps: int = 200_000,
     max_events: int = 512,
     stabilisation: Scalar = 20.0,
-) -> Any:
+) -> Run:
     """Simulate one run of the mechanism that the design is of. Works under `jit`, `vmap`, `grad`, `jacfwd` and `jvp`.
 
     **Arguments:**

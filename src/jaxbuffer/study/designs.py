@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError, check_single
 from ..fields import Part, get, paths, unit
@@ -12,7 +13,7 @@ from ..tuning.problem import Problem
 from .config import design_toml, load
 
 
-def load_design(toml: str | Path) -> tuple[Part, tuple[Part, ...]]:
+def load_design(toml: str | Path) -> tuple[Any, tuple[Any, ...]]:
     """The design and the scenarios of a TOML file: a study, or what `save_design` or a tuning wrote.
 
     **Arguments:**

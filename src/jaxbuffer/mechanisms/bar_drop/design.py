@@ -10,8 +10,10 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import LAWS, hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
 from ...multibody.flexible import Bar as UniformBar
+from ..run import DesignOf
+from .run import BarDropRun
 
 HERTZ_EXPONENT = 1.5  # -
 PUBLISHED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the paper's 48 049 N/mm^2.2
@@ -25,13 +27,13 @@ class Bar(Part):
     """
 
     section: ClassVar[str] = "bar"
-    length: Scalar = number(0.24, "m", **POSITIVE, doc="length from the hinge to the ball's centre")
-    diameter: Scalar = number(0.004, "m", **POSITIVE, doc="diameter of the bar")
-    density: Scalar = number(7850.0, "kg/m³", **POSITIVE, doc="density of the bar and its ball")
-    ball_radius: Scalar = number(0.002, "m", **POSITIVE, doc="radius of the ball at its end")
+    length: Number = number(0.24, "m", **POSITIVE, doc="length from the hinge to the ball's centre")
+    diameter: Number = number(0.004, "m", **POSITIVE, doc="diameter of the bar")
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of the bar and its ball")
+    ball_radius: Number = number(0.002, "m", **POSITIVE, doc="radius of the ball at its end")
     modes: int = whole(0, 0, doc="how many modes bend the bar, 0 for a rigid one")
-    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
-    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the bar, for its bending")
+    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    young_modulus: Number = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the bar, for its bending")
 
     def check_together(self) -> None:
         if self.modes == 1:
@@ -58,20 +60,20 @@ class Impact(Part):
 
     section: ClassVar[str] = "impact"
     law: str = choice("adams", *LAWS, doc="contact law; it takes those of the other fields that it has")
-    stiffness: Scalar = number(PUBLISHED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
-    exponent: Scalar = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
-    damping: Scalar = number(1000.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws adams and kelvin-voigt")
-    ramp_depth: Scalar = number(1e-5, "m", **POSITIVE, doc="depth over which the damping of adams sets in")
-    restitution: Scalar = number(
+    stiffness: Number = number(PUBLISHED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
+    exponent: Number = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
+    damping: Number = number(1000.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws adams and kelvin-voigt")
+    ramp_depth: Number = number(1e-5, "m", **POSITIVE, doc="depth over which the damping of adams sets in")
+    restitution: Number = number(
         0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
     )
-    linear_stiffness: Scalar = number(1e7, "N/m", **POSITIVE, doc="stiffness of the law kelvin-voigt")
-    friction: Scalar = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction between ball and plate")
-    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
-    young_modulus: Scalar = number(
+    linear_stiffness: Number = number(1e7, "N/m", **POSITIVE, doc="stiffness of the law kelvin-voigt")
+    friction: Number = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction between ball and plate")
+    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
+    young_modulus: Number = number(
         2.07e11, "Pa", **POSITIVE, doc="Young's modulus of ball and plate, for Hertz's stiffness"
     )
-    poisson_ratio: Scalar = number(
+    poisson_ratio: Number = number(
         0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of ball and plate, for Hertz's stiffness"
     )
 
@@ -99,15 +101,15 @@ class Plate(Part):
 
     section: ClassVar[str] = "plate"
     modes: int = whole(0, 0, doc="how many modes bend the plate, 0 for a rigid one")
-    length: Scalar = number(0.3, "m", **POSITIVE, doc="length between the supports")
-    width: Scalar = number(0.1, "m", **POSITIVE, doc="width along the supports")
-    thickness: Scalar = number(0.006, "m", **POSITIVE, doc="thickness of the plate")
+    length: Number = number(0.3, "m", **POSITIVE, doc="length between the supports")
+    width: Number = number(0.1, "m", **POSITIVE, doc="width along the supports")
+    thickness: Number = number(0.006, "m", **POSITIVE, doc="thickness of the plate")
     support: str = choice(
         "supported", "supported", "clamped", doc="supported: free to turn at the supports; or clamped"
     )
-    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
-    density: Scalar = number(7850.0, "kg/m³", **POSITIVE, doc="density of the plate")
-    young_modulus: Scalar = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the plate, for its bending")
+    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of the plate")
+    young_modulus: Number = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the plate, for its bending")
 
     @property
     def strip(self) -> UniformBar:
@@ -115,7 +117,7 @@ class Plate(Part):
         return UniformBar.rectangle(self.length, self.width, self.thickness, self.density, self.young_modulus)
 
 
-class BarDrop(Part):
+class BarDrop(DesignOf[BarDropRun]):
     """The whole mechanism.
 
     The defaults are those of *Impact Dynamics Analysis of Mobile Mechanical Systems* (2021), section 2; the density is
@@ -161,8 +163,8 @@ class BarDropScenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    height: Scalar = number(0.194, "m", **POSITIVE, doc="height H of the ball end above where it touches the plate")
-    gravity: Scalar = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity g_0")
+    height: Number = number(0.194, "m", **POSITIVE, doc="height H of the ball end above where it touches the plate")
+    gravity: Number = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity g_0")
 
 
 def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:

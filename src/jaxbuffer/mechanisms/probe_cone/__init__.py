@@ -3,7 +3,7 @@
 from .bending import bending_frequencies as bending_frequencies
 from .bending import with_bending as with_bending
 from .capture import Capture as Capture
-from .closed_form import FirstImpact as FirstImpact
+from .capture import FirstImpact as FirstImpact
 from .closed_form import first_impact as first_impact
 from .design import Design as Design
 from .design import Scenario as Scenario

@@ -1,14 +1,33 @@
 """A capture: the run of the probe-cone mechanism."""
 
-import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ...fields import Portable
 from ..impacts import Impacts
-from ..run import Run, Solved
-from .closed_form import FirstImpact, predict
-from .margins import rising, stroke_margin, throat
-from .outcome import Outcome
-from .system import CaptureMechanism
+from ..run import Run
+
+
+class FirstImpact(Portable):
+    """What the start of a run says of its first impact; scalars, differentiable.
+
+    - ``effective_mass``: m_c that the contact normal meets through the joints [kg] (M79).
+    - ``effective_energy``: T_c⁻ [J] (M79).
+    - ``elastic_peak``: without loss [N] (M80).
+    - ``predicted_peak``: with the law's loss [N] (M81); NaN for laws that are not Hertz's with hysteresis.
+    - ``duration``: of the impact without loss [s] (M80).
+
+    **Example:**
+
+    >>> first = jb.first_impact(jb.table2())
+    >>> print(f"{float(first.effective_mass):.4f} kg, {1e3 * float(first.effective_energy):.4f} mJ")
+    0.1956 kg, 0.4891 mJ
+    """
+
+    effective_mass: Float[Array, ""]
+    effective_energy: Float[Array, ""]
+    elastic_peak: Float[Array, ""]
+    predicted_peak: Float[Array, ""]
+    duration: Float[Array, ""]
 
 
 class FlankImpacts(Impacts):
@@ -66,30 +85,3 @@ class Capture(Run):
     def peak_flank(self) -> Int[Array, ""]:
         """The flank with the largest contact force: 0 lower, 1 upper."""
         return self.peak_contact
-
-
-def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
-    """What was solved, as a capture."""
-    largest, known, log = solved.common["maxima"], solved.known, solved.log
-    stroke = solved.maxima.others["stroke"]
-    throat_distance, beyond = throat(mechanism, log, solved.duration)
-    before = mechanism.throat(solved.start.kin, solved.start.tip)[0]
-    margin = stroke_margin(mechanism, log, stroke, solved.code == Outcome.bottomed)
-    stroke_rising, angle_rising = rising(mechanism, log, stroke, solved.maxima.others["hinge_angle"])
-    common = {**solved.common, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
-    return Capture(
-        **common,
-        peak_hinge_force=largest["hinge_force"],
-        peak_buffer_force=largest["buffer_force"],
-        peak_stop_force=largest.get("stop_force", 0.0 * known),
-        stroke=largest["stroke"],
-        stroke_margin=margin * known,
-        stroke_rising=stroke_rising * known,
-        hinge_angle=largest["hinge_angle"],
-        hinge_angle_rising=angle_rising * known,
-        bending=largest.get("bending", 0.0 * known),
-        throat_distance=throat_distance * known,
-        capture_margin=jnp.minimum(beyond, margin) * known,
-        capture_share=beyond / before * known,
-        first_impact=predict(mechanism, solved.start),
-    )

@@ -12,37 +12,14 @@ from jaxtyping import Array, Float
 from ..._types import Scalar
 from ...compiling.programs import stored
 from ...contact.laws import HystereticLaw
-from ...fields import Portable
 from .assembly import LOWER
+from .capture import FirstImpact
 from .design import Design, Scenario, check_fit
 from .linearisation import flank_directions
 from .posture import Posture
 from .system import CaptureMechanism
 
 HERTZ_DURATION = 2.943275  # of a lossless impact, times its largest penetration over its approach speed [-]
-
-
-class FirstImpact(Portable):
-    """What the start of a run says of its first impact; scalars, differentiable.
-
-    - ``effective_mass``: m_c that the contact normal meets through the joints [kg] (M79).
-    - ``effective_energy``: T_c⁻ [J] (M79).
-    - ``elastic_peak``: without loss [N] (M80).
-    - ``predicted_peak``: with the law's loss [N] (M81); NaN for laws that are not Hertz's with hysteresis.
-    - ``duration``: of the impact without loss [s] (M80).
-
-    **Example:**
-
-    >>> first = jb.first_impact(jb.table2())
-    >>> print(f"{float(first.effective_mass):.4f} kg, {1e3 * float(first.effective_energy):.4f} mJ")
-    0.1956 kg, 0.4891 mJ
-    """
-
-    effective_mass: Float[Array, ""]
-    effective_energy: Float[Array, ""]
-    elastic_peak: Float[Array, ""]
-    predicted_peak: Float[Array, ""]
-    duration: Float[Array, ""]
 
 
 def first_impact(design: Design, scenario: Scenario | None = None) -> FirstImpact:

@@ -11,11 +11,13 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import check_entries, check_type, concrete, inside, same_shape
-from ...fields import POSITIVE, Part, all_of, number
+from ...fields import POSITIVE, Number, Part, all_of, number
+from ..run import DesignOf
+from .capture import Capture
 from .parts import Active, Buffer, Cone, Contact, Hinge, Passive, Probe
 
 
-class Design(Part):
+class Design(DesignOf[Capture]):
     """The whole mechanism; the defaults are the paper's Table 2, and what it leaves open is assumed (docs/model.md).
 
     - ``active``, ``passive``: the vehicles.
@@ -81,13 +83,13 @@ class Scenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    approach_speed: Scalar = number(
+    approach_speed: Number = number(
         0.1, "m/s", **POSITIVE, doc="speed v0 of the active vehicle towards the passive one"
     )
-    contact_distance: Scalar = number(
+    contact_distance: Number = number(
         0.0435, "m", **POSITIVE, doc="b, slant distance of the first contact from the throat's edge"
     )
-    misalignment: Scalar = number(
+    misalignment: Number = number(
         0.0,
         "rad",
         low=-math.pi / 2,
@@ -96,7 +98,7 @@ class Scenario(Part):
         high_open=True,
         doc="angle θ_T0 of the passive vehicle at the start",
     )
-    passive_rate: Scalar = number(0.0, "rad/s", doc="rate θ̇_T0 of the passive vehicle's turning at the start")
+    passive_rate: Number = number(0.0, "rad/s", doc="rate θ̇_T0 of the passive vehicle's turning at the start")
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:

@@ -3,7 +3,6 @@
 from ...fields import replace
 from ..mechanism import Defaults, Floor, Mechanism, Names
 from ..registry import register
-from .capture import capture
 from .closed_form import first_impact
 from .design import Design, Scenario, check_fit, valid
 from .diagnosis import diagnosis
@@ -14,6 +13,7 @@ from .outcome import Outcome
 from .panels import panels
 from .problem import check_problem
 from .quantities import QUANTITIES
+from .solved import capture
 from .summary import first_impact_line, first_impact_record, summary
 from .system import CONTACTS, ENDS, CaptureMechanism
 

@@ -20,7 +20,7 @@ from ...errors import (
     concrete,
     inside,
 )
-from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number, whole
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
@@ -39,9 +39,9 @@ class Active(Part):
     """
 
     section: ClassVar[str] = "active"
-    mass: Scalar = number(21.9706, "kg", **POSITIVE, doc="mass m_S of the active vehicle")
-    inertia: Scalar = number(0.445, "kg m²", **POSITIVE, doc="inertia I_S about its centre of mass")
-    hinge_offset: Scalar = number(0.1365, "m", **NON_NEGATIVE, doc="a, from its centre of mass forward to the hinge")
+    mass: Number = number(21.9706, "kg", **POSITIVE, doc="mass m_S of the active vehicle")
+    inertia: Number = number(0.445, "kg m²", **POSITIVE, doc="inertia I_S about its centre of mass")
+    hinge_offset: Number = number(0.1365, "m", **NON_NEGATIVE, doc="a, from its centre of mass forward to the hinge")
 
 
 class Passive(Part):
@@ -52,8 +52,8 @@ class Passive(Part):
     """
 
     section: ClassVar[str] = "passive"
-    mass: Scalar = number(23.5731, "kg", **POSITIVE, doc="mass m_T of the passive vehicle")
-    inertia: Scalar = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about its centre of mass")
+    mass: Number = number(23.5731, "kg", **POSITIVE, doc="mass m_T of the passive vehicle")
+    inertia: Number = number(0.5206, "kg m²", **POSITIVE, doc="inertia I_T about its centre of mass")
 
 
 class Buffer(Part):
@@ -74,20 +74,20 @@ class Buffer(Part):
     """
 
     section: ClassVar[str] = "buffer"
-    k_A: Scalar = number(500.0, "N/m", **POSITIVE, doc="stiffness along the cylinder")
-    c_A: Scalar = number(5.0, "N s/m", **NON_NEGATIVE, doc="damping along the cylinder")
-    k_T: Scalar = number(300.0, "N m/rad", **POSITIVE, doc="stiffness about the hinge")
-    c_T: Scalar = number(2.0, "N m s/rad", **NON_NEGATIVE, doc="damping about the hinge")
-    free_length: Scalar = number(0.1365, "m", **POSITIVE, doc="free length l_0 of the axial spring")
-    cylinder_mass: Scalar = number(1.0, "kg", **POSITIVE, doc="mass m_B of the cylinder")
-    cylinder_length: Scalar = number(0.1365, "m", **POSITIVE, doc="length L_C of the cylinder, a slender rod")
-    max_stroke: Scalar | None = number(
+    k_A: Number = number(500.0, "N/m", **POSITIVE, doc="stiffness along the cylinder")
+    c_A: Number = number(5.0, "N s/m", **NON_NEGATIVE, doc="damping along the cylinder")
+    k_T: Number = number(300.0, "N m/rad", **POSITIVE, doc="stiffness about the hinge")
+    c_T: Number = number(2.0, "N m s/rad", **NON_NEGATIVE, doc="damping about the hinge")
+    free_length: Number = number(0.1365, "m", **POSITIVE, doc="free length l_0 of the axial spring")
+    cylinder_mass: Number = number(1.0, "kg", **POSITIVE, doc="mass m_B of the cylinder")
+    cylinder_length: Number = number(0.1365, "m", **POSITIVE, doc="length L_C of the cylinder, a slender rod")
+    max_stroke: Number = number(
         None, "m", **POSITIVE, doc="stroke s_m at which the buffer is at its end; not set: the free length"
     )
-    stop_stiffness: Scalar | None = number(
+    stop_stiffness: Number = number(
         None, "N/m", **POSITIVE, doc="stiffness k_s of an end stop beyond the largest stroke; not set: none"
     )
-    stop_damping: Scalar = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_s of the end stop")
+    stop_damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_s of the end stop")
     damping: str = choice(
         "physical",
         "physical",
@@ -136,25 +136,25 @@ class Probe(Part):
     """
 
     section: ClassVar[str] = "probe"
-    length: Scalar = number(PROBE_LENGTH, "m", **POSITIVE, doc="L_P, from the rod's rear end to the tip's centre")
-    rod_mass: Scalar = number(
+    length: Number = number(PROBE_LENGTH, "m", **POSITIVE, doc="L_P, from the rod's rear end to the tip's centre")
+    rod_mass: Number = number(
         ALUMINIUM_DENSITY * math.pi * ROD_RADIUS**2 * PROBE_LENGTH, "kg", **POSITIVE, doc="mass m_r of the rod"
     )
-    tip_radius: Scalar = number(TIP_RADIUS, "m", **POSITIVE, doc="radius R of the ball tip")
-    tip_mass: Scalar = number(
+    tip_radius: Number = number(TIP_RADIUS, "m", **POSITIVE, doc="radius R of the ball tip")
+    tip_mass: Number = number(
         ALUMINIUM_DENSITY * 4.0 / 3.0 * math.pi * TIP_RADIUS**3, "kg", **POSITIVE, doc="mass m_t of the ball tip"
     )
     free_tip: bool = eqx.field(
         default=False, static=True, metadata={"doc": "whether the tip spins freely about its centre", "flag": True}
     )
-    bending_stiffness: Scalar | None = number(
+    bending_stiffness: Number = number(
         None,
         "N m²",
         **POSITIVE,
         doc="E I of the rod, which is clamped in the cylinder's guide; not set: it does not bend",
     )
     bending_modes: int = whole(BENDING_MODES, 2, doc="how many modes bend the rod")
-    bending_damping: Scalar = number(0.0, "s", **NON_NEGATIVE, doc="damping of the bending over its stiffness")
+    bending_damping: Number = number(0.0, "s", **NON_NEGATIVE, doc="damping of the bending over its stiffness")
 
     @property
     def tip_inertia(self) -> Scalar:
@@ -174,15 +174,15 @@ class Hinge(Part):
     """
 
     section: ClassVar[str] = "hinge"
-    play: Scalar | None = number(
+    play: Number = number(
         None, "m", **POSITIVE, doc="radial clearance, the bush's radius less the pin's; not set: none"
     )
-    bush_radius: Scalar = number(0.005, "m", **POSITIVE, doc="radius of the bush")
-    damping: Scalar = number(
+    bush_radius: Number = number(0.005, "m", **POSITIVE, doc="radius of the bush")
+    damping: Number = number(
         5.0, "s/m", **NON_NEGATIVE, doc="factor a of the contact's damping; impacts part with about 1 - 2/3 a v"
     )
-    young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
-    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
+    young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
+    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
 
     def check_together(self) -> None:
         if self.play is not None:
@@ -209,14 +209,14 @@ class Cone(Part):
     """
 
     section: ClassVar[str] = "cone"
-    half_angle: Scalar = number(
+    half_angle: Number = number(
         math.pi / 4, "rad", low=0.0, high=math.pi / 2, low_open=True, high_open=True, doc="half angle β of the cone"
     )
-    offset: Scalar = number(
+    offset: Number = number(
         0.096, "m", **NON_NEGATIVE, doc="L_T, from the throat plane to the passive vehicle's centre of mass"
     )
-    throat_radius: Scalar = number(0.015, "m", **POSITIVE, doc="radius R_c of the throat")
-    length: Scalar = number(0.0735, "m", **POSITIVE, doc="L_c, along the flank")
+    throat_radius: Number = number(0.015, "m", **POSITIVE, doc="radius R_c of the throat")
+    length: Number = number(0.0735, "m", **POSITIVE, doc="L_c, along the flank")
 
 
 class Contact(Part):
@@ -244,25 +244,25 @@ class Contact(Part):
         static=True,
         metadata={"doc": "contact law; it takes those of the other fields that it has", "choices": LAWS},
     )
-    stiffness: Scalar | None = number(
+    stiffness: Number = number(
         None, "N/m^1.5", **POSITIVE, doc="stiffness K; not set: computed from materials and tip radius"
     )
-    restitution: Scalar = number(
+    restitution: Number = number(
         0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
     )
-    friction: Scalar = number(0.33, "-", **NON_NEGATIVE, doc="coefficient of friction μ")
-    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE, doc="slip speed v_s below which friction falls to zero")
-    young_modulus: Scalar = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of both sides")
-    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of both sides")
-    yield_stress: Scalar | None = number(
+    friction: Number = number(0.33, "-", **NON_NEGATIVE, doc="coefficient of friction μ")
+    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed v_s below which friction falls to zero")
+    young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of both sides")
+    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of both sides")
+    yield_stress: Number = number(
         None, "Pa", **POSITIVE, doc="yield stress of the softer side; not set: yielding is not looked at"
     )
-    linear_stiffness: Scalar = number(1.5e7, "N/m", **POSITIVE, doc="stiffness k of the law kelvin-voigt")
-    damping: Scalar = number(80.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws kelvin-voigt and adams")
-    exponent: Scalar = number(1.5, "-", low=1.0, doc="exponent n of the law adams")
-    ramp_depth: Scalar = number(1e-6, "m", **POSITIVE, doc="depth d over which the damping of adams sets in")
-    onset_length: Scalar = number(1e-8, "m", **POSITIVE, doc="length over which the smooth contact sets in")
-    memory_time: Scalar = number(
+    linear_stiffness: Number = number(1.5e7, "N/m", **POSITIVE, doc="stiffness k of the law kelvin-voigt")
+    damping: Number = number(80.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws kelvin-voigt and adams")
+    exponent: Number = number(1.5, "-", low=1.0, doc="exponent n of the law adams")
+    ramp_depth: Number = number(1e-6, "m", **POSITIVE, doc="depth d over which the damping of adams sets in")
+    onset_length: Number = number(1e-8, "m", **POSITIVE, doc="length over which the smooth contact sets in")
+    memory_time: Number = number(
         2e-4, "s", **POSITIVE, doc="time in which the smooth contact's memory follows the approach speed"
     )
     memory: str = choice(

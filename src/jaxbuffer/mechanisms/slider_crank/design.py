@@ -5,11 +5,11 @@ from typing import ClassVar
 import numpy as np
 from jaxtyping import Array, Bool
 
-from ..._types import Scalar
 from ...errors import InputError, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
 from ...multibody import Body
 from ...multibody.flexible import Bar
+from ..run import DesignOf, Run
 from .pins import CrankPin, PistonPin
 
 RPM = 2.0 * np.pi / 60.0  # rad/s
@@ -23,10 +23,10 @@ class Crank(Part):
     """
 
     section: ClassVar[str] = "crank"
-    length: Scalar = number(0.05, "m", **POSITIVE, doc="length from the shaft to the crank pin")
-    mass: Scalar = number(0.1, "kg", **POSITIVE, doc="mass of the crank")
-    inertia: Scalar = number(1e-4, "kg m²", **POSITIVE, doc="inertia about the shaft")
-    unbalance: Scalar = number(
+    length: Number = number(0.05, "m", **POSITIVE, doc="length from the shaft to the crank pin")
+    mass: Number = number(0.1, "kg", **POSITIVE, doc="mass of the crank")
+    inertia: Number = number(1e-4, "kg m²", **POSITIVE, doc="inertia about the shaft")
+    unbalance: Number = number(
         0.0, "kg m", doc="mass times its centre's distance from the shaft, positive towards the pin"
     )
 
@@ -40,8 +40,8 @@ class Drive(Part):
 
     section: ClassVar[str] = "drive"
     kind: str = choice("speed", "speed", "torque", doc="speed: the crank turns steadily; torque: M_0 (1 - ω/ω_0)")
-    torque: Scalar = number(50.0, "N m", **POSITIVE, doc="torque M_0 at rest, of a drive of the kind torque")
-    no_load_speed: Scalar = number(5000.0 * RPM, "rad/s", **POSITIVE, doc="speed ω_0 at which that torque is zero")
+    torque: Number = number(50.0, "N m", **POSITIVE, doc="torque M_0 at rest, of a drive of the kind torque")
+    no_load_speed: Number = number(5000.0 * RPM, "rad/s", **POSITIVE, doc="speed ω_0 at which that torque is zero")
 
 
 class Rod(Part):
@@ -54,22 +54,22 @@ class Rod(Part):
     """
 
     section: ClassVar[str] = "rod"
-    length: Scalar = number(0.12, "m", **POSITIVE, doc="length between its pins")
-    mass: Scalar = number(0.21, "kg", **POSITIVE, doc="mass of the rod")
-    inertia: Scalar = number(2.5e-4, "kg m²", **POSITIVE, doc="inertia about its centre of mass")
-    centre: Scalar = number(
+    length: Number = number(0.12, "m", **POSITIVE, doc="length between its pins")
+    mass: Number = number(0.21, "kg", **POSITIVE, doc="mass of the rod")
+    inertia: Number = number(2.5e-4, "kg m²", **POSITIVE, doc="inertia about its centre of mass")
+    centre: Number = number(
         0.5, "-", low=0.0, high=1.0, doc="place of its centre of mass, a share of the length from the crank pin"
     )
-    depth: Scalar | None = number(
+    depth: Number = number(
         None,
         "m",
         **POSITIVE,
         doc="depth of a uniform bar's section in the plane of motion; not set: mass and inertia hold",
     )
-    width: Scalar = number(0.015, "m", **POSITIVE, doc="width of that section across the plane")
-    density: Scalar = number(7850.0, "kg/m³", **POSITIVE, doc="density of that bar")
-    young_modulus: Scalar = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of that bar, for its bending")
-    damping_ratio: Scalar = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    width: Number = number(0.015, "m", **POSITIVE, doc="width of that section across the plane")
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of that bar")
+    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of that bar, for its bending")
+    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
     modes: int = whole(0, 0, doc="how many modes bend it, none or at least 2")
 
     def check_together(self) -> None:
@@ -99,10 +99,10 @@ class Slider(Part):
     """The slider; it does not turn. ``mass``."""
 
     section: ClassVar[str] = "slider"
-    mass: Scalar = number(0.14, "kg", **POSITIVE, doc="mass of the slider, which does not turn")
+    mass: Number = number(0.14, "kg", **POSITIVE, doc="mass of the slider, which does not turn")
 
 
-class SliderCrank(Part):
+class SliderCrank(DesignOf[Run]):
     """The whole mechanism; the defaults are a much-used set for clearance in the piston pin.
 
     - ``crank``, ``drive``, ``rod``, ``slider``; ``piston_pin``, ``crank_pin``: the joints at the rod's ends.
@@ -142,11 +142,11 @@ class SliderCrankScenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    crank_speed: Scalar = number(
+    crank_speed: Number = number(
         5000.0 * RPM, "rad/s", doc="speed of the crank at the start, steady where the drive keeps it so"
     )
-    crank_angle: Scalar = number(0.0, "rad", doc="angle of the crank from the slider's line at the start")
-    gravity: Scalar = number(0.0, "m/s²", **NON_NEGATIVE, doc="acceleration of gravity across the slider's line")
+    crank_angle: Number = number(0.0, "rad", doc="angle of the crank from the slider's line at the start")
+    gravity: Number = number(0.0, "m/s²", **NON_NEGATIVE, doc="acceleration of gravity across the slider's line")
 
 
 def check_fit(design: SliderCrank, scenario: SliderCrankScenario) -> None:

@@ -19,7 +19,7 @@ from ...contact.laws import (
 )
 from ...contact.laws.hysteresis import PowerLaw
 from ...errors import InputError, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Part, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number
 from .blunt_impact import BluntImpact
 
 ADAMS = "adams"
@@ -48,25 +48,25 @@ class Pin(Part):
     """
 
     joint: str = choice("pinned", "pinned", "clearance", doc="pinned: without play; clearance: a pin in a larger bush")
-    clearance: Scalar = number(5e-4, "m", **POSITIVE, doc="radial clearance, the bush's radius less the pin's")
-    bush_radius: Scalar = number(0.01, "m", **POSITIVE, doc="radius of the bush")
-    length: Scalar = number(0.04, "m", **POSITIVE, doc="length of pin and bush along their axis")
+    clearance: Number = number(5e-4, "m", **POSITIVE, doc="radial clearance, the bush's radius less the pin's")
+    bush_radius: Number = number(0.01, "m", **POSITIVE, doc="radius of the bush")
+    length: Number = number(0.04, "m", **POSITIVE, doc="length of pin and bush along their axis")
     law: str = choice("sphere", *PIN_IN_HOLE_LAWS, ADAMS, doc="contact law of pin in bush")
     damping: str = choice("lankarani-nikravesh", *DAMPING_FACTORS, doc="damping factor of the law")
-    restitution: Scalar = number(
+    restitution: Number = number(
         0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of the damping factor"
     )
-    stiffness: Scalar | None = number(
+    stiffness: Number = number(
         None, "N/m^e", **POSITIVE, doc="stiffness of the laws sphere and adams; not set: computed from the materials"
     )
-    exponent: Scalar = number(1.5, "-", **POSITIVE, doc="exponent of the law adams")
-    viscous: Scalar = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping of the law adams")
-    ramp_depth: Scalar = number(1e-6, "m", **POSITIVE, doc="depth over which that damping sets in")
-    onset_depth: Scalar = number(1e-8, "m", **POSITIVE, doc="depth over which a law that begins with a slope sets in")
-    friction: Scalar = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction of pin in bush")
-    slip_speed: Scalar = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
-    young_modulus: Scalar = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
-    poisson_ratio: Scalar = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
+    exponent: Number = number(1.5, "-", **POSITIVE, doc="exponent of the law adams")
+    viscous: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping of the law adams")
+    ramp_depth: Number = number(1e-6, "m", **POSITIVE, doc="depth over which that damping sets in")
+    onset_depth: Number = number(1e-8, "m", **POSITIVE, doc="depth over which a law that begins with a slope sets in")
+    friction: Number = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction of pin in bush")
+    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
+    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
+    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
 
     @property
     def by_components(self) -> bool:

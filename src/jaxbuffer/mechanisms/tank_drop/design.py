@@ -8,9 +8,11 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...errors import InputError, check_entries, check_type, concrete, same_shape
-from ...fields import NON_NEGATIVE, POSITIVE, Part, all_of, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
 from ...structures.contact import METHODS
+from ..run import DesignOf
 from .laminate import Composite
+from .tank_run import TankRun
 
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
 FILL = {"low": 0.15, "high": 0.95}
@@ -24,12 +26,12 @@ class Wall(Part):
     """
 
     section: ClassVar[str] = "wall"
-    bottom: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the bottom")
-    lower_corner: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower corner")
-    lower_side: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower side")
-    upper_side: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper side")
-    upper_corner: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper corner")
-    top: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the top")
+    bottom: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the bottom")
+    lower_corner: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower corner")
+    lower_side: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the lower side")
+    upper_side: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper side")
+    upper_corner: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the upper corner")
+    top: Number = number(0.005, "m", **THICKNESS, doc="thickness of the wall at the top")
 
 
 class Tank(Part):
@@ -39,10 +41,10 @@ class Tank(Part):
     """
 
     section: ClassVar[str] = "tank"
-    width: Scalar = number(0.6, "m", **POSITIVE, doc="outer width")
-    height: Scalar = number(0.3, "m", **POSITIVE, doc="outer height")
-    corner_radius: Scalar = number(0.04, "m", **POSITIVE, doc="outer radius of the corners")
-    length: Scalar = number(0.7, "m", **POSITIVE, doc="length along which nothing changes")
+    width: Number = number(0.6, "m", **POSITIVE, doc="outer width")
+    height: Number = number(0.3, "m", **POSITIVE, doc="outer height")
+    corner_radius: Number = number(0.04, "m", **POSITIVE, doc="outer radius of the corners")
+    length: Number = number(0.7, "m", **POSITIVE, doc="length along which nothing changes")
 
     def check_together(self) -> None:
         known = [concrete(x) for x in (self.corner_radius, self.height, self.width)]
@@ -70,8 +72,8 @@ class Plates(Part):
 
     section: ClassVar[str] = "plates"
     kind: str = choice("none", "none", "perforated", doc="none, or two perforated baffle plates inside")
-    thickness: Scalar = number(0.005, "m", **THICKNESS, doc="thickness of a plate without holes that is as stiff")
-    position: Scalar = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
+    thickness: Number = number(0.005, "m", **THICKNESS, doc="thickness of a plate without holes that is as stiff")
+    position: Number = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
 
 
 class TankMaterial(Part):
@@ -86,16 +88,16 @@ class TankMaterial(Part):
     kind: str = choice(
         "plastic", "plastic", "composite", doc="plastic: the fields below; composite: the section composite"
     )
-    density: Scalar = number(950.0, "kg/m³", **POSITIVE, doc="density of the wall")
-    young_modulus: Scalar = number(1.0e9, "Pa", **POSITIVE, doc="Young's modulus of the wall")
-    poisson_ratio: Scalar = number(
+    density: Number = number(950.0, "kg/m³", **POSITIVE, doc="density of the wall")
+    young_modulus: Number = number(1.0e9, "Pa", **POSITIVE, doc="Young's modulus of the wall")
+    poisson_ratio: Number = number(
         0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True, doc="Poisson's ratio of the wall"
     )
-    yield_stress: Scalar = number(25e6, "Pa", **POSITIVE, doc="yield stress of the wall")
-    hardening: Scalar = number(
+    yield_stress: Number = number(25e6, "Pa", **POSITIVE, doc="yield stress of the wall")
+    hardening: Number = number(
         40e6, "Pa", **NON_NEGATIVE, doc="rise of the yield stress over equivalent plastic strain"
     )
-    failure_strain: Scalar = number(
+    failure_strain: Number = number(
         0.6, "-", **POSITIVE, doc="equivalent plastic strain at which an element is deleted"
     )
 
@@ -108,8 +110,8 @@ class Contents(Part):
 
     section: ClassVar[str] = "contents"
     kind: str = choice("liquid", "liquid", "none", doc="what the tank holds: liquid or none")
-    density: Scalar = number(740.0, "kg/m³", **POSITIVE, doc="density of the liquid")
-    sound_speed: Scalar = number(1150.0, "m/s", **POSITIVE, doc="speed of sound in the liquid")
+    density: Number = number(740.0, "kg/m³", **POSITIVE, doc="density of the liquid")
+    sound_speed: Number = number(1150.0, "m/s", **POSITIVE, doc="speed of sound in the liquid")
 
 
 class Cushion(Part):
@@ -119,9 +121,9 @@ class Cushion(Part):
     """
 
     section: ClassVar[str] = "cushion"
-    thickness: Scalar = number(0.15, "m", **POSITIVE, doc="thickness of the layer under the slider")
-    stiffness: Scalar = number(4e6, "Pa/m", **POSITIVE, doc="stiffness of an area of it")
-    damping: Scalar = number(1e4, "Pa s/m", **NON_NEGATIVE, doc="damping of an area of it")
+    thickness: Number = number(0.15, "m", **POSITIVE, doc="thickness of the layer under the slider")
+    stiffness: Number = number(4e6, "Pa/m", **POSITIVE, doc="stiffness of an area of it")
+    damping: Number = number(1e4, "Pa s/m", **NON_NEGATIVE, doc="damping of an area of it")
 
 
 class Slider(Part):
@@ -131,7 +133,7 @@ class Slider(Part):
     """
 
     section: ClassVar[str] = "slider"
-    mass: Scalar = number(348.0, "kg", **POSITIVE, doc="mass of what falls, which is rigid and wider than the tank")
+    mass: Number = number(348.0, "kg", **POSITIVE, doc="mass of what falls, which is rigid and wider than the tank")
 
 
 class Support(Part):
@@ -142,7 +144,7 @@ class Support(Part):
 
     section: ClassVar[str] = "support"
     method: str = choice("penalty", *METHODS, doc="how the force of the support is computed")
-    stiffness: Scalar = number(5e9, "Pa/m", **POSITIVE, doc="stiffness of a penalty, of an area")
+    stiffness: Number = number(5e9, "Pa/m", **POSITIVE, doc="stiffness of a penalty, of an area")
 
 
 class Mesh(Part):
@@ -158,7 +160,7 @@ class Mesh(Part):
     )
 
 
-class TankDrop(Part):
+class TankDrop(DesignOf[TankRun]):
     """The whole mechanism: plane strain in the tank's cross-section, of which one half is computed.
 
     Seed 003 prints no dimension and no material: the defaults are assumed.
@@ -207,9 +209,9 @@ class TankDropScenario(Part):
     """
 
     section: ClassVar[str] = "scenario"
-    height: Scalar = number(2.04, "m", **POSITIVE, doc="height through which it falls before the cushion touches")
-    fill: Scalar = number(0.8, "-", **FILL, doc="height of the liquid over the inner height")
-    gravity: Scalar = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity")
+    height: Number = number(2.04, "m", **POSITIVE, doc="height through which it falls before the cushion touches")
+    fill: Number = number(0.8, "-", **FILL, doc="height of the liquid over the inner height")
+    gravity: Number = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity")
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:

@@ -15,8 +15,9 @@ from .numbering import Numbering
 from .outcome import TankOutcome
 from .panels import panels
 from .quantities import QUANTITIES
-from .run import TankRun, rows_of, run_of
+from .run import rows_of, run_of
 from .stepping import TIGHT, TOLERANCE, dropped
+from .tank_run import TankRun
 
 ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
 

@@ -5,57 +5,18 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Int
 
 from ..._types import Scalar
 from ..energy import Balance, Energy
 from ..history import History
 from ..impacts import Impacts
-from ..run import Run
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .outcome import TankOutcome
 from .section import Section, wall_mass
 from .stepping import SMOOTH, Dropped, Row
-
-
-class TankRun(Run):
-    """A drop onto a tank. Print it for a summary. Forces, masses and energies are those of the whole tank.
-
-    Besides what every `Run` has:
-
-    - ``impulse``: of the contact force on the slider [N s].
-    - ``momentum``: by which the slider was slowed down, its weight's share included [N s].
-    - ``peak_stress``: largest stress after von Mises on the wall's faces [Pa], at element ``stress_element``.
-    - ``smooth_stress``: a smooth maximum of the stress over wall and time, below the largest by ``smooth_bias`` at most
-      [Pa].
-    - ``plastic_strain``: largest equivalent plastic strain at the end [-]; ``plastic_work`` [J]; ``deleted``: elements.
-    - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider [m].
-    - ``compression``: largest, of the cushion over its thickness [-].
-    - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
-    - ``rebound_speed``: of the slider at the end, upwards [m/s].
-    - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
-    - ``wall_mass``: of wall and plates [kg]; ``step``: of the time stepping [s].
-    """
-
-    impulse: Float[Array, ""]
-    momentum: Float[Array, ""]
-    peak_stress: Float[Array, ""]
-    stress_element: Int[Array, ""]
-    smooth_stress: Float[Array, ""]
-    smooth_bias: Float[Array, ""]
-    plastic_strain: Float[Array, ""]
-    plastic_work: Float[Array, ""]
-    deleted: Int[Array, ""]
-    deflection: Float[Array, ""]
-    travel: Float[Array, ""]
-    compression: Float[Array, ""]
-    highest_pressure: Float[Array, ""]
-    lowest_pressure: Float[Array, ""]
-    rebound_speed: Float[Array, ""]
-    reserve: Float[Array, ""]
-    wall_mass: Float[Array, ""]
-    step: Float[Array, ""]
+from .tank_run import TankRun
 
 
 def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, found: Dropped) -> TankRun:
