@@ -31,11 +31,11 @@ def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> F
     the state's derivative then goes with the event.
     """
     state = state_at(log, slot)
-    rates = any(system.rate_observables())
-    if not system.jumps and not rates:
+    of_rate = system.contact_count > 0 and any(system.rate_observables())
+    if not system.jumps and not of_rate:
         return state
     kind = log.kind[slot]
-    at_event = (kind == Kind.TOUCHDOWN) & system.jumps | (kind == Kind.RELEASE) & rates
+    at_event = (kind == Kind.TOUCHDOWN) & system.jumps | (kind == Kind.RELEASE) & of_rate
     late = system.time_to_contact(state, log.which[slot] % system.contact_count)
     return state + system.derivative(log.time[slot], state, log.active[slot]) * jnp.where(at_event, late, 0.0)
 

@@ -65,17 +65,17 @@ def _first_crossing(
     before: Guards, after: Guards, step: Array, active: Array, least: Array, ignored: Array, maxima: Array
 ) -> Crossing:
     root, far = _roots(before, after, step, active)
-    peak, fallen, falling = _maxima(before, after, step, least)
+    peak, beyond_peak, value_there = _maxima(before, after, step, least)
     peak = jnp.where(maxima, peak, jnp.inf)
     fractions = jnp.concatenate([root, peak])
     fractions = jnp.where(jnp.arange(fractions.shape[0]) == ignored, jnp.inf, fractions)
     guard = jnp.argmin(fractions)
     fraction = fractions[guard]
-    reach = jnp.concatenate([far, fallen])[guard]
-    beyond = jnp.concatenate([signed(after, active).value[: far.shape[0]], falling])[guard]
+    reach = jnp.concatenate([far, beyond_peak])[guard]
+    far_value = jnp.concatenate([signed(after, active).value[: far.shape[0]], value_there])[guard]
     found = jnp.isfinite(fraction)
     alone = jnp.sum(jnp.isfinite(fractions)) == 1
-    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, beyond, alone)
+    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, far_value, alone)
 
 
 def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:
@@ -108,8 +108,8 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
 
 
 def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> tuple[Array, Array, Array]:
-    """The fraction of the step at which each observable has a maximum that matters (infinite if it has none); a
-    fraction at which it falls again; and its guard there.
+    """Return the fraction of the step at which each observable has a maximum that matters (infinite if it has none), a
+    fraction at which it falls after that, and the value of its guard there.
 
     Of a maximum that is at the step's start but for rounding, the fraction is `ROUNDED`: from a shorter step nothing
     could be seen of how the rate changes. An observable that rises again at the step's end falls most steeply at its
@@ -122,14 +122,17 @@ def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> tuple[A
     jump, again = after.value - before.value, fall > 0.0
     steepest = (jump - (2.0 * rise + fall) / 3.0) / jnp.where(again, 2.0 * jump - rise - fall, 1.0)
     slope = rise + steepest * (3.0 * jump - 2.0 * rise - fall)
-    fallen = jnp.where(again, steepest, 1.0)
-    falling = jnp.where(again, -slope / step, -after.value_rate)
-    return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf), fallen, falling
+    far = jnp.where(again, steepest, 1.0)
+    far_value = jnp.where(again, -slope / step, -after.value_rate)
+    return jnp.where(matters, jnp.maximum(peak, ROUNDED), jnp.inf), far, far_value
 
 
 def _has_maximum(before: Guards, after: Guards) -> Bool[Array, " observables"]:
-    """Whether an observable has a maximum in a step: it rises first, or has risen though it fell first, and falls in
-    the end, or has fallen though it rises again."""
+    """Whether each observable has a maximum in a step.
+
+    It has one where it falls at the end and rises at the start or is higher at the end; and where it rises at both
+    ends, as far as the rates are known, but is lower at the end.
+    """
     rises, falls = before.value_rate > 0.0, after.value_rate <= 0.0
     known = (before.value_rate > RISING) & (after.value_rate > RISING)
     return (rises | (after.value > before.value)) & falls | known & (after.value < before.value)

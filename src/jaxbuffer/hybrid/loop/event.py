@@ -111,10 +111,11 @@ def logged(
     # At the event: the rate of the one that has a maximum there falls to zero on the way.
     values = trial.guards.value + jnp.where(mine, 0.5, 1.0) * event.offset * trial.guards.value_rate
     # What is largest right after a touchdown with a jump, or right after a release, has no maximum that could be
-    # located. The step ends a little beside the release, with a rest of its force: the entry is to be without it.
-    rates = any(task.system.rate_observables())
-    if task.system.jumps or rates:
-        mode_changes = event.touchdown & task.system.jumps | event.release & rates
+    # located. The step onto a release ends a little beside it, where the contact still pushes; the log's values are
+    # those without that push.
+    of_rate = task.contacts > 0 and any(task.system.rate_observables())
+    if task.system.jumps or of_rate:
+        mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
         after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731
         values = lax.cond(mode_changes, after, lambda: values)
     first = jnp.where(event.of_contact, 0, jnp.where(event.terminal, task.contacts, task.rated))
