@@ -140,7 +140,9 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         spring = ROUNDED_LENGTH * self.design.buffer.k_A
         sizes: dict[str, Scalar] = {name: ROUNDED_LENGTH for name in ("stroke", "hinge_angle", "bending")}
         sizes |= {"buffer_force": spring, "hinge_force": spring + ROUNDED_ACCELERATION * self.design.active.mass}
-        return stacked([sizes.get(name, 0.0) for name in self.observed])  # an open contact's force is exactly zero
+        if self.smooth:  # what a flank far away exerts is rounding; an open contact with events exerts exactly nothing
+            sizes |= dict.fromkeys(CONTACTS, self.pair.law.elastic(jnp.asarray(ROUNDED_LENGTH)))
+        return stacked([sizes.get(name, 0.0) for name in self.observed])
 
     def scales(self) -> Float[Array, " state"]:
         """Positions by the penetration of a typical impact, velocities by the approach speed, energies by ½ m v²."""
