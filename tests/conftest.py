@@ -12,14 +12,15 @@ from pathlib import Path
 
 import pytest
 
-import jaxbuffer.compiling.process
+import jaxbuffer.process
 
-jaxbuffer.compiling.process.configure()
+jaxbuffer.process.configure(cache=None)
 
 import jax  # noqa: E402
 
 from evidence import Evidence  # noqa: E402
-from jaxbuffer.compiling.programs import store_in, stored  # noqa: E402
+from jaxbuffer.cache import stored  # noqa: E402
+from jaxbuffer.program_files import store_in  # noqa: E402
 
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
@@ -67,6 +68,7 @@ def pytest_configure(config):
     given = getattr(config, "workerinput", {}).get("programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
+    jaxbuffer.process.configure()
 
 
 @pytest.hookimpl(optionalhook=True)

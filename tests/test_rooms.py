@@ -14,13 +14,14 @@ TOP = PACKAGE.name
 
 # A room imports only from rooms above it; "" is the package itself, whose public names are imported when asked for.
 ROOMS = (
-    *("errors", "files", "tables", "progress", "version", "_types", "fields", "labelled", "plane", "multibody"),
+    *("errors", "files", "program_files", "process", "threads", "identity", "structure"),
+    *("tables", "progress", "version", "_types", "fields", "labelled", "plane", "multibody"),
     *(
         "contact",
         "composites",
         "shock",
         "structures",
-        "compiling",
+        "cache",
         "cluster",
         "hybrid",
         "mechanisms",

@@ -9,7 +9,7 @@ import jax
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.compiling import process as runtime
+from jaxbuffer import process as runtime
 from jaxbuffer.mechanisms.probe_cone.comparison import compare_laws
 
 
@@ -21,7 +21,7 @@ def flags(monkeypatch):
         monkeypatch.setenv("XLA_FLAGS", before)
         monkeypatch.setattr(runtime, "backend_is_up", lambda: False)
         monkeypatch.setattr(runtime, "version", {"jaxlib": version}.__getitem__)
-        runtime.configure()
+        runtime.configure(cache=None)
         return runtime.os.environ["XLA_FLAGS"].split()
 
     return configured
@@ -49,7 +49,7 @@ def test_too_late_is_said(monkeypatch):
     jax.devices()
     monkeypatch.setenv("XLA_FLAGS", "")
     with pytest.warns(RuntimeWarning, match="before the first JAX computation"):
-        runtime.configure()
+        runtime.configure(cache=None)
     assert runtime.os.environ["XLA_FLAGS"] == ""
 
 

@@ -8,7 +8,6 @@ import pytest
 import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
-from jaxbuffer.compiling.pool import Pool
 from jaxbuffer.mechanisms.run import Impacts
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
@@ -22,6 +21,7 @@ from jaxbuffer.sensitivities.evidence import (
     together,
 )
 from jaxbuffer.sensitivities.gradients import Gradients
+from jaxbuffer.threads import Pool
 
 
 def capture(forces, flanks=None, **named):

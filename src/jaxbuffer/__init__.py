@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 from .mechanisms import FOLDERS
 
 if TYPE_CHECKING:
-    from .compiling.process import configure as configure
     from .contact import register_law as register_law
     from .errors import InputError as InputError
     from .experiments.indices import Indices as Indices
@@ -59,6 +58,7 @@ if TYPE_CHECKING:
     from .output.folder import Results as Results
     from .output.folder import load as load
     from .output.motion import draw as draw
+    from .process import configure as configure
     from .run.instants import at_times as at_times
     from .run.simulate import simulate as simulate
     from .run.trust import Trust as Trust
@@ -89,7 +89,7 @@ if TYPE_CHECKING:
     __version__: str
 
 _HOME: dict[str, tuple[str, ...]] = {
-    "compiling.process": ("configure",),
+    "process": ("configure",),
     "contact": ("register_law",),
     "errors": ("InputError",),
     "experiments.indices": ("Indices", "sobol_indices"),

@@ -144,7 +144,7 @@ PROGRAM = """
             return FACTOR * self.stiffness * power(penetration, 1.5)
 
     jb.register_law("mine", Mine)
-    from jaxbuffer.compiling.programs import watched
+    from jaxbuffer.cache import watched
     compiled = []
     with watched(compiled.append):
         design = jb.replace(jb.table2(), {{"contact.law": "mine"}})

@@ -73,7 +73,5 @@ def stand_in(monkeypatch):
         function = module.rsplit(".", 1)[-1]
         monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(computed, function))
     monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", computed.sweep)
-    monkeypatch.setattr(
-        "jaxbuffer.compiling.process.configure", lambda **options: computed.calls.append(("configure", options))
-    )
+    monkeypatch.setattr("jaxbuffer.process.configure", lambda **options: computed.calls.append(("configure", options)))
     return computed

@@ -139,8 +139,10 @@ def test_a_tuning_resumes_with_the_same_function_only(solve, tmp_path):
     with pytest.raises(InputError, match="another problem"):
         resumed(solve, tmp_path / "c", power(2), lambda peak_force: peak_force * peak_force)
     hidden = lambda peak_force: getattr(peak_force, "__pow__")(2)  # noqa: E731, B009
-    with pytest.raises(InputError, match=r"quantities\.own is the same as before can't be told"):
-        resumed(solve, tmp_path / "d", hidden, hidden)
+    assert resumed(solve, tmp_path / "d", power(2), hidden).records == whole.records, "the same operations"
+    table = np.array([1.0, 2.0])
+    with pytest.raises(InputError, match="another problem"):
+        resumed(solve, tmp_path / "e", *(lambda peak_force, k=k: peak_force * table[k] for k in (0, 1)))
 
 
 def test_keys_of_a_record_are_no_names():

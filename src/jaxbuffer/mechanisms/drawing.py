@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..compiling.programs import stored
+from ..cache import stored
 from ..contact import Shape
 from ..fields import Part
 from ..multibody.flexible import FlexibleBar

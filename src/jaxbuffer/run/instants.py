@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compiling.programs import stored
+from ..cache import stored
 from ..errors import InputError, concrete, shown
 from ..mechanisms.history import History
 from ..mechanisms.registry import mechanism_of

@@ -8,7 +8,7 @@ import jax
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
-from ..compiling.programs import Static
+from ..cache import Static
 from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
 from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times

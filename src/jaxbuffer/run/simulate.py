@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._types import Scalar
-from ..compiling.programs import Static, after
+from ..cache import Static, after
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Options, Result, Solver, solver_named

@@ -8,7 +8,6 @@ import numpy as np
 
 from .._types import Scalar
 from ..cluster.pool import ClusterPool
-from ..compiling.pool import Pool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
@@ -17,6 +16,7 @@ from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..run.request import check_pair
 from ..run.simulate import simulate
+from ..threads import Pool
 from .differences import Difference, balanced_direction, difference, side_by_side
 
 CHECK_TOLERANCE = 1e-11  # of the solves that are differenced

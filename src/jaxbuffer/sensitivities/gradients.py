@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..compiling.programs import Static, after
+from ..cache import Static, after
 from ..fields import Part, with_values
 from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool
 
-from ..compiling.programs import after
+from ..cache import after
 from ..errors import InputError, as_number
 from ..hybrid import Result, Solver
 from ..mechanisms.mechanism import Mechanism

@@ -13,14 +13,14 @@ import jax
 import numpy as np
 
 from .._types import Scalar
-from ..compiling.backend import check_ready
-from ..compiling.pool import Pool, cores
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
+from ..process import check_ready
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ..threads import Pool, cores
 from .chunk import CHUNK, Runs, Settings, columns_of_chunk, runs
 from .found import Sweep as Sweep
 from .found import SweepInterrupted as SweepInterrupted

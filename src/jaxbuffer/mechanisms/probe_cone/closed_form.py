@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
-from ...compiling.programs import stored
+from ...cache import stored
 from ...contact.laws import HystereticLaw
 from ...fields import Portable
 from .assembly import LOWER

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...compiling.programs import stored
+from ...cache import stored
 from ...hybrid import Kind
 from ..energy import energy_text, energy_unit
 from .assembly import T
