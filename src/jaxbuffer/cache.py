@@ -140,19 +140,19 @@ class stored(Generic[R]):  # a decorator
             with program_files.being_made(file):  # of many processes that come at once, one compiles
                 program = self._read(file, given)
                 if program is None:
-                    program_files.remove(file, *_compiled_from(file))
+                    # JAX never replaces a file of its own: one that is damaged or half written would stay.
+                    program_files.remove(*program_files.compiled_from(file, _of_jax()))
                     program = self._compiled(tree, kinds, given, file)
         return program
 
     def _read(self, file: Path, given: list[Any]) -> _Program | None:
         """The program of a file if there is one and it runs on these arguments."""
         try:
-            compiled = _compiled_from(file)
-            stored = program_files.read(file, compiled)
+            stored = program_files.read(file, _of_jax())
             if stored is None:
                 return None
             description, exported = stored.description, [export.deserialize(bytearray(it)) for it in stored.exported]
-            quick = compiled or description["seconds"] < QUICK
+            quick = program_files.compiled_from(file, _of_jax()) or description["seconds"] < QUICK
             said = contextlib.nullcontext() if quick else _announced(description["seconds"])
             with said, program_files.being_loaded(file):
                 parts = [_lowered(part, file, k).compile() for k, part in enumerate(exported)]
@@ -161,6 +161,7 @@ class stored(Generic[R]):  # a decorator
             return _Program(parts, found, tuple(description["sources"]), description["seconds"])
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
+            program_files.remove(file)
             return None
 
     def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None) -> _Program:
@@ -307,7 +308,7 @@ def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
     def call(*arrays: Any) -> Any:
         return part.call(*arrays)
 
-    call.__name__ = f"{_mark(file)}{k}"
+    call.__name__ = program_files.part_name(file, k)
     return jax.jit(call).lower(*(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.in_avals))
 
 
@@ -317,15 +318,10 @@ def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
     return parts[1](*arguments, *found) if len(parts) > 1 else found
 
 
-def _mark(file: Path) -> str:
-    """What the names of a program's parts begin with, in JAX's cache."""
-    return f"of_{file.stem.rpartition('-')[2]}_"
-
-
-def _compiled_from(file: Path) -> list[Path]:
-    """What JAX's cache holds of a program."""
+def _of_jax() -> Path | None:
+    """The folder of JAX's own cache."""
     place = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
-    return [] if place is None else sorted(Path(place).glob(f"*{_mark(file)}*{program_files.COMPILED}"))
+    return None if place is None else Path(place)
 
 
 def _write(file: Path, program: _Program, exported: list[bytes]) -> None:
@@ -335,7 +331,7 @@ def _write(file: Path, program: _Program, exported: list[bytes]) -> None:
             "sources": program.sources,
             "seconds": program.seconds,
         }
-        program_files.write(file, program_files.Stored(description, exported), _compiled_from(file))
+        program_files.write(file, program_files.Stored(description, exported), _of_jax())
     except (OSError, structure.CannotSay) as error:  # a full disk, a class of another package: it is in memory
         _log.info("%s cannot be written: %s", file, error)
 
@@ -347,7 +343,7 @@ def _expected(name: str, otherwise: float) -> float:
         files = [] if folder is None else list(folder.glob(f"{name}-*{program_files.SUFFIX}"))
         if files:
             file = max(files, key=os.path.getmtime)
-            last = program_files.read(file, _compiled_from(file))
+            last = program_files.read(file, _of_jax())
             return otherwise if last is None else float(last.description["seconds"])
     return otherwise
 

@@ -110,21 +110,31 @@ class Stored(NamedTuple):
     exported: list[bytes]
 
 
-def write(file: Path, stored: Stored, compiled: Iterable[Path]) -> None:
-    """Write a file whole or not at all, with checksums of what JAX ``compiled``; files long unused are deleted."""
+def part_name(file: Path, k: int) -> str:
+    """The name of the k-th part of a file's program, from which JAX's cache makes the names of its files."""
+    return f"of_{file.stem.rpartition('-')[2]}_{k}"
+
+
+def compiled_from(file: Path, of_jax: Path | None) -> list[Path]:
+    """What JAX's cache, in the folder ``of_jax`` if anywhere, holds of a file's program."""
+    return [] if of_jax is None else sorted(of_jax.glob(f"*{part_name(file, 0)[:-1]}*{COMPILED}"))
+
+
+def write(file: Path, stored: Stored, of_jax: Path | None) -> None:
+    """Write a file whole or not at all, with checksums of what JAX compiled; files long unused are deleted."""
     _remove_unused(file.parent)
-    checksums = {path.name: _checksum(path.read_bytes()).hex() for path in compiled}
     exported = [base64.b64encode(program).decode() for program in stored.exported]
+    checksums = _checksums(compiled_from(file, of_jax))
     content = json.dumps({"description": stored.description, "exported": exported, "compiled": checksums}).encode()
     files.write(file, MAGIC + _checksum(content) + content)
 
 
-def read(file: Path, compiled: Iterable[Path]) -> Stored | None:
-    """Read what was written; None where there is nothing, where a file is no whole program of this format, where what
-    JAX ``compiled`` from it is not what it was, and where it ended a process before."""
+def read(file: Path, of_jax: Path | None) -> Stored | None:
+    """Read what was written, None where there is nothing. A file that is no whole program of this format, that ended a
+    process before, or from which JAX compiled something else than what is there now, is deleted."""
     if _ended_a_process(file):
         _log.info("%s ended the process that loaded it last", file)
-        return None
+        remove(file)
     try:
         content = file.read_bytes()
     except OSError:
@@ -132,10 +142,12 @@ def read(file: Path, compiled: Iterable[Path]) -> Stored | None:
     body = content[len(MAGIC) + hashlib.sha256().digest_size :]
     if content[: -len(body) or None] != MAGIC + _checksum(body):
         _log.info("%s is not a whole program of this format", file)
+        remove(file)
         return None
-    found = json.loads(body)
-    if found["compiled"] != {path.name: _checksum(path.read_bytes()).hex() for path in compiled}:
+    found, compiled = json.loads(body), compiled_from(file, of_jax)
+    if found["compiled"] != _checksums(compiled):
         _log.info("what was compiled from %s has changed", file)
+        remove(file)
         return None
     for path in (file, *compiled):
         with contextlib.suppress(OSError):
@@ -194,6 +206,10 @@ def _ended_a_process(file: Path) -> bool:
 
 def _checksum(content: bytes) -> bytes:
     return hashlib.sha256(content).digest()
+
+
+def _checksums(paths: Iterable[Path]) -> dict[str, str]:
+    return {path.name: _checksum(path.read_bytes()).hex() for path in paths}
 
 
 def _remove_unused(folder: Path) -> None:
