@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .errors import InputError
-from .program_files import store_in
+from .program_files import folder, store_in
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optax", "optimistix")
 HOST = ("processor", "backend", "XLA")  # what a machine has, rather than an installation
@@ -66,9 +66,10 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     **Arguments:**
 
     - ``cache``: folder of compiled programs, in which JAX's persistent compilation cache is kept as well. By default it
-      is that of the command line, ``$JAXBUFFER_CACHE`` or ``~/.cache/jaxbuffer``, and a folder that JAX has been given
-      before stays JAX's. None keeps programs in memory only. Programs are code: a folder to which others can write is
-      not used, and a line on stderr says so (docs/security.md).
+      is that of the command line, ``$JAXBUFFER_CACHE`` or ``~/.cache/jaxbuffer``; a folder that was given before, to
+      jaxbuffer or to JAX, stays. None changes nothing: unless a folder was given before, programs are in memory only.
+      Programs are code: a folder to which others can write is not used, and a line on stderr says so
+      (docs/security.md).
 
     **Example:**
 
@@ -93,9 +94,9 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    if cache is True:
+    if cache is True and folder() is None:
         _keep_programs(cache_folder(), jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
-    elif cache:
+    elif cache and cache is not True:
         _keep_programs(Path(cache))
 
 

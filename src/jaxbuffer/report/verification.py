@@ -11,7 +11,10 @@ from ..version import version
 
 PACKAGE = Path(__file__).parent.parent
 FILE = Path(__file__).parent / "verified.json"
-COMPUTING = ("plane", "multibody", "contact", "compiling", "hybrid", "mechanisms", "run", "sensitivities")
+COMPUTING = (
+    *("process", "cache", "program_files", "identity", "structure", "threads"),
+    *("plane", "multibody", "contact", "hybrid", "mechanisms", "run", "sensitivities"),
+)
 UNKNOWN = "Nothing is known of how this version was verified: it was packaged without the results of python -m verify."
 
 
@@ -19,8 +22,10 @@ UNKNOWN = "Nothing is known of how this version was verified: it was packaged wi
 def sources() -> str:
     """A digest of the program text of the rooms that compute, by which a state of them is known again."""
     found = hashlib.sha256()
-    for path in sorted(path for room in COMPUTING for path in (PACKAGE / room).rglob("*.py")):
-        found.update(f"{path.relative_to(PACKAGE).as_posix()}\n".encode() + path.read_bytes())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = path.relative_to(PACKAGE)
+        if name.parts[0].removesuffix(".py") in COMPUTING:
+            found.update(f"{name.as_posix()}\n".encode() + path.read_bytes())
     return found.hexdigest()[:16]
 
 
