@@ -16,18 +16,18 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
-jaxbuffer.compiling.process.configure()
+jaxbuffer.programs.process.configure(cache=None)
 
 import numpy as np  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
 import jaxbuffer as jb  # noqa: E402
-from jaxbuffer.compiling.pool import Pool  # noqa: E402
 from jaxbuffer.hybrid import ExplicitRungeKutta  # noqa: E402
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE  # noqa: E402
+from jaxbuffer.programs.threads import Pool  # noqa: E402
 from jaxbuffer.sensitivities.certificate import KINK, TRUSTED  # noqa: E402
 from jaxbuffer.sensitivities.evidence import FLOOR, TightSolve, TightSolves, course_of, each  # noqa: E402
 

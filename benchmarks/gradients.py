@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,7 +22,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--counts", default="1,10,100,1000", metavar="N,…")
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results/gradients.json"))
     options = parser.parse_args(arguments)
-    jaxbuffer.compiling.process.configure()
+    jaxbuffer.programs.process.configure(cache=None)
     from rich.console import Console
     from rich.table import Table
 

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
 PENALTY = 10.0
 TIGHT = 1e-9
@@ -246,7 +246,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--methods", default=",".join(METHODS), metavar="METHOD,…")
     parser.add_argument("--output", type=Path, default=Path("benchmarks/results/optimisers.json"))
     options = parser.parse_args(arguments)
-    jaxbuffer.compiling.process.configure()
+    jaxbuffer.programs.process.configure(cache=None)
     from rich.console import Console
     from rich.table import Table
 

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
 FOLDER = Path(__file__).with_suffix("")
 WORST = 0.01  # above the best known
@@ -60,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
     names = options.only.split(",")
     if unknown := set(names) - set(BEST):
         parser.error(f"no such problem: {', '.join(sorted(unknown))}")
-    jaxbuffer.compiling.process.configure()
+    jaxbuffer.programs.process.configure(cache=None)
     options.output.parent.mkdir(parents=True, exist_ok=True)
     print("problem    scenarios  seed  captures  without derivatives  objective [N]  above best  message")
     rows = []

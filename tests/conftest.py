@@ -16,15 +16,16 @@ from pathlib import Path
 import pytest
 
 import jaxbuffer.cli.quick
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
 jaxbuffer.cli.quick.prepare()
-jaxbuffer.compiling.process.configure()
+jaxbuffer.programs.process.configure()
 
 import jax  # noqa: E402
 
 from evidence import Evidence  # noqa: E402
-from jaxbuffer.compiling.programs import store_in, stored  # noqa: E402
+from jaxbuffer.programs.cache import stored  # noqa: E402
+from jaxbuffer.programs.store import store_in  # noqa: E402
 
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
@@ -83,6 +84,7 @@ def pytest_configure(config):
     given = getattr(config, "workerinput", {}).get("programs") or config.getoption("--programs")
     config.stash[PROGRAMS] = Path(given or tempfile.mkdtemp(prefix="jaxbuffer-programs-"))
     os.environ["JAXBUFFER_CACHE"] = str(config.stash[PROGRAMS])  # of commands, in this process and others
+    jaxbuffer.programs.process.configure()
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers

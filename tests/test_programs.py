@@ -13,9 +13,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax._src import compilation_cache
 
-from jaxbuffer.compiling import programs
-from jaxbuffer.compiling.programs import Static, executable, program_files, store_in, stored
+from jaxbuffer.programs import cache, identity
+from jaxbuffer.programs import store as program_files
+from jaxbuffer.programs.cache import Static, stored
+from jaxbuffer.programs.store import store_in
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
 
@@ -30,11 +33,34 @@ class Polynomial(eqx.Module):
             raise ValueError("two coefficients at least")
 
 
+@pytest.fixture(autouse=True)
+def _classes_here_are_ours(monkeypatch):
+    """Programs of any other classes stay in memory."""
+    monkeypatch.setattr(identity, "OURS", identity.OURS | {__name__})
+
+
 @pytest.fixture
 def folder(tmp_path):
+    before = {name: getattr(jax.config, name) for name in CACHE}
     store_in(tmp_path / "programs")
+    for name, value in zip(CACHE, (str(tmp_path / "programs"), 0.0), strict=True):
+        jax.config.update(name, value)
+    compilation_cache.reset_cache()
     yield tmp_path / "programs"
     store_in(None)
+    for name, value in before.items():
+        jax.config.update(name, value)
+    compilation_cache.reset_cache()
+
+
+def files(folder):
+    """The programs in a folder."""
+    return list(folder.glob("*.program"))
+
+
+def of_jax(folder, file):
+    """What JAX's cache holds of a program."""
+    return list(folder.glob(f"*{file.stem.rpartition('-')[2]}*-cache"))
 
 
 @pytest.fixture
@@ -62,7 +88,7 @@ def test_another_process_runs_what_was_kept_without_tracing(folder, traced):
         np.testing.assert_array_equal(found.coefficients, np.sort(np.array(values) * scale) ** 2)
         assert float(found.scale) == 4.0 * max(values) * scale
         assert (found.kind, int(rest["times"])) == ("odd", 4)
-    assert len(traces) == 1 and len(list(folder.iterdir())) == 1
+    assert len(traces) == 1 and len(files(folder)) == 1
 
 
 class Pair(eqx.Module):
@@ -84,7 +110,7 @@ def test_which_numbers_are_left_out_makes_another_program(folder, parts):
 
     for part in parts:
         assert float(stored(weighed)(part)) == float(weighed(part))
-    assert len(list(folder.iterdir())) == 2
+    assert len(files(folder)) == 2
 
 
 @pytest.mark.slow
@@ -106,32 +132,51 @@ def test_other_shapes_static_fields_and_sources_are_other_programs(folder, trace
     fresh()(polynomial, times)
     fresh()(*asked((1.0, 2.0)))
     fresh()(Polynomial(polynomial.coefficients, polynomial.scale, "odd"), times)
-    monkeypatch.setattr(programs, "_made_from", lambda: b"another version")
+    monkeypatch.setattr(cache, "_made_from", lambda: b"another version")
     fresh()(polynomial, times)
-    assert len(traces) == 4 and len(list(folder.iterdir())) == 4
+    assert len(traces) == 4 and len(files(folder)) == 4
 
 
-def test_a_program_in_the_cache_of_jax_is_not_written_once_more(folder, traced, monkeypatch, tmp_path):
-    before = {name: getattr(jax.config, name) for name in CACHE}
+def test_the_cache_of_jax_has_what_was_compiled_of_a_program(folder, traced):
+    fresh, _ = traced
+    fresh()(*asked())
+    (file,) = files(folder)
+    (compiled,) = of_jax(folder, file)
+    before = compiled.read_bytes()
+    fresh()(*asked())
+    assert of_jax(folder, file) == [compiled] and compiled.read_bytes() == before
+
+
+@pytest.mark.parametrize("harm", [lambda whole: whole[:100], lambda whole: whole[:-1] + b"?", None])
+def test_what_is_damaged_in_the_cache_of_jax_is_compiled_anew(folder, traced, harm):
+    """JAX alone would read a file that is damaged at every start, and never replace it."""
     fresh, traces = traced
-    try:
-        for name, value in zip(CACHE, (str(tmp_path / "jax"), 0.0), strict=True):
-            jax.config.update(name, value)
-        for version in (b"one", b"two", b"two"):
-            monkeypatch.setattr(programs, "_made_from", lambda version=version: version)
-            assert float(fresh()(*asked())[0].scale) == 24.0
-        assert jax.config.jax_compilation_cache_dir == str(tmp_path / "jax"), "as it was"
-    finally:
-        for name, value in before.items():
-            jax.config.update(name, value)
-    assert len(traces) == 2, "the third found what the second had written"
+    fresh()(*asked())
+    (file,) = files(folder)
+    (compiled,) = of_jax(folder, file)
+    compiled.unlink() if harm is None else compiled.write_bytes(harm(compiled.read_bytes()))
+    for _ in range(2):
+        assert float(fresh()(*asked())[0].scale) == 24.0
+    assert len(traces) == 2 and len(of_jax(folder, file)) == 1
+
+
+def test_a_program_that_was_not_finished_is_begun_anew(folder, traced):
+    """As by a process that was killed between JAX's file and the program's."""
+    fresh, traces = traced
+    fresh()(*asked())
+    (file,) = files(folder)
+    file.unlink()
+    of_jax(folder, file)[0].write_bytes(b"half")
+    for _ in range(2):
+        assert float(fresh()(*asked())[0].scale) == 24.0
+    assert len(traces) == 2
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])
 def test_a_broken_file_is_compiled_and_written_anew(folder, traced, content):
     fresh, traces = traced
     fresh()(*asked())
-    (file,) = folder.iterdir()
+    (file,) = files(folder)
     file.write_bytes(content)
     for _ in range(2):
         assert float(fresh()(*asked())[0].scale) == 24.0
@@ -196,7 +241,7 @@ def test_transformations_and_no_folder_are_jit(folder, traced):
     np.testing.assert_array_equal(jax.vmap(total)(jnp.arange(3.0)), [0.0, 8.0, 16.0])
     store_in(None)
     fresh()(*asked())
-    assert not any(folder.iterdir()), "nothing was stored"
+    assert not files(folder), "nothing was stored"
 
 
 def test_files_long_unused_go_once_another_is_written(folder, traced):
@@ -207,7 +252,7 @@ def test_files_long_unused_go_once_another_is_written(folder, traced):
         os.utime(file, (time.time() - age * 86400,) * 2)
     fresh()(*asked())
     assert recent.exists() and not old.exists()
-    (written,) = set(folder.iterdir()) - {recent}
+    (written,) = set(files(folder)) - {recent}
     os.utime(written, (0, 0))
     fresh()(*asked())
     assert time.time() - written.stat().st_mtime < 86400
@@ -220,7 +265,7 @@ def test_a_planted_pickle_is_not_run(folder, traced, tmp_path):
 
     fresh, traces = traced
     fresh()(*asked())
-    (file,) = folder.iterdir()
+    (file,) = files(folder)
     for content in (pickle.dumps(Command()), program_files.MAGIC + pickle.dumps(Command())):
         file.write_bytes(content)
         assert float(fresh()(*asked())[0].scale) == 24.0
@@ -233,24 +278,26 @@ def test_a_planted_pickle_is_not_run(folder, traced, tmp_path):
 def test_a_damaged_file_is_replaced_before_it_is_looked_into(folder, traced, place, harm, monkeypatch):
     fresh, traces = traced
     fresh()(*asked())
-    (file,) = folder.iterdir()
+    (file,) = files(folder)
     whole = file.read_bytes()
     damaged = bytearray(whole)
     damaged[place] ^= 0x10
     file.write_bytes(bytes(damaged) if harm == "flip" else whole[:place])
     loaded = []
-    monkeypatch.setattr(executable, "put_together", lambda *_: loaded.append(1))
-    assert float(fresh()(*asked())[0].scale) == 24.0
+    with monkeypatch.context() as patched:
+        patched.setattr(cache.export, "deserialize", lambda *_: loaded.append(1))
+        assert float(fresh()(*asked())[0].scale) == 24.0
     assert len(traces) == 2 and not loaded
-    monkeypatch.undo()
     assert float(fresh()(*asked())[0].scale) == 24.0 and len(traces) == 2, "whole again"
 
 
 PROCESS = """
 import sys
-import jaxbuffer.compiling.process; jaxbuffer.compiling.process.configure(cache={folder!r})
+import jax, jaxbuffer.programs.process
+jaxbuffer.programs.process.configure(cache={folder!r})
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 import numpy as np, jax.numpy as jnp, signal, os
-from jaxbuffer.compiling import programs
+from jaxbuffer.programs import cache as programs
 
 @programs.stored
 def squares(values):
@@ -261,7 +308,7 @@ compiled = []
 with programs.watched(compiled.append):
     print(np.asarray(squares(np.array([3.0, 1.0, 2.0]))[0]).tolist(), any(compiled))
 """
-CRASH = "programs.executable.put_together = lambda *_: os.kill(os.getpid(), signal.SIGSEGV)"
+CRASH = "programs._run = lambda *_: os.kill(os.getpid(), signal.SIGSEGV)"
 RIGHT = "[1.0, 4.0, 9.0]"
 
 
@@ -284,9 +331,11 @@ def test_a_file_that_ended_a_process_is_replaced(tmp_path):
 
 
 SOLVED = """
-import jaxbuffer.compiling.process; jaxbuffer.compiling.process.configure(cache={folder!r})
+import jax, jaxbuffer.programs.process
+jaxbuffer.programs.process.configure(cache={folder!r})
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 import numpy as np, jax.numpy as jnp
-from jaxbuffer.compiling import programs
+from jaxbuffer.programs import cache as programs
 
 compiled = []
 solved = programs.stored(jnp.linalg.solve)
@@ -311,11 +360,13 @@ def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp
     folder = tmp_path / "programs"
     process(folder)
     (file,) = folder.glob("squares*.program")
-    stored = program_files.read(file)
-    code = bytearray(stored.code[0])
+    (compiled,) = of_jax(folder, file)
+    stored = program_files.read(file, folder)
+    code = bytearray(compilation_cache.decompress_executable(compiled.read_bytes()))
     start = int(share * len(code))
     code[start : start + 64] = bytes(64)
-    program_files.write(file, program_files.Stored(stored.description, [bytes(code)]))
+    compiled.write_bytes(compilation_cache.compress_executable(bytes(code)))
+    program_files.write(file, stored, folder)
     process(folder)
     code, printed, _ = process(folder)
     assert (code, printed.startswith(RIGHT)) == (0, True)
@@ -324,10 +375,10 @@ def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp
 def test_a_file_being_loaded_by_another_process_is_left_alone(folder, traced):
     fresh, traces = traced
     fresh()(*asked())
-    (file,) = folder.iterdir()
+    (file,) = files(folder)
     with program_files.being_loaded(file):
         assert float(fresh()(*asked())[0].scale) == 24.0
-    assert len(traces) == 1 and list(folder.iterdir()) == [file]
+    assert len(traces) == 1 and files(folder) == [file] and not list(folder.glob("*.loading"))
 
 
 def test_a_full_disk_leaves_nothing_behind(folder, traced, monkeypatch):
@@ -335,9 +386,9 @@ def test_a_full_disk_leaves_nothing_behind(folder, traced, monkeypatch):
         raise OSError(28, "No space left on device")
 
     fresh, _ = traced
-    monkeypatch.setattr(program_files.os, "replace", full)
+    monkeypatch.setattr(program_files.files, "write", full)
     assert float(fresh()(*asked())[0].scale) == 24.0
-    assert not any(folder.iterdir())
+    assert not files(folder)
 
 
 def test_a_result_with_a_class_of_someone_elses_is_not_kept(folder):
@@ -345,7 +396,7 @@ def test_a_result_with_a_class_of_someone_elses_is_not_kept(folder):
         value: jax.Array
 
     found = stored(lambda value: Local(value + 1.0))(2.0)
-    assert float(found.value) == 3.0 and not any(folder.iterdir())
+    assert float(found.value) == 3.0 and not files(folder)
 
 
 def private(folder):
@@ -420,7 +471,7 @@ def test_neither_jax_nor_we_use_an_open_folder_and_a_line_says_so(tmp_path):
     )
 
 
-def test_a_class_redefined_under_its_name_is_another_program(folder):
+def test_a_class_redefined_under_its_name_is_another_program_in_memory(folder):
     def weight(factor):
         class Weight(eqx.Module):
             value: float
@@ -437,16 +488,16 @@ def test_a_class_redefined_under_its_name_is_another_program(folder):
     for factor in (2.0, 5.0):
         assert float(function(weight(factor), 3.0)) == float(stored(weighed)(weight(factor), 3.0)) == 6.0 * factor
         assert float(jax.vmap(function, (None, 0))(weight(factor), jnp.ones(2))[1]) == 2.0 * factor
-    assert len(list(folder.iterdir())) == 2
+    assert not files(folder), "it is in memory"
 
 
 def test_watched_is_called_where_a_program_is_compiled(folder, traced):
     fresh, _ = traced
     seen = []
-    with programs.watched(seen.append):
+    with cache.watched(seen.append):
         for _ in range(2):
             fresh()(*asked())
-    assert seen == [programs.UNKNOWN, None], "the second is read"
+    assert seen == [cache.UNKNOWN, None], "the second is read"
 
 
 def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
@@ -455,8 +506,8 @@ def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
         return 2.0 * x
 
     seen = []
-    with programs.watched(seen.append):
+    with cache.watched(seen.append):
         for shape in (1, 2):
             stored(slow)(np.ones(shape))
-    assert seen[0] == programs.UNKNOWN and seen[1] is seen[3] is None
+    assert seen[0] == cache.UNKNOWN and seen[1] is seen[3] is None
     assert 0.3 < seen[2] < 5.0

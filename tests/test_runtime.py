@@ -9,8 +9,8 @@ import jax
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.compiling import process as runtime
 from jaxbuffer.mechanisms.probe_cone.comparison import compare_laws
+from jaxbuffer.programs import process as runtime
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def flags(monkeypatch):
         monkeypatch.setenv("XLA_FLAGS", before)
         monkeypatch.setattr(runtime, "backend_is_up", lambda: False)
         monkeypatch.setattr(runtime, "version", {"jaxlib": version}.__getitem__)
-        runtime.configure()
+        runtime.configure(cache=None)
         return runtime.os.environ["XLA_FLAGS"].split()
 
     return configured
@@ -45,11 +45,38 @@ def test_a_version_that_was_not_tried_gets_no_flags_that_may_end_it(flags):
     assert flags("", version="0.11.0") == [runtime.ONE_KERNEL]
 
 
+KEEPS = """
+    {before}
+    import os, jax, jaxbuffer as jb
+    jb.configure({arguments})
+    from jaxbuffer.programs.store import folder
+    for place in (folder(), jax.config.jax_compilation_cache_dir):
+        print(place and os.path.relpath(place, {here!r}))
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "arguments", "kept"),
+    [
+        ("", "", ["default", "default"]),
+        ("", "cache=None", [None, None]),
+        ("", "cache={here!r} + '/given'", ["given", "given"]),
+        ("import jax; jax.config.update('jax_compilation_cache_dir', {here!r} + '/jax')", "", ["default", "jax"]),
+    ],
+)
+def test_where_programs_are_kept(tmp_path, before, arguments, kept):
+    """By default where the command line keeps them; what JAX was given stays."""
+    here = str(tmp_path)
+    program = KEEPS.format(before=before.format(here=here), arguments=arguments.format(here=here), here=here)
+    code, printed, errors = process(program, JAXBUFFER_CACHE=str(tmp_path / "default"))
+    assert (code, printed.split(), errors) == (0, [str(place) for place in kept], "")
+
+
 def test_too_late_is_said(monkeypatch):
     jax.devices()
     monkeypatch.setenv("XLA_FLAGS", "")
     with pytest.warns(RuntimeWarning, match="before the first JAX computation"):
-        runtime.configure()
+        runtime.configure(cache=None)
     assert runtime.os.environ["XLA_FLAGS"] == ""
 
 

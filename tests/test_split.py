@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.compiling.programs import Static, after, store_in
-from jaxbuffer.compiling.split import compiled, run
 from jaxbuffer.hybrid import Options
+from jaxbuffer.programs.cache import Static, _built, _run, after
+from jaxbuffer.programs.store import store_in
 from jaxbuffer.run.request import CHECKED
 from jaxbuffer.run.simulate import _simulate
 from jaxbuffer.sensitivities.gradients import _gradients
@@ -50,9 +50,9 @@ def test_inside_other_transformations():
 
 
 def test_one_part():
-    program = compiled(lambda x: [2.0 * x], (np.asarray(2.0),))
-    assert len(program) == 1
-    assert run(program, (np.asarray(2.0),)) == [4.0]
+    program, exported = _built([lambda x: [2.0 * x]], (np.asarray(2.0),))
+    assert len(program) == 1 and exported is None
+    assert _run(program, (np.asarray(2.0),)) == [4.0]
 
 
 @pytest.mark.parametrize("asked", [_simulate, _gradients, solve_chunk])
@@ -75,11 +75,11 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
 
 def test_an_error_in_the_second_part_is_raised():
     with pytest.raises(ZeroDivisionError):
-        compiled(lambda x, y: [x / (1 // 0)], (np.asarray(2.0),), lambda x: [x + 1.0])
+        _built([lambda x: [x + 1.0], lambda x, y: [x / (1 // 0)]], (np.asarray(2.0),))
 
 
 def test_garbage_is_collected_again_afterwards():
     assert gc.isenabled()
     with pytest.raises(ZeroDivisionError):
-        compiled(lambda x: [x / (1 // 0)], (np.asarray(2.0),))
+        _built([lambda x: [x / (1 // 0)]], (np.asarray(2.0),))
     assert gc.isenabled()

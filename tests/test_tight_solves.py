@@ -8,8 +8,8 @@ import pytest
 import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
-from jaxbuffer.compiling.pool import Pool
 from jaxbuffer.mechanisms.impacts import Impacts
+from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
     CHECK_TOLERANCE,

@@ -16,7 +16,7 @@ from .run import ROOT
 
 LOOPBACK = "127.0.0.1"
 PATIENCE = 120.0  # s for a process to start or to end
-OTHER_PROCESSOR = "import jaxbuffer.compiling.kind as kind; kind.processor = lambda: 'flags: of another one'; "
+OTHER_PROCESSOR = "import jaxbuffer.programs.process as kind; kind.processor = lambda: 'flags: of another one'; "
 WORKER = "from distributed.cli.dask_worker import main; main()"
 
 

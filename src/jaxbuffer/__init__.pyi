@@ -1,6 +1,6 @@
 """The public names, each once: Python imports one when it is first asked for, a type checker reads them here."""
 
-from .compiling.process import configure as configure
+from .programs.process import configure as configure
 from .contact import register_law as register_law
 from .errors import InputError as InputError
 from .experiments.indices import (

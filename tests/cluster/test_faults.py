@@ -14,7 +14,7 @@ COMPILES = """
 import sys
 import jaxbuffer as jb
 jb.configure(cache=sys.argv[1])
-from jaxbuffer.compiling import programs
+from jaxbuffer.programs import cache as programs
 compiled = programs.stored._compiled
 def told(*arguments):
     with open(sys.argv[2], "a") as file:

@@ -13,9 +13,9 @@ from jaxbuffer.cluster.connect import LOOPBACK, connected
 from jaxbuffer.cluster.pool import ClusterPool
 from jaxbuffer.cluster.spread import TaskEndsWorkers, spread
 from jaxbuffer.cluster.workers import Workers, differing
-from jaxbuffer.compiling.kind import HOST, kind
 from jaxbuffer.hybrid import SOLVER_NAMES, name_of, solver_named
 from jaxbuffer.hybrid.rungekutta.solvers import Automatic
+from jaxbuffer.programs.process import HOST, kind
 
 
 def squared(_, task):

@@ -74,6 +74,6 @@ def stand_in(monkeypatch):
         monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(computed, function))
     monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", computed.sweep)
     monkeypatch.setattr(
-        "jaxbuffer.compiling.process.configure", lambda **options: computed.calls.append(("configure", options))
+        "jaxbuffer.programs.process.configure", lambda **options: computed.calls.append(("configure", options))
     )
     return computed

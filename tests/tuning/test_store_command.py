@@ -4,8 +4,8 @@ import tomllib
 
 import pytest
 
-import jaxbuffer.compiling.process
 import jaxbuffer.output.results
+import jaxbuffer.programs.process
 from jaxbuffer.cli.entry import run
 from jaxbuffer.study.config import load
 from jaxbuffer.tuning import tune as module
@@ -33,7 +33,7 @@ def tune(monkeypatch, tmp_path):
     """The command on functions instead of captures, ended after some batches by an interrupt."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "study.toml").write_text(STUDY)
-    monkeypatch.setattr(jaxbuffer.compiling.process, "configure", lambda **_: None)
+    monkeypatch.setattr(jaxbuffer.programs.process, "configure", lambda **_: None)
     monkeypatch.setattr(
         jaxbuffer.output.results, "tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )

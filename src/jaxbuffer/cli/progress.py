@@ -132,7 +132,7 @@ def sweeping(
 
 def _compiling_said() -> AbstractContextManager[None]:
     """Say once, on a line of its own, that a program is being compiled, if one is."""
-    from ..compiling.programs import watched
+    from ..programs.cache import watched
 
     said = False
 
@@ -147,7 +147,7 @@ def _compiling_said() -> AbstractContextManager[None]:
 
 def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager[None]:
     """Show it in the place of a task's description for as long as it takes."""
-    from ..compiling.programs import watched
+    from ..programs.cache import watched
 
     before = ""
 

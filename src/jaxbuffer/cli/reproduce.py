@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import typer
 
 from .exits import OK, fail
-from .request import cache_folder
 
 
 def reproduce(
@@ -32,12 +31,11 @@ def reproduce(
     \b
     Example: jaxbuffer reproduce impact --output results/impact
     """
-    from ..compiling.backend import check_ready
-    from ..compiling.process import configure
     from ..errors import check_choice
     from ..output.formats import csv_text, json_text
     from ..output.style import both, require_matplotlib
     from ..papers import PAPERS, paper_named
+    from ..programs.process import cache_folder, check_ready, configure
     from .output import Output
 
     check_choice("PAPER", paper, tuple(PAPERS))

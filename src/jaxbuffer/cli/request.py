@@ -2,7 +2,6 @@
 
 import dataclasses
 import inspect
-import os
 import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
@@ -57,8 +56,7 @@ class Request:
 
     def study(self) -> "Config":
         """The study with everything the command line overrides; JAX is set up on the way."""
-        from ..compiling.backend import check_ready
-        from ..compiling.process import configure
+        from ..programs.process import cache_folder, check_ready, configure
 
         configure(cache=cache_folder())
         from ..study.config import apply_options, apply_overrides, load
@@ -149,11 +147,3 @@ def verb(
 def given(**options: Any) -> dict[str, Any]:
     """Those options that were given."""
     return {name: value for name, value in options.items() if value is not None}
-
-
-def cache_folder() -> Path:
-    """Where compiled programs are kept."""
-    chosen = os.environ.get("JAXBUFFER_CACHE")
-    if chosen:
-        return Path(chosen).expanduser()
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxbuffer"

@@ -7,7 +7,6 @@ import typer
 
 from ..errors import InputError
 from .exits import OK
-from .request import cache_folder
 from .streams import show
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="The study."
     \b
     Example: jaxbuffer check study.toml
     """
-    from ..compiling.process import configure
+    from ..programs.process import cache_folder, configure
 
     configure(cache=cache_folder())
     from ..study.config import load

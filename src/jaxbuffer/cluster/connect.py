@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from ..compiling.pool import cores
 from ..errors import InputError
+from ..programs.threads import cores
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -1,11 +1,11 @@
-"""A pool whose workers are those of a cluster, in the place of `compiling.pool.Pool`."""
+"""A pool whose workers are those of a cluster, in the place of `threads.Pool`."""
 
 import contextlib
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from ..compiling.pool import Pool
-from ..compiling.programs import folder
+from ..programs.store import folder
+from ..programs.threads import Pool
 from .connect import connected
 from .spread import spread
 from .workers import Workers

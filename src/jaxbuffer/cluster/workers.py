@@ -7,10 +7,8 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..compiling.backend import backend_is_up, one_kernel
-from ..compiling.kind import HOST, kind
-from ..compiling.process import configure
 from ..errors import InputError
+from ..programs.process import HOST, backend_is_up, configure, kind, one_kernel
 from .connect import SchedulerGone
 
 if TYPE_CHECKING:

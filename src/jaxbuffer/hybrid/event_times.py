@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..compiling.programs import Static, made_from
+from ..programs.cache import Static, made_from
 from .loop.log import Kind, Log
 from .system import HybridSystem
 

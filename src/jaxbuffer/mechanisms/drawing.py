@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..compiling.programs import stored
 from ..contact import Shape
 from ..fields import Part
 from ..multibody.flexible import FlexibleBar
+from ..programs.cache import stored
 
 GROUND = -1  # the body that does not move
 STATIONS = 25  # along a body that bends

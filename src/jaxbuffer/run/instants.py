@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compiling.programs import stored
 from ..errors import InputError, concrete, shown
 from ..mechanisms.history import History
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
+from ..programs.cache import stored
 from .history import seen_at
 
 BLOCK = 512  # instants looked at together

@@ -8,13 +8,13 @@ import jax
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
-from ..compiling.programs import Static
 from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
 from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.system import ContactSystem
+from ..programs.cache import Static
 
 DEFAULT_TOLERANCE = 1e-6
 CHECKED, UNCHECKED = Static(False), Static(True)

@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._types import Scalar
-from ..compiling.programs import Static, after
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Options, Result, Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
+from ..programs.cache import Static, after
 from .history import trimmed
 from .read_off import run_of
 from .request import (

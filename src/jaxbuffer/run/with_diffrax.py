@@ -3,10 +3,10 @@
 import jax
 import jax.numpy as jnp
 
-from ..compiling.backend import check_ready
 from ..fields import Part
 from ..hybrid import DiffraxProblem, diffrax_problem
 from ..mechanisms.registry import mechanism_of
+from ..programs.process import check_ready
 from .simulate import check_pair
 
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from .._types import Scalar
 from ..cluster.pool import ClusterPool
-from ..compiling.pool import Pool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run, value_of
+from ..programs.threads import Pool
 from ..run.request import check_pair
 from ..run.simulate import simulate
 from .differences import Difference, balanced_direction, difference, side_by_side

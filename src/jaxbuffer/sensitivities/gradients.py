@@ -10,12 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..compiling.programs import Static, after
 from ..fields import Part, with_values
 from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
+from ..programs.cache import Static, after
 from ..run.read_off import run_of
 from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, allowed_of, request, stepped, with_tolerances
 

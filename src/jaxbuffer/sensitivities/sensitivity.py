@@ -9,13 +9,13 @@ import numpy as np
 
 from .._types import Scalar
 from ..cluster.pool import ClusterPool, pool_of
-from ..compiling.pool import Pool
 from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.quantity import check_quantities, is_signed
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import value_of
+from ..programs.threads import Pool
 from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
 from .evidence import TightSolve, TightSolves, course_of, each, together

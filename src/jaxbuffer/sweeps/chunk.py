@@ -9,11 +9,11 @@ import jax
 import numpy as np
 from jaxtyping import Array, Bool
 
-from ..compiling.programs import after
 from ..errors import InputError, as_number
 from ..hybrid import Result, Solver
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
+from ..programs.cache import after
 from ..run.read_off import run_of
 from ..run.request import Request, request, stepped, tenth
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..cluster.connect import connected, require
 from ..cluster.spread import spread
 from ..cluster.workers import Workers
-from ..compiling.programs import folder as programs_folder
 from ..errors import InputError
 from ..files import Lock
 from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.registry import mechanism_of
+from ..programs.store import folder as programs_folder
 from .chunk import CHUNK, Settings
 from .cut import Cut, GridSweep, RunsSweep
 from .found import column_names

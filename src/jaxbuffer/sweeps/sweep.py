@@ -13,12 +13,12 @@ import jax
 import numpy as np
 
 from .._types import Scalar
-from ..compiling.backend import check_ready
-from ..compiling.pool import Pool, cores
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
+from ..programs.process import check_ready
+from ..programs.threads import Pool, cores
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .chunk import CHUNK, Runs, Settings, columns_of_chunk, runs

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import hashlib
 import inspect
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,6 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compiling.identity import fingerprint, lasting
 from ..errors import InputError, shown, suggest
 from ..fields.units import check_unit
 from ..mechanisms.quantity import Catalogue, Quantity
@@ -130,13 +130,14 @@ class Derived:
         return Quantity(self.unit, of, description, name.replace("_", " "), signed=True, tuned=True)
 
     @property
-    def identity(self) -> str | None:
-        """A text that is the same in every process for the same code and the values that it reads.
-
-        None where the code does not say which values it reads.
-        """
-        described = fingerprint(self.function)
-        return hashlib.sha256(repr(described).encode()).hexdigest()[:16] if lasting(described) else None
+    def identity(self) -> str:
+        """A hash of the operations that JAX traces and the values that they read: the same in every process."""
+        jaxpr = _traced(self)
+        # JAX prints the place in memory of functions with rules of their own
+        content = hashlib.sha256(re.sub(r" at 0x[0-9a-f]+", "", str(jaxpr)).encode())
+        for value in jaxpr.consts:
+            content.update(np.asarray(value).tobytes())
+        return content.hexdigest()[:16]
 
 
 def check_traced(derived: Derived) -> None:

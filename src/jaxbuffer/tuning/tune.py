@@ -74,8 +74,6 @@ def tune(
     chosen = settings_of(settings)
     if optimizer is not None:
         check_optimizer(problem, optimizer, resume)
-    if resume:
-        _check_known(problem)
     with (
         Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
         Evaluator(problem, workers, True, client) as evaluator,
@@ -126,16 +124,6 @@ def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfini
         progress.stage,
         lines.count(b"\n"),
     )
-
-
-def _check_known(problem: Problem) -> None:
-    """Raise `InputError` for an own quantity whose code does not say whether it is the same as before."""
-    for name, own in problem.quantities.items():
-        if own.identity is None:
-            remedy = "write it with def, of numbers and functions that it reads by their names"
-            raise InputError(
-                f"resume: whether quantities.{name} is the same as before can't be told from its code; {remedy}"
-            )
 
 
 def _fingerprint(problem: Problem, settings: Settings) -> str:

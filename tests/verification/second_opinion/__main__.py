@@ -6,9 +6,9 @@ A minute or so a capture; ``--steps`` chooses Exudyn's, ``--cases`` the captures
 import argparse
 import time
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
-jaxbuffer.compiling.process.configure()
+jaxbuffer.programs.process.configure(cache=None)
 
 from verification.second_opinion.compare import NAMES, STEPS, ask, table  # noqa: E402
 

@@ -3,9 +3,9 @@
 Two minutes or so: deviations from felupe's finest [%], then what a change of 2 % does to our figures [%].
 """
 
-import jaxbuffer.compiling.process
+import jaxbuffer.programs.process
 
-jaxbuffer.compiling.process.configure()
+jaxbuffer.programs.process.configure(cache=None)
 
 from verification.second_opinion import dropped_tank as drop  # noqa: E402
 from verification.second_opinion.felupe_drop import dropped as dropped_by_felupe  # noqa: E402

@@ -4,7 +4,7 @@ Each iteration takes one trial step (`take_trial`), decides what becomes of it (
 end (`event_at_end`) and updates the loop's state accordingly. An integer phase says what the trial step is for.
 
 The whole loop is one `while_loop` of plain array operations: no LAPACK, no scatter, no callback, so that XLA may
-compile it into one kernel (see `compiling.process`).
+compile it into one kernel (see `process`).
 """
 
 from collections.abc import Callable

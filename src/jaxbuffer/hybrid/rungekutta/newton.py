@@ -56,6 +56,6 @@ def _product(a: Array, b: Array) -> Array:
 
 def summed(terms: Float[Array, "terms *shape"]) -> Float[Array, "*shape"]:
     """The sum over the first axis, in sums of `TERMS` terms at most: LLVM writes out one that is so short and evaluates
-    it in vector instructions, a longer one number by number (see `compiling.process`)."""
+    it in vector instructions, a longer one number by number (see `process`)."""
     sums = [jnp.sum(terms[k : k + TERMS], axis=0) for k in range(0, max(len(terms), 1), TERMS)]
     return sum(sums[1:], sums[0])

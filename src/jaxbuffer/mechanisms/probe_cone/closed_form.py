@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..._types import Scalar
-from ...compiling.programs import stored
 from ...contact.laws import HystereticLaw
+from ...programs.cache import stored
 from .assembly import LOWER
 from .capture import FirstImpact
 from .design import Design, Scenario, check_fit

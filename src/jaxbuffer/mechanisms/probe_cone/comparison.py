@@ -5,10 +5,10 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from ...compiling.backend import check_ready
 from ...contact.laws import LAWS, ContactLaw, FreeImpact, free_impact
 from ...errors import check_number, check_type
 from ...fields import POSITIVE, Part, replace
+from ...programs.process import check_ready
 from ...tables import table, text
 from .assembly import LOWER, assemble_contact
 from .design import Design, Scenario

@@ -6,8 +6,8 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...compiling.programs import stored
 from ...hybrid import Kind
+from ...programs.cache import stored
 from ..energy import energy_text, energy_unit
 from .assembly import T
 from .outcome import Outcome

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Array, Float
 
-from ...compiling.programs import stored
+from ...programs.cache import stored
 from ..picture import Meshed
 from .design import TankDrop, TankDropScenario
 from .numbering import Numbering

@@ -1,19 +1,22 @@
-"""Compiled programs stored on disk whole, so that a later process runs them without tracing them first.
+"""Compiled programs that a later process runs without tracing them first.
 
-JAX's own cache spares the compilation alone. Tracing and lowering a capture, which lead to that cache's key, take
-longer than loading what it holds; here the key is all that a program is made from: the structure of its inputs, every
-class and contact law in it, our own source, the packages, the processor and JAX's settings.
+A program is exported by `jax.export`, and JAX's persistent cache keeps what XLA compiles from it. JAX's cache alone
+spares the compilation only: tracing and lowering a capture, which lead to that cache's key, take longer than loading
+what it holds. Here the key is all that a program is made from: the structure of its arguments, our own source, the
+packages, the processor and JAX's settings. A program of code of the user's, a contact law say, stays in memory.
 """
 
 import contextlib
 import functools
+import gc
 import hashlib
 import logging
 import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -21,44 +24,21 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.experimental.compilation_cache import compilation_cache
-from jax.stages import Compiled
+from jax import export
+from jax.stages import Compiled, Lowered
 
 from ..contact.laws import LAWS
-from . import executable, program_files, structure
-from .backend import check_ready
-from .folder import made_private
-from .identity import fingerprint, lasting, lasts
-from .kind import kind
-from .split import compiled, run
+from . import store, structure
+from .identity import UserCode, fingerprint, label, lasts
+from .process import check_ready, kind
 
 R = TypeVar("R")
 
 UNKNOWN = 10.0  # s, a run's on two cores
+QUICK = 1.0  # s of tracing and compiling, below which JAX's cache may not have a program
 _log = logging.getLogger(__name__)
-_folder: Path | None = None
 _watcher: Callable[[float | None], None] | None = None
 _compiling = threading.RLock()
-
-
-def store_in(folder: str | Path | None) -> str:
-    """Keep programs of functions marked `stored` in a folder from now on, or, with None, in memory only.
-
-    **Returns:** why the folder is not used, if others can write there; "" otherwise.
-    """
-    global _folder  # noqa: PLW0603 # process-wide like JAX's own cache, which is set beside it
-    _folder = None
-    if folder is None:
-        return ""
-    wrong = made_private(Path(folder).absolute())
-    if not wrong:
-        _folder = Path(folder).resolve()
-    return wrong
-
-
-def folder() -> Path | None:
-    """Where programs are kept, if anywhere."""
-    return _folder
 
 
 @contextlib.contextmanager
@@ -86,28 +66,31 @@ def made_from(tree: Any, *code: Any) -> Static:
 
 
 class _Program(NamedTuple):
-    """A compiled function of arrays, in its parts, where the leaves of its result come from, and how long compiling it
-    took [s]."""
+    """A compiled function of arrays, in its parts.
+
+    ``sources``: the index of the argument that is returned unchanged as this output, or None if it is computed;
+    ``seconds``: how long compiling it took [s].
+    """
 
     parts: list[Compiled]
     structure: Any
-    sources: tuple[int | None, ...]  # the argument that a leaf of the result is, or None: the next one that is computed
+    sources: tuple[int | None, ...]
     seconds: float
 
     def __call__(self, leaves: list[Any], given: list[Any]) -> Any:
-        computed = iter(run(self.parts, given))
+        computed = iter(_run(self.parts, given))
         found = [next(computed) if source is None else leaves[source] for source in self.sources]
         return jax.tree.unflatten(self.structure, found)
 
 
 class stored(Generic[R]):  # a decorator
-    """`jax.jit` for a function of trees of arrays, with compiled programs stored in the folder of `store_in`, if any.
+    """`jax.jit` for a function of trees of arrays, with programs stored in the folder of `store_in`, if any.
 
     - Python floats among the arguments are passed as one array, which takes less time per call than one by one.
     - Arguments that the function returns unchanged are not passed through the program.
     - Under a transformation (`grad`, `vmap`) it is `jax.jit`. Inside another program that is being traced it is a plain
       call, because a nested `jit` would be traced twice where derivatives are asked for.
-    - A program that cannot be read or written is compiled in memory.
+    - A program that cannot be read or written, or is made from code of the user's, is compiled in memory.
     - Every call checks classes and contact laws that are not the package's own. Where one has changed, or its name
       means another one by now, a new program is compiled.
     """
@@ -136,7 +119,7 @@ class stored(Generic[R]):  # a decorator
             return self.function(*arguments) if _tracing() else self.jitted(*arguments, made_from=_changeable(tree))
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
-        key = (_folder, tree, kinds, _changeable(tree))
+        key = (store.folder(), tree, kinds, _changeable(tree))
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles
                 if key not in self.programs:
@@ -144,21 +127,45 @@ class stored(Generic[R]):  # a decorator
         return self.programs[key](leaves, given)
 
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
-        described = fingerprint(structure.outline(tree), *structure.nodes(tree), *_laws(tree))
-        if _folder is None or not lasting(described):
+        folder = store.folder()
+        try:
+            described = (structure.outline(tree), *map(label, structure.nodes(tree)), *map(label, _laws(tree)))
+        except UserCode:
+            folder = None
+        if folder is None:
             return self._compiled(tree, kinds, given)
-        file = _folder / f"{self.last.__name__}-{_digest(repr(described), str(kinds))}{program_files.SUFFIX}"
-        program = _read(file, tree, given)
+        file = folder / f"{self.last.__name__}-{_digest(repr(described), str(kinds))}{store.SUFFIX}"
+        program = self._read(file, given)
         if program is None:
-            with program_files.being_made(file):  # of many processes that come at once, one compiles
-                program = _read(file, tree, given)
+            with store.being_made(file):  # of many processes that come at once, one compiles
+                program = self._read(file, given)
                 if program is None:
-                    with _without_cache():
-                        program = self._compiled(tree, kinds, given)
-                    _write(file, tree, program)
+                    # JAX never replaces a file of its own: one that is damaged or half written would stay.
+                    store.remove(*store.compiled_from(file, _of_jax()))
+                    program = self._compiled(tree, kinds, given, file)
         return program
 
-    def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
+    def _read(self, file: Path, given: list[Any]) -> _Program | None:
+        """The program of a file if there is one and it runs on these arguments."""
+        try:
+            stored = store.read(file, _of_jax())
+            if stored is None:
+                return None
+            description, exported = stored.description, [export.deserialize(bytearray(it)) for it in stored.exported]
+            quick = store.compiled_from(file, _of_jax()) or description["seconds"] < QUICK
+            said = contextlib.nullcontext() if quick else _announced(description["seconds"])
+            with said, store.being_loaded(file):
+                parts = [_lowered(part, file, k).compile() for k, part in enumerate(exported)]
+                jax.block_until_ready(_run(parts, given))
+            found = structure.read(description["structure"])
+            return _Program(parts, found, tuple(description["sources"]), description["seconds"])
+        except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
+            _log.info("%s cannot be used: %s", file, error)
+            store.remove(file)
+            return None
+
+    def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None) -> _Program:
+        """The program, traced and compiled, and written to a file, if any."""
         between: list[Any] = []  # the structure of what the first part finds
         result: list[Any] = []
 
@@ -181,13 +188,13 @@ class stored(Generic[R]):  # a decorator
             result[:] = [structure_found, sources]
             return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
 
-        watcher, begin = _watcher or (lambda _: None), time.monotonic()
-        watcher(_expected(self.last.__name__, self.seconds))
-        try:
-            parts = compiled(flat, given, begun if self.first else None)
-            return _Program(parts, result[0], result[1], time.monotonic() - begin)
-        finally:
-            watcher(None)
+        begin = time.monotonic()
+        with _announced(_expected(self.last.__name__, self.seconds)):
+            parts, exported = _built([begun, flat] if self.first else [flat], given, file)
+        program = _Program(parts, result[0], result[1], time.monotonic() - begin)
+        if file is not None and exported is not None:
+            _write(file, program, exported)
+        return program
 
 
 def after(first: Callable[..., Any], seconds: float = UNKNOWN) -> Callable[[Callable[..., R]], stored[R]]:
@@ -246,56 +253,98 @@ def _flat(static: Any) -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def _without_cache() -> Iterator[None]:
-    """Without JAX's own cache: a program that was read from there lacks parts when it is written once more."""
-    before = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+def _announced(expected: float) -> Iterator[None]:
+    """Tell the watcher that a compilation begins, with the time that it is expected to take [s], and when it ends."""
+    watcher = _watcher or (lambda _: None)
+    watcher(expected)
     try:
-        jax.config.update("jax_compilation_cache_dir", None)
-        compilation_cache.reset_cache()
         yield
     finally:
-        jax.config.update("jax_compilation_cache_dir", before)
-        compilation_cache.reset_cache()
+        watcher(None)
 
 
-def _read(file: Path, tree: Any, given: list[Any]) -> _Program | None:
-    """The program of a file if there is one and it runs on these arguments; one that does not is deleted."""
+@contextlib.contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without garbage collections, which go through everything that is being traced again and again."""
+    enabled = gc.isenabled()
+    gc.disable()
     try:
-        stored = program_files.read(file)
-        if stored is None:
-            return None
-        with program_files.being_loaded(file):
-            described = zip(stored.description["parts"], stored.code, strict=True)
-            parts = [executable.put_together(*part) for part in described]
-            jax.block_until_ready(run(parts, given))
-        found = structure.read(stored.description["structure"], tree)
-        return _Program(parts, found, tuple(stored.description["sources"]), stored.description["seconds"])
-    except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
-        _log.info("%s cannot be used: %s", file, error)
-        program_files.remove(file)
-        return None
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
-def _write(file: Path, tree: Any, program: _Program) -> None:
+@_uncollected()
+def _built(
+    functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any], file: Path | None = None
+) -> tuple[list[Compiled], list[bytes] | None]:
+    """Functions of arrays compiled for arguments like these, for `_run`, and, for a file, exported if that is possible.
+
+    Each takes the results of those before as well. XLA compiles most of a program on one core, and a loop that is one
+    kernel cannot be taken apart (see `process`). So what is computed from the loop's results is a program of its own:
+    it is traced and compiled while XLA is at work on the loop.
+    """
+    compiled, exported = [], list[bytes]()
+    with ThreadPoolExecutor(len(functions)) as beside:
+        for k, function in enumerate(functions):
+            jitted = jax.jit(function)
+            jitted.trace(*arguments)  # raises the function's own errors; the export below finds it traced
+            try:
+                part = export.export(jitted)(*arguments) if file is not None else None
+                exported += [] if part is None else [bytes(part.serialize())]
+            except Exception as error:  # callbacks, say: the program is in memory
+                _log.info("%s cannot be exported: %s", file, error)
+                part = None
+            lowered = jitted.lower(*arguments) if part is None or file is None else _lowered(part, file, k)
+            compiled.append(beside.submit(lowered.compile))
+            arguments = [*arguments, *jax.tree.leaves(lowered.out_info)]
+        return [it.result() for it in compiled], exported if len(exported) == len(functions) else None
+
+
+def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
+    """The k-th part of a file's program as JAX lowers it: the same each time, so that JAX's cache finds it compiled."""
+
+    def call(*arrays: Any) -> Any:
+        return part.call(*arrays)
+
+    call.__name__ = store.part_name(file, k)
+    return jax.jit(call).lower(*(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.in_avals))
+
+
+def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
+    """What the functions return: a second part gets the arguments and what the first one found."""
+    found = parts[0](*arguments)
+    return parts[1](*arguments, *found) if len(parts) > 1 else found
+
+
+def _of_jax() -> Path | None:
+    """The folder of JAX's own cache."""
+    place = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    return None if place is None else Path(place)
+
+
+def _write(file: Path, program: _Program, exported: list[bytes]) -> None:
     try:
-        parts = [executable.taken_apart(part) for part in program.parts]
         description = {
-            "structure": structure.written(program.structure, tree),
+            "structure": structure.written(program.structure),
             "sources": program.sources,
             "seconds": program.seconds,
-            "parts": [described for described, _ in parts],
         }
-        program_files.write(file, program_files.Stored(description, [code for _, code in parts]))
-    except Exception as error:  # a full disk, a JAX whose insides are others: the program is in memory
+        store.write(file, store.Stored(description, exported), _of_jax())
+    except (OSError, structure.CannotSay) as error:  # a full disk, a class of another package: it is in memory
         _log.info("%s cannot be written: %s", file, error)
 
 
 def _expected(name: str, otherwise: float) -> float:
     """How long it will take to compile a function of this name [s]: as long as the last one that was stored."""
+    folder = store.folder()
     with contextlib.suppress(OSError):  # another process may delete files
-        files = [] if _folder is None else list(_folder.glob(f"{name}-*{program_files.SUFFIX}"))
-        last = program_files.read(max(files, key=os.path.getmtime)) if files else None
-        return otherwise if last is None else last.description.get("seconds", otherwise)
+        files = [] if folder is None else list(folder.glob(f"{name}-*{store.SUFFIX}"))
+        if files:
+            file = max(files, key=os.path.getmtime)
+            last = store.read(file, _of_jax())
+            return otherwise if last is None else float(last.description["seconds"])
     return otherwise
 
 

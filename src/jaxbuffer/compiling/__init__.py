@@ -1,1 +1,0 @@
-"""Settings of the process, and compiled programs stored on disk."""

@@ -1,0 +1,1 @@
+"""Compiled programs kept on disk, settings of the process, threads."""

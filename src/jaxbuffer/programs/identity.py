@@ -1,0 +1,231 @@
+"""What a program is made from: code that the versions of packages pin down, and code of the user's, which may change.
+
+Python lets a name stand for another class later on, and a method read globals that change. Programs of such code are
+kept in memory only, by a `fingerprint` that differs where the code does. Packages' own code has a `label` instead, by
+which another process finds the program on disk.
+"""
+
+import enum
+import functools
+import hashlib
+import sys
+import types
+from collections.abc import Hashable
+from typing import Any
+
+import equinox as eqx
+import jax
+import numpy as np
+
+from .process import PACKAGES
+
+OURS = frozenset({"jaxbuffer"})
+_KNOWN = frozenset(sys.stdlib_module_names) | frozenset(PACKAGES)
+CAN_CHANGE = 1 << 9  # a class's flag, `Py_TPFLAGS_HEAPTYPE`: made as the program runs, rather than part of Python
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, type(Ellipsis), type(NotImplemented), range)
+# What Python, dataclasses and Equinox write into a class by themselves, from what is described anyway
+_MADE = frozenset(
+    "__dict__ __weakref__ __doc__ __module__ __qualname__ __annotations__ __annotate_func__ "  # noqa: SIM905
+    "__annotations_cache__ __dataclass_params__ __dataclass_fields__ __match_args__ __parameters__ __orig_bases__ "
+    "__abstractmethods__ _abc_impl __abstractvars__ __abstractclassvars__ __firstlineno__ __static_attributes__".split()
+)
+_WRAPPERS: tuple[tuple[Any, tuple[str, ...]], ...] = (  # of functions, and where these are in them
+    (types.MethodType, ("__func__", "__self__")),
+    (property, ("fget", "fset", "fdel")),
+    ((staticmethod, classmethod), ("__func__",)),
+    (functools.partial, ("func", "args", "keywords")),
+    (functools.cached_property, ("func",)),
+    (type(jax.jit(lambda: None)), ("__wrapped__",)),
+)
+
+Seen = dict[int, tuple[int, Any]]  # by identity: in which order it came, and the thing itself, which so stays alive
+
+
+class UserCode(ValueError):
+    """Code that no package's version pins down."""
+
+
+class Same:
+    """An object that is described by itself: equal to itself alone, in this process alone."""
+
+    __slots__ = ("object",)
+
+    def __init__(self, object: Any) -> None:
+        self.object = object
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and other.object is self.object
+
+    def __hash__(self) -> int:
+        return id(self.object)
+
+
+# Packages' code
+
+
+def known(thing: Any) -> bool:
+    """Whether a class, function, module or empty mark is found under its own name in a package whose version says what
+    it is."""
+    if isinstance(thing, types.ModuleType):
+        return _known_package(thing.__name__)
+    if isinstance(thing, type) and not thing.__flags__ & CAN_CHANGE:
+        return True
+    module, name = _address(thing)
+    if not (isinstance(module, str) and isinstance(name, str) and _known_package(module)):
+        return False
+    found: Any = sys.modules.get(module)
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    return found is thing
+
+
+def label(thing: Any) -> Hashable:
+    """A description of a class, function or value that is the same in every process with the same packages.
+
+    **Raises:** `UserCode` where the thing is or holds code that the packages do not pin down.
+    """
+    kind = type(thing)
+    if kind in _PLAIN or isinstance(thing, np.dtype):
+        return (kind.__name__, repr(thing))
+    if kind is tuple or kind is list:
+        return (kind.__name__, *map(label, thing))
+    if isinstance(thing, enum.Enum):
+        return (label(kind), thing.name)
+    if isinstance(thing, eqx.Module):
+        return (label(kind), *((name, label(value)) for name, value in vars(thing).items()))
+    if not known(thing):
+        raise UserCode(f"{thing!r} is no package's code")
+    return ("known", *_address(thing))
+
+
+def lasts(thing: Any) -> bool:
+    """Whether a class, function or value stays what it is as long as the packages do."""
+    try:
+        label(thing)
+    except UserCode:
+        return False
+    return True
+
+
+def _address(thing: Any) -> tuple[str | None, str | None]:
+    """The module and the name by which a thing says that it can be found."""
+    return getattr(thing, "__module__", None), getattr(thing, "__qualname__", None) or _mark(thing)
+
+
+def _mark(thing: Any) -> str | None:
+    """The name of an object without content that its own module has as a mark, `dataclasses.MISSING` say."""
+    if getattr(thing, "__dict__", None) != {} or isinstance(thing, type):
+        return getattr(thing, "__name__", None)
+    values = vars(sys.modules.get(type(thing).__module__, types)).items()
+    return next((name for name, value in values if value is thing), None)
+
+
+def _known_package(name: str) -> bool:
+    first = name.partition(".")[0]
+    return first in _KNOWN or first in OURS
+
+
+# The user's code
+
+
+def fingerprint(*things: Any) -> Hashable:
+    """A description of classes, functions and values, for this process alone: nested tuples that are equal where the
+    things are alike. What cannot be described, such as code of a C extension, is equal to itself."""
+    seen: Seen = {}
+    return tuple(_described(thing, seen) for thing in things)
+
+
+def _described(thing: Any, seen: Seen) -> Hashable:  # noqa: PLR0911, PLR0912 # a table of kinds
+    kind = type(thing)
+    if kind in _PLAIN:
+        return (kind.__name__, repr(thing))
+    if kind is tuple or kind is list:
+        return (kind.__name__, *(_described(part, seen) for part in thing))
+    if id(thing) in seen:  # code refers to its own class, and classes to each other
+        return ("again", seen[id(thing)][0])
+    seen[id(thing)] = (len(seen), thing)
+    if known(thing):
+        return Same(thing)
+    if isinstance(thing, type):
+        return _class(thing, seen)
+    if isinstance(thing, types.FunctionType):
+        return _function(thing, seen)
+    if isinstance(thing, (dict, types.MappingProxyType)):
+        return _mapping(thing, seen)
+    if isinstance(thing, tuple):
+        return (_described(kind, seen), *(_described(part, seen) for part in thing))
+    if isinstance(thing, (set, frozenset)) and all(type(part) in _PLAIN for part in thing):
+        return (kind.__name__, *sorted((type(part).__name__, repr(part)) for part in thing))
+    if isinstance(thing, enum.Enum):
+        return (_described(kind, seen), thing.name)
+    if isinstance(thing, (eqx.Module, jax.custom_jvp, jax.custom_vjp)):
+        return (_described(kind, seen), *_mapping(vars(thing), seen))
+    if isinstance(thing, (np.ndarray, np.generic, jax.Array)) and not isinstance(thing, jax.core.Tracer):
+        numbers = np.asarray(thing)
+        if not numbers.dtype.hasobject:
+            return (str(numbers.dtype), numbers.shape, hashlib.sha256(numbers.tobytes()).hexdigest())
+    for wrappers, names in _WRAPPERS:
+        if isinstance(thing, wrappers):
+            return (kind.__name__, *(_described(getattr(thing, name), seen) for name in names))
+    return Same(thing)
+
+
+def _mapping(mapping: Any, seen: Seen) -> tuple[Hashable, ...]:
+    return tuple((_described(key, seen), _described(value, seen)) for key, value in mapping.items())
+
+
+def _class(cls: type, seen: Seen) -> tuple[Hashable, ...]:
+    fields = [
+        (field.name, _described(dict(field.metadata), seen), _described(field.default_factory, seen))
+        for field in getattr(cls, "__dataclass_fields__", {}).values()
+    ]
+    own = {name: value for name, value in vars(cls).items() if name not in _MADE}
+    above = (_described(base, seen) for base in (type(cls), *cls.__bases__))
+    return (f"{cls.__module__}.{cls.__qualname__}", *above, *fields, *_mapping(own, seen))
+
+
+def _function(function: types.FunctionType, seen: Seen) -> tuple[Hashable, ...]:
+    """The code, and all that it reads: defaults, variables around it, globals and modules that it imports by name."""
+    code = function.__code__
+    names = _names(code)
+    reads = {name: function.__globals__.get(name, sys.modules.get(name)) for name in sorted(names)}
+    return (
+        _code(code),
+        *(_described(part, seen) for part in (function.__defaults__, function.__kwdefaults__, function.__dict__)),
+        tuple(_cell(cell, seen) for cell in function.__closure__ or ()),
+        tuple((name, _global(value, names, seen)) for name, value in reads.items() if value is not None),
+    )
+
+
+def _global(value: Any, names: frozenset[str], seen: Seen) -> Hashable:
+    """What a global stands for; of a module of the user's, the attributes that the code names."""
+    if not isinstance(value, types.ModuleType) or known(value):
+        return _described(value, seen)
+    used = {name: vars(value)[name] for name in sorted(names) if name in vars(value)}
+    return ("module", value.__name__, *_mapping(used, seen))
+
+
+def _cell(cell: types.CellType, seen: Seen) -> Hashable:
+    try:
+        return _described(cell.cell_contents, seen)
+    except ValueError:  # not filled yet
+        return "empty"
+
+
+@functools.lru_cache(maxsize=4096)
+def _code(code: types.CodeType) -> tuple[Hashable, ...]:
+    """The instructions and all that they name, but neither file nor lines."""
+    constants = tuple(_code(c) if isinstance(c, types.CodeType) else _constant(c) for c in code.co_consts)
+    words = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
+    counts = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
+    return (code.co_code, getattr(code, "co_exceptiontable", b""), words, counts, constants)
+
+
+def _constant(value: Any) -> Hashable:
+    return (type(value).__name__, *map(_constant, value)) if isinstance(value, tuple) else (type(value), repr(value))
+
+
+@functools.lru_cache(maxsize=4096)
+def _names(code: types.CodeType) -> frozenset[str]:
+    """Names of globals, attributes and imported modules in a function and those within."""
+    return frozenset(code.co_names).union(*(_names(c) for c in code.co_consts if isinstance(c, types.CodeType)))

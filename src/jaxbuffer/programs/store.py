@@ -1,0 +1,220 @@
+"""The folder of compiled programs, and the files in it.
+
+Programs are code, so nobody but the user may be able to write to the folder. A file is a header that says what it is,
+then plain descriptions and the exported programs. Nothing behind the header is looked at before its checksum is right.
+A file that turns out bad is deleted, also where it ended the process: a marker that lies beside a file while it is
+loaded is left behind then. What JAX's persistent cache compiled from a program is in files beside it, whose checksums
+are in the program's own.
+"""
+
+import base64
+import contextlib
+import hashlib
+import json
+import logging
+import os
+import stat
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .. import files
+
+try:
+    import fcntl
+except ImportError:  # Windows: files are trusted to load
+    fcntl = None  # type: ignore[assignment]
+
+OTHERS = stat.S_IWGRP | stat.S_IWOTH
+MAGIC = b"jaxbuffer program 2\n"  # the number is the format's
+SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
+COMPILED = "-cache"  # what the names of files of JAX's persistent cache end with
+UNUSED = 30 * 86400.0  # s after which a file is deleted: new source makes new files
+_log = logging.getLogger(__name__)
+_folder: Path | None = None
+
+
+def store_in(folder: str | Path | None) -> str:
+    """Keep programs of functions marked `cache.stored` in a folder from now on, or, with None, in memory only.
+
+    **Returns:** why the folder is not used, if others can write there; "" otherwise.
+    """
+    global _folder  # noqa: PLW0603 # process-wide like JAX's own cache, which is set beside it
+    _folder = None
+    if folder is None:
+        return ""
+    wrong = made_private(Path(folder).absolute())
+    if not wrong:
+        _folder = Path(folder).resolve()
+    return wrong
+
+
+def folder() -> Path | None:
+    """The folder in which programs are kept, if any."""
+    return _folder
+
+
+def made_private(folder: Path) -> str:
+    """Make the folder where it is missing, readable by its owner only; "" if nobody else can write there, else what is
+    wrong and how to mend it.
+
+    Where a link is on the way, what counts is where it leads; the folder itself must not be one. Windows, which has no
+    such modes, leaves it to the home folder's own protection.
+    """
+    if not hasattr(os, "getuid"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return ""
+    try:
+        _make(folder)
+        if stat.S_ISLNK(os.lstat(folder).st_mode):
+            return f"{folder} is a link; set JAXBUFFER_CACHE to where it leads"
+        place = folder.resolve(strict=True)
+        wrong = _wrong(place, os.lstat(place))
+        return wrong or next(filter(None, (_replaceable(parent, os.lstat(parent)) for parent in place.parents)), "")
+    except OSError as error:
+        return f"{error.filename or folder}: {error.strerror}; set JAXBUFFER_CACHE to a folder of your own"
+
+
+def _make(folder: Path) -> None:
+    """Make the folder and those above it, for the owner only whatever the process's mask is."""
+    missing = [place for place in (folder, *folder.parents) if not place.is_symlink() and not place.exists()]
+    for place in reversed(missing):
+        place.mkdir(mode=0o700, exist_ok=True)
+
+
+def _wrong(folder: Path, found: os.stat_result) -> str:
+    if not stat.S_ISDIR(found.st_mode):
+        return f"{folder} is not a folder; set JAXBUFFER_CACHE to one"
+    if found.st_uid != os.getuid():
+        return f"{folder} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
+    if found.st_mode & OTHERS:
+        return f"others may write to {folder}; once you trust what is in it: chmod 700 '{folder}'"
+    return ""
+
+
+def _replaceable(parent: Path, found: os.stat_result) -> str:
+    """What lets others put another folder in the place of one in here: in a sticky one (/tmp) they can't."""
+    if found.st_uid not in (0, os.getuid()):
+        return f"{parent} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
+    if found.st_mode & OTHERS and not found.st_mode & stat.S_ISVTX:
+        return f"others may write to {parent}: chmod go-w '{parent}', or set JAXBUFFER_CACHE to another folder"
+    return ""
+
+
+class Stored(NamedTuple):
+    """What a file holds: a description as JSON has it, and exported programs."""
+
+    description: Any
+    exported: list[bytes]
+
+
+def part_name(file: Path, k: int) -> str:
+    """The name of the k-th part of a file's program, from which JAX's cache makes the names of its files."""
+    return f"of_{file.stem.rpartition('-')[2]}_{k}"
+
+
+def compiled_from(file: Path, of_jax: Path | None) -> list[Path]:
+    """What JAX's cache, in the folder ``of_jax`` if anywhere, holds of a file's program."""
+    return [] if of_jax is None else sorted(of_jax.glob(f"*{part_name(file, 0)[:-1]}*{COMPILED}"))
+
+
+def write(file: Path, stored: Stored, of_jax: Path | None) -> None:
+    """Write a file whole or not at all, with checksums of what JAX compiled; files long unused are deleted."""
+    _remove_unused(file.parent)
+    exported = [base64.b64encode(program).decode() for program in stored.exported]
+    checksums = _checksums(compiled_from(file, of_jax))
+    content = json.dumps({"description": stored.description, "exported": exported, "compiled": checksums}).encode()
+    files.write(file, MAGIC + _checksum(content) + content)
+
+
+def read(file: Path, of_jax: Path | None) -> Stored | None:
+    """Read what was written, None where there is nothing. A file that is no whole program of this format, that ended a
+    process before, or from which JAX compiled something else than what is there now, is deleted."""
+    if _ended_a_process(file):
+        _log.info("%s ended the process that loaded it last", file)
+        remove(file)
+    try:
+        content = file.read_bytes()
+    except OSError:
+        return None
+    body = content[len(MAGIC) + hashlib.sha256().digest_size :]
+    if content[: -len(body) or None] != MAGIC + _checksum(body):
+        _log.info("%s is not a whole program of this format", file)
+        remove(file)
+        return None
+    found, compiled = json.loads(body), compiled_from(file, of_jax)
+    if found["compiled"] != _checksums(compiled):
+        _log.info("what was compiled from %s has changed", file)
+        remove(file)
+        return None
+    for path in (file, *compiled):
+        with contextlib.suppress(OSError):
+            path.touch()
+    return Stored(found["description"], [base64.b64decode(program) for program in found["exported"]])
+
+
+def remove(*paths: Path) -> None:
+    """Delete files, if that is possible."""
+    for path in paths:
+        with contextlib.suppress(OSError):
+            path.unlink()
+
+
+@contextlib.contextmanager
+def being_loaded(file: Path) -> Iterator[None]:
+    """Mark a file while it is loaded and first run. The marker is locked by this process: once that has ended, however
+    it did, the lock is gone and the marker is not."""
+    handle, draft = tempfile.mkstemp(prefix=f"{file.name}.", suffix=DRAFT, dir=file.parent)
+    marker = Path(draft).with_suffix(MARKER)
+    try:
+        if fcntl is not None:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        os.replace(draft, marker)  # locked before anybody finds it
+        yield
+    finally:
+        remove(Path(draft))
+        remove(marker)
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def being_made(file: Path) -> Iterator[None]:
+    """Hold the right to make a file, once whoever has it is done or gone; where files can't be locked, all make it."""
+    lock = file.with_suffix(MAKING)
+    with contextlib.ExitStack() as stack:
+        if fcntl is not None:
+            with contextlib.suppress(OSError):
+                opened = stack.enter_context(open(lock, "wb"))
+                stack.callback(remove, lock)  # who waits for it will find the file made
+                fcntl.flock(opened, fcntl.LOCK_EX)
+        yield
+
+
+def _ended_a_process(file: Path) -> bool:
+    """Whether a marker was left behind; markers of processes at work are theirs."""
+    left = False
+    for marker in file.parent.glob(f"{file.name}.*{MARKER}"):
+        with contextlib.suppress(OSError), open(marker, "rb") as opened:
+            if fcntl is not None:
+                fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            remove(marker)
+            left = True
+    return left
+
+
+def _checksum(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def _checksums(paths: Iterable[Path]) -> dict[str, str]:
+    return {path.name: _checksum(path.read_bytes()).hex() for path in paths}
+
+
+def _remove_unused(folder: Path) -> None:
+    for suffix in (SUFFIX, COMPILED, MARKER, DRAFT, MAKING):
+        for old in folder.glob(f"*{suffix}"):
+            with contextlib.suppress(OSError):
+                if time.time() - old.stat().st_mtime > UNUSED:
+                    old.unlink()
