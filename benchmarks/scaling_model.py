@@ -26,8 +26,8 @@ from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.mechanisms.dataset import attributes
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.sweeps import distributed
+from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
-from jaxbuffer.sweeps.found import column_names
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.task import Job, Told
 from jaxbuffer.sweeps.zarr_store import TOKEN, Store, create

@@ -70,10 +70,9 @@ if TYPE_CHECKING:
     from .sensitivities.sensitivity import sensitivity as sensitivity
     from .study.designs import load_design as load_design
     from .study.designs import save_design as save_design
+    from .sweeps.result import Sweep as Sweep
     from .sweeps.stored import StoredSweep as StoredSweep
-    from .sweeps.sweep import Sweep as Sweep
     from .sweeps.sweep import sweep as sweep
-    from .sweeps.swept import Swept as Swept
     from .tuning.cases import Case as Case
     from .tuning.derived import Derived as Derived
     from .tuning.objective import Limits as Limits
@@ -110,9 +109,9 @@ _HOME: dict[str, tuple[str, ...]] = {
     "sensitivities.sensitivity": ("Sensitivity", "sensitivity"),
     "output.folder": ("Results", "load"),
     "study.designs": ("load_design", "save_design"),
+    "sweeps.result": ("Sweep",),
     "sweeps.stored": ("StoredSweep",),
-    "sweeps.sweep": ("Sweep", "sweep"),
-    "sweeps.swept": ("Swept",),
+    "sweeps.sweep": ("sweep",),
     "tuning.cases": ("Case",),
     "tuning.derived": ("Derived",),
     "tuning.objective": ("Limits", "Objective", "Then"),

@@ -11,7 +11,7 @@ from optimise.study import Sweeps
 import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.sweeps.found import column_names, whole_numbers
+from jaxbuffer.sweeps.columns import column_names, whole_numbers
 
 HEIGHTS = np.linspace(0.1, 0.2, 37)
 

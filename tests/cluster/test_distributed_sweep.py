@@ -13,8 +13,8 @@ from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps import distributed, task
+from jaxbuffer.sweeps.columns import column_names, whole_numbers
 from jaxbuffer.sweeps.cut import Block, Cut, GridSweep, RunsSweep, Template, box
-from jaxbuffer.sweeps.found import column_names, whole_numbers
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.store import ZARR
 from jaxbuffer.sweeps.stored import StoredInterrupted

@@ -14,7 +14,8 @@ from jaxbuffer.mechanisms.probe_cone.closed_form import FirstImpact
 from jaxbuffer.mechanisms.run import Impacts
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
-from jaxbuffer.sweeps.sweep import Sweep, column_names
+from jaxbuffer.sweeps.columns import column_names
+from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import Problem
 from jaxbuffer.tuning.composed import composed
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation

@@ -6,7 +6,7 @@ import numpy as np
 from rich.table import Table
 
 from ..fields import as_typed
-from ..sweeps.computed import outcomes_table, what_was_found
+from ..sweeps.summary import outcomes_table, summary
 from ..tables import table, text
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ MANY = 0.05  # of the runs: more left out than these are warned of
 
 def sample_parts(sample: "Sample") -> list[str | Table]:
     """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
-    points, mechanism, done = sample.grid, sample.found.mechanism, int(sample.done.sum())
+    points, mechanism, done = sample.grid, sample.mechanism, int(sample.done.sum())
     title = f"Sample of {len(points)} {mechanism.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
         title += f", {points.count} rows of {len(points.axes) + 2} runs"
     parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]
     parts += [f"  {axis.path:26} {axis}" for axis in points.axes]
-    return [*parts, outcomes_table(sample), *what_was_found(sample, "sample.csv")]
+    return [*parts, outcomes_table(sample), *summary(sample, "sample.csv")]
 
 
 def indices_summary(indices: "Indices") -> str:
@@ -92,7 +92,7 @@ def _distrust(surface: "Surface") -> list[str]:
 
 def rectangle_summary(found: "SafeRectangle") -> str:
     """Which runs are safe, and the ranges of the largest rectangle."""
-    mechanism = found.swept.found.mechanism
+    mechanism = found.swept.mechanism
     count = int(found.safe.sum())
     between = [] if found.between is None else [found.between.words]
     lines = [f"Safe ({found.asked}): {count} of {found.safe.size} {mechanism.run_name}s"]

@@ -17,7 +17,7 @@ from ..mechanisms.registry import mechanism_of
 from ..run.read_off import run_of
 from ..run.request import Request, request, stepped, tenth
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
-from .found import NO_VERDICT, column_names
+from .columns import NO_VERDICT, column_names
 from .grid import Batch
 
 CHUNK = 16
@@ -86,7 +86,7 @@ def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver
 def solve_chunk(
     chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result
 ) -> tuple:
-    """The columns of a sweep (`found.column_names`) but the last, each an array with an entry for each run of the
+    """The columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
     chunk."""
     catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
 
@@ -100,7 +100,7 @@ def solve_chunk(
 
 
 def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.ndarray]:
-    """The columns of a sweep (`found.column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
+    """The columns of a sweep (`column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
     which of them are."""
     mechanism = mechanism_of(chunk[0])
 

@@ -17,8 +17,8 @@ from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.registry import mechanism_of
 from .chunk import CHUNK, Settings
+from .columns import column_names
 from .cut import Cut, GridSweep, RunsSweep
-from .found import column_names
 from .store import STORE as CHUNKS
 from .store import ZARR as STORE
 from .store import differing, identity

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..hybrid import solver_named
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
+from .columns import tally
 from .cut import Block, GridSweep, RunsSweep, Template
-from .found import tally
 from .zarr_store import Store
 
 
