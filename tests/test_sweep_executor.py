@@ -1,6 +1,7 @@
 """A sweep by any executor: the numbers of threads of this process, stored and resumed alike."""
 
 import multiprocessing
+import pickle
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
@@ -10,7 +11,9 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
+from jaxbuffer.hybrid import solver_named
 from jaxbuffer.sweeps import executor as module
+from jaxbuffer.sweeps.chunk import Settings
 from jaxbuffer.sweeps.result import SweepInterrupted
 
 HEIGHTS = np.linspace(0.1, 0.2, 40)
@@ -63,6 +66,16 @@ class Broken(Executor):
         future = Future()
         future.set_exception(BrokenProcessPool("a process ended abruptly"))
         return future
+
+
+def test_settings_have_one_solver_in_another_process():
+    """A solver that differs from the one before would have each call's program compiled anew."""
+    for name in ("implicit", "diffrax:Kvaerno5", None):
+        solver = None if name is None else solver_named(name)
+        sent = pickle.dumps(Settings(np.asarray(1e-6), np.asarray(20.0), solver, trust=True))
+        here, again = pickle.loads(sent), pickle.loads(sent)
+        assert here.solver is again.solver and type(here.solver) is type(solver)
+        assert (float(here.rtol), float(here.stabilisation), here.trust) == (1e-6, 20.0, True)
 
 
 def test_what_can_not_compute_is_said():

@@ -3,6 +3,7 @@
 Runs are solved in small chunks, one after the other within a chunk so that none waits for the slowest.
 """
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -11,7 +12,7 @@ from jaxtyping import Array, Bool
 
 from ..compiling.programs import after
 from ..errors import InputError, as_number
-from ..hybrid import Result, Solver
+from ..hybrid import Result, Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.read_off import run_of
@@ -31,6 +32,16 @@ class Settings(NamedTuple):
     stabilisation: np.ndarray
     solver: Solver | None
     trust: bool = False
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the solver by its name: one of diffrax's would not equal itself, and its programs be compiled anew."""
+        return _settings, (float(self.rtol), float(self.stabilisation), name_of(self.solver), self.trust)
+
+
+@functools.lru_cache(maxsize=8)
+def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> Settings:
+    named = None if solver is None else solver_named(solver)
+    return Settings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
 
 
 class Runs(NamedTuple):

@@ -6,6 +6,7 @@ import os
 import uuid
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..cluster.workers import differing, prepared
@@ -16,6 +17,17 @@ from ..errors import InputError
 I = TypeVar("I")  # noqa: E741 # an item
 R = TypeVar("R")
 PROCESS = uuid.uuid4().hex  # differs between machines, on which processes may have the same number
+
+
+class Where(NamedTuple):
+    """Where a sweep is computed and stored, and who watches it; ``executor`` may be a client, the rest is as in
+    `sweep`."""
+
+    executor: Any
+    workers: int | None
+    progress: Callable[[int, int], None] | None
+    folder: str | Path | None
+    resume: bool
 
 
 class Home(NamedTuple):

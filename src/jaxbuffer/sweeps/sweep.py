@@ -8,7 +8,7 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
 import jax
 import numpy as np
@@ -24,23 +24,15 @@ from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .columns import empty_columns
-from .executor import check_executor, completed
+from .cut import GridSweep, RunsSweep, Template
+from .distributed import run as run_distributed
+from .executor import Where, check_executor, completed
 from .grid import Batch, grid
 from .result import Sweep, SweepInterrupted
 from .store import SweepStore, identity
 from .stored import StoredSweep
 
 ONE_FOR_ALL = "all runs of a sweep share it"
-
-
-class Storing(NamedTuple):
-    """How a sweep is run, stored and watched; fields as in `sweep`."""
-
-    executor: Executor | None
-    workers: int | None
-    progress: Callable[[int, int], None] | None
-    folder: str | Path | None
-    resume: bool
 
 
 @overload
@@ -156,44 +148,43 @@ def sweep(
         if client is not None:
             raise InputError("executor and client contradict; keep one")
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
-    storing = Storing(executor, workers, counted(progress, mechanism.run_name), folder, resume)
+    where = Where(
+        executor if client is None else client, workers, counted(progress, mechanism.run_name), folder, resume
+    )
     if client is not None:
-        return _over_cluster((design, scenarios, duration), over, client, settings, storing)
+        return _over_cluster((design, scenarios, duration), over, settings, where)
     if over is None:
         result = Sweep(mechanism, {}, design, scenarios)
-        return _run(result, [Batch(None, design, scenarios)], duration, settings, storing)
+        return _run(result, [Batch(None, design, scenarios)], duration, settings, where)
     check_single("duration", duration, "s", ONE_FOR_ALL)
     result = Sweep(mechanism, {}, design, scenarios, grid(over, design, scenarios))
-    return _run(result, result.grid.batches(design, scenarios), duration, settings, storing)
+    return _run(result, result.grid.batches(design, scenarios), duration, settings, where)
 
 
 def _over_cluster(
-    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, client: Any, settings: Settings, storing: Storing
+    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, settings: Settings, where: Where
 ) -> StoredSweep:
     """The sweep of a design, scenarios and durations by the workers of a cluster."""
-    from .cut import GridSweep, RunsSweep, Template
-    from .distributed import Asked, run
-
     if over is None:
         count = runs(Batch(None, *swept[:2]), swept[2], 1, 1, filled=True).places.size
-        return run(Asked(lambda size: RunsSweep(*swept, count, size), count, settings, client, *storing[1:]))
+        return run_distributed(lambda size: RunsSweep(*swept, count, size), count, settings, where)
     check_single("duration", swept[2], "s", ONE_FOR_ALL)
     asked, template = grid(over, *swept[:2], held=False), Template(*swept)
-    return run(Asked(lambda size: GridSweep(asked, template, size), len(asked), settings, client, *storing[1:]))
+    return run_distributed(lambda size: GridSweep(asked, template, size), len(asked), settings, where)
 
 
-def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
+def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Settings, where: Where) -> Sweep:
     """Fill a sweep's columns with all runs of all batches."""
     check_ready()
     on_cpu = jax.default_backend() == "cpu"
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
-    workers = workers if storing.workers is None else storing.workers
+    workers = workers if where.workers is None else where.workers
     parts = [runs(batch, duration, most, workers, on_cpu) for batch in batches]
     count = sum(part.places.size for part in parts)
     result.columns.update(empty_columns(result.mechanism, count))
     finished = np.zeros(count, bool)
     columns = list(result.columns.values())
-    store, progress = _store(batches, duration, settings, storing, result, finished), storing.progress
+    store, progress = _store(batches, duration, settings, where, result, finished), where.progress
     calls = (
         (part.places[first : first + part.chunk], part.call(first))
         for part in parts
@@ -204,7 +195,7 @@ def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Setti
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
         solve = functools.partial(_solved, settings)
-        for places, values in completed(solve, calls, workers, storing.executor):
+        for places, values in completed(solve, calls, workers, where.executor):
             for column, those in zip(columns, values, strict=True):
                 column[places] = those[: places.size]
             finished[places] = True
@@ -213,7 +204,8 @@ def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Setti
             if progress is not None:
                 progress(int(finished.sum()), count)
     except KeyboardInterrupt:
-        raise SweepInterrupted(result, finished) from None
+        # it may have come between two columns of a call
+        raise SweepInterrupted(result.only(finished), finished) from None
     finally:
         if store is not None:
             store.close()
@@ -230,13 +222,13 @@ def _store(
     batches: Sequence[Batch],
     duration: Any,
     settings: Settings,
-    storing: Storing,
+    where: Where,
     result: Sweep,
     finished: np.ndarray,
 ) -> SweepStore | None:
     """Where runs are stored as they are finished, if anywhere; what an earlier sweep finished is filled in."""
-    if storing.folder is None:
-        if storing.resume:
+    if where.folder is None:
+        if where.resume:
             raise InputError("resume needs the folder of the sweep to go on with")
         return None
     alone = len(batches) == 1
@@ -246,4 +238,4 @@ def _store(
         options=(duration, *settings),
         quantities=tuple(result.columns),
     )
-    return SweepStore(Path(storing.folder), asked, list(result.columns.values()), finished, storing.resume)
+    return SweepStore(Path(where.folder), asked, list(result.columns.values()), finished, where.resume)
