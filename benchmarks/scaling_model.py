@@ -15,7 +15,6 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,10 +25,11 @@ from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.mechanisms.dataset import attributes
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.sweeps import distributed
+from jaxbuffer.sweeps.chunk import Settings
+from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
-from jaxbuffer.sweeps.found import column_names
+from jaxbuffer.sweeps.distributed import Job, Report
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.task import Job, Told
 from jaxbuffer.sweeps.zarr_store import TOKEN, Store, create
 
 from .memory import status
@@ -92,18 +92,18 @@ def solving(captures: int, processes: int, folder: Path) -> tuple[float, float]:
     with connected("processes", processes) as client:
         warm = {"scenario.approach_speed": [0.1], "buffer.k_A": np.linspace(200.0, 900.0, 64 * processes)}
         jb.sweep(*asked, over=warm, rtol=TOLERANCE, client=client, folder=folder / f"warm-{processes}")
-        told: list[Told] = []
-        keep, distributed._spread = distributed._spread, lambda *rest: _noted(keep(*rest), told)
+        told: list[Report] = []
+        distributed.spread = lambda *rest: _noted(spread(*rest), told)
         try:
             begin = time.perf_counter()
             jb.sweep(*asked, over=over, rtol=TOLERANCE, client=client, folder=folder / f"solving-{processes}")
             seconds = time.perf_counter() - begin
         finally:
-            distributed._spread = keep
+            distributed.spread = spread
     return min(it.solving / it.runs for it in told), captures / seconds
 
 
-def _noted(found: Iterator[Told], told: list[Told]) -> Iterator[Told]:
+def _noted(found: Iterator[Report], told: list[Report]) -> Iterator[Report]:
     for it in found:
         told.append(it)
         yield it
@@ -132,9 +132,9 @@ def _stored(store: Store, block: Block) -> float:
     return time.perf_counter() - begin
 
 
-def nothing(job: Job, block: Block) -> Told:
+def nothing(job: Job, block: Block) -> Report:
     """A task of the sweep's size that takes no time."""
-    return Told(block.number, 1, False, {0: 1}, {-1: 1}, 0.0, 0.0)
+    return Report(block.number, 1, False, {0: 1}, {-1: 1}, 0.0, 0.0)
 
 
 def scheduling(tasks: int) -> tuple[float, list[float]]:
@@ -142,7 +142,8 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
     columns = column_names(mechanism_of(jb.table2()))
-    job: Any = Job("nowhere", "one", columns, True, sweep.template, TOLERANCE, 20.0, None, trust=False)
+    settings = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None)
+    job = Job(Store(Path("nowhere"), "one", columns), True, sweep.template, settings)
     times, memory = [], []
     with connected("processes", 2) as client:
         workers = Workers(client, None)

@@ -6,7 +6,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.sweeps.chunk import runs, solve_chunk
 from jaxbuffer.sweeps.grid import Batch
-from jaxbuffer.sweeps.sweep import SweepInterrupted
+from jaxbuffer.sweeps.result import SweepInterrupted
 from verification.cases import CASES, PATHS, WELDED
 
 

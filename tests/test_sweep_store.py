@@ -8,8 +8,9 @@ from jaxbuffer import InputError
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps import store as stored
 from jaxbuffer.sweeps import sweep as module
+from jaxbuffer.sweeps.columns import column_names, whole_numbers
+from jaxbuffer.sweeps.result import SweepInterrupted
 from jaxbuffer.sweeps.store import HEAD, MARK, STORE
-from jaxbuffer.sweeps.sweep import SweepInterrupted, column_names, whole_numbers
 from test_files import room_for
 
 COLUMNS, WHOLE = column_names(PROBE_CONE), whole_numbers(PROBE_CONE)
@@ -31,7 +32,7 @@ def solved(monkeypatch):
         return [(1e6 * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
     monkeypatch.setattr(module, "columns_of_chunk", chunk)
-    monkeypatch.setattr(module.Pool, "as_completed", lambda pool, solve, items: (solve(item) for item in items))
+    monkeypatch.setattr(module, "completed", lambda solve, items, *where: map(solve, items))
     monkeypatch.setattr(stored, "PERIOD", 0.0)
     return speeds
 

@@ -7,7 +7,7 @@ import jaxbuffer as jb
 from jaxbuffer.run.trust import VERDICTS, relative_changes, verdicts
 from jaxbuffer.sweeps import chunk as chunks
 from jaxbuffer.sweeps.chunk import Settings, columns_of_chunk, runs
-from jaxbuffer.sweeps.found import NO_VERDICT
+from jaxbuffer.sweeps.columns import NO_VERDICT
 from jaxbuffer.sweeps.grid import Batch
 
 SPEEDS = [0.1, 0.2, 0.3]  # m/s

@@ -77,12 +77,9 @@ from .study.designs import (
     load_design as load_design,
     save_design as save_design,
 )
+from .sweeps.result import Sweep as Sweep
 from .sweeps.stored import StoredSweep as StoredSweep
-from .sweeps.sweep import (
-    Sweep as Sweep,
-    sweep as sweep,
-)
-from .sweeps.swept import Swept as Swept
+from .sweeps.sweep import sweep as sweep
 from .tuning.cases import Case as Case
 from .tuning.derived import Derived as Derived
 from .tuning.objective import (

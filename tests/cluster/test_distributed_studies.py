@@ -11,7 +11,7 @@ from optimise.study import Sweeps
 import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.sweeps.found import column_names, whole_numbers
+from jaxbuffer.sweeps.columns import column_names, whole_numbers
 
 HEIGHTS = np.linspace(0.1, 0.2, 37)
 
@@ -70,7 +70,7 @@ def test_the_sweeps_of_a_study_are_stored_and_resumed(monkeypatch, tmp_path):
         columns = (np.sin(height * (1 + k)) ** 2 for k in range(len(names)))
         return [(3 * c).astype(int) if n in whole else c for n, c in zip(names, columns, strict=True)]
 
-    monkeypatch.setattr("jaxbuffer.sweeps.task.columns_of_chunk", chunk)
+    monkeypatch.setattr("jaxbuffer.sweeps.distributed.columns_of_chunk", chunk)
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)
     drops = jb.BarDrop(), jb.BarDropScenario(height=HEIGHTS), 0.01, 1e-6
     here = Sweeps(tmp_path, False, None).found(*drops)

@@ -12,9 +12,9 @@ import jaxbuffer as jb
 from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.sweeps import distributed, task
+from jaxbuffer.sweeps import distributed
+from jaxbuffer.sweeps.columns import column_names, whole_numbers
 from jaxbuffer.sweeps.cut import Block, Cut, GridSweep, RunsSweep, Template, box
-from jaxbuffer.sweeps.found import column_names, whole_numbers
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.store import ZARR
 from jaxbuffer.sweeps.stored import StoredInterrupted
@@ -46,7 +46,7 @@ def solved(monkeypatch):
         ends = {"trust": 4} | {name: 3 for name in WHOLE[:-1]}  # of whole numbers from 0
         return [(ends[n] * c).astype(int) if n in WHOLE else c for n, c in zip(COLUMNS, columns, strict=True)]
 
-    monkeypatch.setattr(task, "columns_of_chunk", chunk)
+    monkeypatch.setattr(distributed, "columns_of_chunk", chunk)
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)
     return heights
 
@@ -281,15 +281,15 @@ def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solve
             resource_limit.__enter__()
         return one(*arguments)
 
-    one, resource_limit = task.columns_of_chunk, room_for(100)
-    monkeypatch.setattr(task, "columns_of_chunk", chunk)
+    one, resource_limit = distributed.columns_of_chunk, room_for(100)
+    monkeypatch.setattr(distributed, "columns_of_chunk", chunk)
     try:
         with pytest.raises(OSError, match=r"File too large; \d+ of 86 drops are known to be in .*sweep\.zarr") as full:
             swept(tmp_path, client)
     finally:
         resource_limit.__exit__(None, None, None)
     assert str(full.value.filename).endswith(ZARR)
-    monkeypatch.setattr(task, "columns_of_chunk", one)
+    monkeypatch.setattr(distributed, "columns_of_chunk", one)
     solved.clear()
     assert same(swept(tmp_path, client, resume=True).load().found, whole())
     assert len(solved) - COUNT < COUNT, "some were there"

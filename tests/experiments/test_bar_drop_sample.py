@@ -84,11 +84,9 @@ def plain(drops):
     """The first 256 of the runs as a sample of another method."""
     import dataclasses
 
-    from jaxbuffer.sweeps.sweep import Sweep
-
     grid = dataclasses.replace(drops.grid, shares=drops.grid.shares[:256], method="sobol")
-    found = Sweep(drops.found.mechanism, {name: column[:256] for name, column in drops.found.columns.items()})
-    return dataclasses.replace(drops, grid=grid, found=found, done=drops.done[:256])
+    columns = {name: column[:256] for name, column in drops.columns.items()}
+    return dataclasses.replace(drops, grid=grid, columns=columns)
 
 
 def test_a_surface_refuses_what_it_does_not_know(drops):

@@ -11,7 +11,7 @@ from jaxbuffer.experiments.points import points
 from jaxbuffer.experiments.ranges import ranges
 from jaxbuffer.experiments.sample import Sample
 from jaxbuffer.mechanisms import mechanism_named
-from jaxbuffer.sweeps.sweep import Sweep, column_names
+from jaxbuffer.sweeps.columns import column_names
 
 SPREAD = {"impact.stiffness": (1e10, 1e12), "scenario.height": (0.05, 0.2)}
 NOISE = 3e-9  # relative, as runs differ by their steps
@@ -24,9 +24,7 @@ def made_up(method: str, count: int, **columns) -> Sample:
     found = {name: np.zeros(len(grid), int) for name in column_names(mechanism)}
     found |= {name: np.ones(len(grid)) for name in mechanism.swept}
     found |= {name: of(grid.shares) for name, of in columns.items()}
-    return Sample(
-        design=design, scenario=scenario, grid=grid, found=Sweep(mechanism, found), done=np.ones(len(grid), bool)
-    )
+    return Sample(mechanism, found, design, scenario, grid)
 
 
 def rounding(shares: np.ndarray) -> np.ndarray:

@@ -1,13 +1,14 @@
 """What stands in for simulate, sensitivity, sweep, tune and pareto, so that the command line needs no wait."""
 
+import dataclasses
+
 import numpy as np
 from made_up import made_up_capture, made_up_sensitivity, made_up_sweep, made_up_tuning
 
 from jaxbuffer import Outcome
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.sweep import SweepInterrupted
-from jaxbuffer.sweeps.swept import Swept
+from jaxbuffer.sweeps.result import SweepInterrupted
 from jaxbuffer.tuning.pareto import Front
 
 
@@ -43,12 +44,14 @@ class Computed:
         designs, scenarios = asked.applied(design, scenario) if asked else (design, scenario)
         self._note("sweep", design=designs, scenarios=scenarios, duration=duration, **options)
         found = made_up_sweep(designs, scenarios, self.outcomes)
+        if asked:
+            found = dataclasses.replace(found, design=design, scenarios=scenario, grid=asked)
         for done in range(1, len(found) + 1):
             progress(done, len(found))
             if done == self.interrupt_after:
                 those = np.arange(len(found)) < done
-                raise SweepInterrupted(Swept(asked, design, scenario, found, those) if asked else found, those)
-        return Swept(asked, design, scenario, found, np.ones(len(found), bool)) if asked else found
+                raise SweepInterrupted(found.only(those), those)
+        return found
 
     def asked(self, command):
         """The arguments of the last call of a command; a tuning's figure simulates its worst scenario after it."""

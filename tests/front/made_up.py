@@ -13,7 +13,8 @@ from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.mechanisms.probe_cone.capture import Capture, FirstImpact
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
-from jaxbuffer.sweeps.sweep import Sweep, column_names
+from jaxbuffer.sweeps.columns import column_names
+from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import Problem
 from jaxbuffer.tuning.checks import Floor
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation, compose

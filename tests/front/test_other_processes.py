@@ -19,7 +19,7 @@ from jaxbuffer.cluster.connect import SchedulerGone
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.sweeps.cut import GridSweep, RunsSweep, Template
-from jaxbuffer.sweeps.found import Sweep, SweepInterrupted
+from jaxbuffer.sweeps.result import Sweep, SweepInterrupted
 from jaxbuffer.sweeps.stored import StoredInterrupted, StoredSweep
 from jaxbuffer.tuning.pareto import Front
 
@@ -92,7 +92,7 @@ RESULTS = {
     "trust": lambda: jb.trust(drop(), drop()),
     "horizon": lambda: jb.horizon(drop()),
     "Sweep": lambda: swept().found,
-    "Swept": swept,
+    "Sweep over a grid": swept,
     "stored sweep": stored,
     "stored runs": stored_runs,
     "Sample": sample,

@@ -20,7 +20,6 @@ from jaxbuffer.output.sample_figures import indices_figure, sample_figure, surfa
 from jaxbuffer.output.sweep_figures import sweep_figure
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.swept import Swept
 from jaxbuffer.tuning.cases import Distribution, Scatter
 from jaxbuffer.tuning.cases import grid as cases_of
 from jaxbuffer.tuning.pareto import Front
@@ -201,7 +200,7 @@ def swept(asked, outcomes=None):
     over = grid(asked, design, scenario)
     numbers = {path: np.asarray(values) for path, values in over.columns().items() if not isinstance(values[0], str)}
     found = made_up_sweep(*with_values(design, scenario, numbers), outcomes)
-    return Swept(over, design, scenario, found, np.ones(len(over), bool))
+    return dataclasses.replace(found, design=design, scenarios=scenario, grid=over)
 
 
 @pytest.mark.parametrize("name", SWEEPS)

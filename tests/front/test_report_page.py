@@ -27,7 +27,6 @@ from jaxbuffer.report.records import field_name
 from jaxbuffer.report.review import review
 from jaxbuffer.report.verification import lines, sources, verified
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.swept import Swept
 
 EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
 VOID = {"meta", "link", "input", "img", "br", "hr", "wbr"}
@@ -283,7 +282,8 @@ def made_up_envelope(highest):
     over = grid(
         {"scenario.approach_speed": [0.05, 0.1, 0.15, 0.2], "scenario.misalignment": [0.0, 0.01]}, design, scenario
     )
-    swept = Swept(over, design, scenario, made_up_sweep(*over.applied(design, scenario)), np.ones(len(over), bool))
+    found = made_up_sweep(*over.applied(design, scenario))
+    swept = dataclasses.replace(found, design=design, scenarios=scenario, grid=over)
     met = [jb.Scenario(approach_speed=speed, misalignment=turn) for speed, turn in ((0.1, 0.0), (0.2, 0.01))]
     return swept, jb.safe_rectangle(swept, jb.Limits(at_most={"peak_force": highest}), met)
 

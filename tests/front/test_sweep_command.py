@@ -1,6 +1,7 @@
 """`jaxbuffer sweep` and `report`: what they ask for, print, draw and write."""
 
 import csv
+import dataclasses
 import io
 
 import numpy as np
@@ -18,7 +19,7 @@ from jaxbuffer.output.sweep_files import read
 from jaxbuffer.study.config import load
 from jaxbuffer.study.problem_toml import limits
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.swept import Swept
+from jaxbuffer.sweeps.result import Sweep
 
 FILES = (
     "sweep.csv",
@@ -34,11 +35,12 @@ FILES = (
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
 
-def swept(asked, outcomes=None, done=None) -> Swept:
+def swept(asked, outcomes=None, done=None) -> Sweep:
     design, scenario = jb.table2(), jb.Scenario()
     over = grid(asked, design, scenario)
     found = made_up_sweep(*over.applied(design, scenario), outcomes)
-    return Swept(over, design, scenario, found, np.ones(len(over), bool) if done is None else done)
+    swept = dataclasses.replace(found, design=design, scenarios=scenario, grid=over)
+    return swept if done is None else swept.only(done)
 
 
 def table(text):

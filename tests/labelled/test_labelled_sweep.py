@@ -9,7 +9,7 @@ import jaxbuffer as jb
 from jaxbuffer.cli.entry import run
 from jaxbuffer.output.sweep_files import read
 from jaxbuffer.sweeps import sweep as sweeps
-from jaxbuffer.sweeps.sweep import SweepInterrupted
+from jaxbuffer.sweeps.result import SweepInterrupted
 
 DESIGN = jb.replace(jb.BarDrop(), {"impact.exponent": 1.5})  # which Hertz's law has
 HEIGHTS, LAWS = [0.1, 0.15, 0.194], ["adams", "hertz"]

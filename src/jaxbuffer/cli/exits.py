@@ -4,13 +4,13 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..sweeps.computed import Computed
+    from ..sweeps.columns import RunTable
 
 OK, LIMITS_BROKEN, BAD_INPUT, FAILED, INTERRUPTED = 0, 1, 2, 3, 130
 """Done; limits are not kept; input that can't be used; the solver failed or a file could not be written; Ctrl-C."""
 
 
-def any_solved(runs: "Computed") -> int:
+def any_solved(runs: "RunTable") -> int:
     """The exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
     if runs.solved.any():
         return OK

@@ -140,7 +140,7 @@ def _whole(name: str, text: str) -> int:
 def _computed(study: "Config", points: "Points", folder: Any, **options: Any) -> "tuple[Sample | None, bool]":
     """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
     from ..experiments.sample import sample_at
-    from ..sweeps.found import SweepInterrupted
+    from ..sweeps.result import SweepInterrupted
     from .progress import sweeping
 
     options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}

@@ -11,8 +11,8 @@ from .streams import note
 
 if TYPE_CHECKING:
     from ..study.config import Config
+    from ..sweeps.result import Sweep
     from ..sweeps.stored import StoredSweep
-    from ..sweeps.swept import Swept
 
 LARGEST = 100_000  # runs of a sweep over a scheduler up to which tables and figures are made as well
 
@@ -36,10 +36,10 @@ def check(scheduler: str, request: Request) -> None:
 
 
 def computed(
-    compute: "Callable[..., Swept | StoredSweep]", study: "Config", asked: Mapping[str, Any], count: int, **options: Any
-) -> "tuple[Swept | StoredSweep, bool]":
+    compute: "Callable[..., Sweep | StoredSweep]", study: "Config", asked: Mapping[str, Any], count: int, **options: Any
+) -> "tuple[Sweep | StoredSweep, bool]":
     """A sweep, in memory or stored by workers, and whether it was interrupted."""
-    from ..sweeps.found import SweepInterrupted
+    from ..sweeps.result import SweepInterrupted
     from ..sweeps.stored import StoredInterrupted
     from .progress import sweeping
 

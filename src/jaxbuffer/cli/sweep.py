@@ -16,7 +16,6 @@ from .trust import Trust, asked_for
 if TYPE_CHECKING:
     from ..study.config import Config
     from ..sweeps.grid import Grid
-    from ..sweeps.swept import Swept
     from ..tuning.objective import Limits
 
 Over = Annotated[
@@ -100,7 +99,7 @@ def sweep(
     if isinstance(found, StoredSweep) and not told:
         files.save_and_show(dict, found, lambda: json.dumps(found.outcomes))
         return INTERRUPTED if interrupted else OK
-    swept: Swept = found.load() if isinstance(found, StoredSweep) else found  # type: ignore[assignment] # over a grid
+    swept = found.load() if isinstance(found, StoredSweep) else found
     if not swept.done.any():
         return INTERRUPTED
     from ..experiments.rectangle import safe_rectangle

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 from ..errors import InputError, check_type, suggest
 from ..fields import Part, as_typed, get
 from ..sweeps.grid import Axis
-from ..sweeps.swept import Swept
+from ..sweeps.result import Sweep
 from ..tables import text
 from ..tuning.objective import Limits
 
@@ -49,7 +49,7 @@ class SafeRectangle:
     ((3, 2), True)
     """
 
-    swept: Swept
+    swept: Sweep
     limits: Limits
     axes: tuple[Axis, Axis]
     values: tuple[np.ndarray, np.ndarray]
@@ -135,7 +135,7 @@ def _range_words(axis: Axis, part: tuple[float, float]) -> str:
     return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if symbol == "rad" else words
 
 
-def safe_rectangle(swept: Swept, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:
+def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:
     """Where a two-dimensional sweep is safe, and the largest rectangle of safe runs in it.
 
     A run is safe that was solved and keeps every limit. The rectangle has the
@@ -199,18 +199,18 @@ def safe_rectangle(swept: Swept, limits: Limits | None = None, scenarios: Sequen
     )
 
 
-def _ends(swept: Swept, limits: Limits) -> np.ndarray:
+def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
     """How each run ended that is not safe for its end alone, "" for the others."""
     mechanism = swept.mechanism
     good = swept.solved
     if limits.captured and mechanism.success is not None:
-        good = good & (swept.found.code == mechanism.outcomes[mechanism.success])
-    named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.found.outcomes]
+        good = good & (swept.code == mechanism.outcomes[mechanism.success])
+    named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.outcomes]
     words = np.where(swept.done, np.array(named, object), UNDONE)
     return np.where(good, "", words).astype(object)
 
 
-def _shares(swept: Swept, limits: Limits) -> Iterator[tuple[str, np.ndarray, str]]:
+def _shares(swept: Sweep, limits: Limits) -> Iterator[tuple[str, np.ndarray, str]]:
     """Each limited quantity's share of its limit in every run, infinite where it is not known, and how it breaks it."""
     for name, limit in limits.at_most.items():
         yield name, _known(_column(swept, name) / limit), "above"
@@ -218,18 +218,18 @@ def _shares(swept: Swept, limits: Limits) -> Iterator[tuple[str, np.ndarray, str
         values = _column(swept, name)
         yield name, _known(np.where(values > 0.0, limit / np.where(values > 0.0, values, 1.0), np.inf)), "below"
     if limits.impacts is not None:
-        yield "impacts", swept.found.impact_count / limits.impacts, "above"
+        yield "impacts", swept.impact_count / limits.impacts, "above"
 
 
 def _known(shares: np.ndarray) -> np.ndarray:
     return np.where(np.isnan(shares), np.inf, shares)
 
 
-def _column(swept: Swept, name: str) -> np.ndarray:
+def _column(swept: Sweep, name: str) -> np.ndarray:
     known = swept.mechanism.swept
     if name not in known:
         raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
-    return swept.found.columns[name]
+    return swept.columns[name]
 
 
 def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:

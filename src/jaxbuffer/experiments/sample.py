@@ -13,13 +13,16 @@ from .._types import Scalar
 from ..errors import InputError, suggest
 from ..fields import Part
 from ..hybrid import Solver
+from ..labelled.arrays import frame
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import SMALL
-from ..sweeps.computed import Computed, outcomes_table, what_was_found
-from ..sweeps.found import Sweep, SweepInterrupted
+from ..sweeps.columns import RunTable
+from ..sweeps.result import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
+from ..sweeps.summary import outcomes_table, summary
 from ..sweeps.sweep import sweep
+from ..sweeps.table import sweep_rows
 from ..tables import html, text
 from .points import METHODS, Points, points
 from .ranges import ranges as checked_ranges
@@ -33,12 +36,13 @@ ROUNDING = 1e-7  # relative: a tenth of a run's default tolerance, below which d
 
 
 @dataclasses.dataclass(frozen=True)
-class Sample(Computed):
+class Sample(RunTable):
     """A sample of runs. Print it for a summary.
 
     - ``grid``: the `Points` where they lie, n of them over d ranges.
     - ``design``, ``scenario``: what the sampled values were put into.
-    - ``found``: the quantities, (n,) each; ``done`` (n,): which runs were computed, all unless it was interrupted.
+    - ``columns``: the quantities, (n,) each, by name and attributes too, as of `Sweep`; ``done`` (n,): which runs were
+      computed, all unless it was interrupted.
 
     **Example:**
 
@@ -48,7 +52,12 @@ class Sample(Computed):
     ((16,), 16)
     """
 
-    grid: Points
+    grid: Points = None  # type: ignore[assignment] # always given
+
+    @property
+    def found(self) -> Sweep:
+        """The same runs as a sweep of designs and scenarios with arrays."""
+        return Sweep(self.mechanism, self.columns, *self.grid.applied(self.design, self.scenarios))
 
     @property
     def values(self) -> dict[str, np.ndarray]:
@@ -58,23 +67,23 @@ class Sample(Computed):
     @property
     def succeeded(self) -> Bool[np.ndarray, " n"]:
         """Which of them ended as the mechanism's runs should; all that were solved, where any end will do."""
-        mechanism = self.found.mechanism
-        good = True if mechanism.success is None else self.found.code == mechanism.outcomes[mechanism.success]
+        mechanism = self.mechanism
+        good = True if mechanism.success is None else self.code == mechanism.outcomes[mechanism.success]
         return self.solved & good
 
     def quantity(self, name: str) -> Float[np.ndarray, " n"]:
         """A quantity of every run. **Raises:** `InputError` with the nearest name for one that samples have not."""
-        mechanism = self.found.mechanism
+        mechanism = self.mechanism
         if name not in mechanism.swept:
             raise InputError(f"quantity {name} is unknown{suggest(name, mechanism.swept)}")
-        return self.found.columns[name]
+        return self.columns[name]
 
     def check_varies(self, name: str, what: str) -> None:
         """Raise `InputError` for a quantity that is the same in all runs that succeeded, but for what the runs' own
         tolerance leaves open, beside its size or a thousandth of the largest of its unit. ``what``: is made of it."""
-        catalogue, known = self.found.mechanism.quantities, self.succeeded & np.isfinite(self.quantity(name))
+        catalogue, known = self.mechanism.quantities, self.succeeded & np.isfinite(self.quantity(name))
         values, symbol = self.quantity(name)[known], catalogue[name].unit
-        alike = [self.found.columns[it][known] for it in self.found.mechanism.swept if catalogue[it].unit == symbol]
+        alike = [self.columns[it][known] for it in self.mechanism.swept if catalogue[it].unit == symbol]
         largest = max((float(np.nanmax(np.abs(it), initial=0.0)) for it in alike), default=0.0)
         size = max(float(np.max(np.abs(values), initial=0.0)), SMALL * largest)
         if values.size and np.std(values) <= ROUNDING * size:
@@ -84,16 +93,11 @@ class Sample(Computed):
 
     def to_xarray(self) -> "xr.Dataset":
         """The sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted paths."""
-        from ..sweeps.dataset import sweep_dataset
-
-        return sweep_dataset(self.found, self.done)
+        return self.found.to_xarray()
 
     def to_pandas(self) -> "pd.DataFrame":
         """A row for each run that was computed, as in sample.csv, units in the columns' names."""
-        from ..labelled.arrays import frame
-        from ..sweeps.dataset import swept_rows
-
-        return frame(*swept_rows(self))
+        return frame(*sweep_rows(self))
 
     def __repr__(self) -> str:
         return text(*_summary(self))
@@ -104,13 +108,13 @@ class Sample(Computed):
 
 def _summary(sample: Sample) -> list[str | Table]:
     """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
-    points, mechanism, done = sample.grid, sample.found.mechanism, int(sample.done.sum())
+    points, mechanism, done = sample.grid, sample.mechanism, int(sample.done.sum())
     title = f"Sample of {len(points)} {mechanism.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
         title += f", {points.count} rows of {len(points.axes) + 2} runs"
     parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]
     parts += [f"  {axis.path:26} {axis}" for axis in points.axes]
-    return [*parts, outcomes_table(sample), *what_was_found(sample, "sample.csv")]
+    return [*parts, outcomes_table(sample), *summary(sample, "sample.csv")]
 
 
 def sample(
@@ -144,7 +148,7 @@ def sample(
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
     - ``trust``, ``workers``, ``progress``, ``folder``, ``resume``, ``client``: as for `sweep`; the sample is read back
-      into memory, its verdicts are ``found.verdicts``.
+      into memory, its verdicts are ``verdicts``.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -171,19 +175,16 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
     """
     at_most = mechanism_of(design).defaults.duration if duration is None else duration
     try:
-        found = sweep(*points.applied(design, scenario), at_most, **options)
+        result = sweep(*points.applied(design, scenario), at_most, **options)
     except SweepInterrupted as stop:
-        raise SweepInterrupted(Sample(points, design, scenario, stop.found, stop.done), stop.done) from None
+        raise SweepInterrupted(_sample(points, design, scenario, stop.found), stop.done) from None
     except StoredInterrupted as stop:
-        read = _read(stop.found)
-        done = read.code >= 0
-        raise SweepInterrupted(Sample(points, design, scenario, read, done), done) from None
-    if isinstance(found, StoredSweep):
-        found = _read(found)
-    return Sample(points, design, scenario, found, np.ones(len(points), bool))
+        interrupted = _sample(points, design, scenario, stop.found)
+        raise SweepInterrupted(interrupted, interrupted.done) from None
+    return _sample(points, design, scenario, result)
 
 
-def _read(stored: StoredSweep) -> Sweep:
-    found = stored.load()
-    assert isinstance(found, Sweep)  # of runs, not over a grid
-    return found
+def _sample(points: Points, design: Part, scenario: Part, swept: Sweep | StoredSweep) -> Sample:
+    """The sample that a sweep of its points computed, read from its store if it has one."""
+    table = swept.load() if isinstance(swept, StoredSweep) else swept
+    return Sample(table.mechanism, table.columns, design, scenario, points)

@@ -193,7 +193,7 @@ def response_surface(
     good = good & np.isfinite(values)
     places, known = sample.grid.shares[good], values[good]
     terms = (len(sample.grid.axes) + 1) * (len(sample.grid.axes) + 2) // 2
-    mechanism = sample.found.mechanism
+    mechanism = sample.mechanism
     if known.size < max(folds, 2 * terms):
         raise InputError(
             f"response surface of {quantity}: {known.size} {mechanism.run_name}s are left to fit, and a surface of"
@@ -225,7 +225,7 @@ def response_surface(
 
 def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
     """Why runs are not in the fit, and how many each time."""
-    outcomes = sample.found.outcomes
+    outcomes = sample.outcomes
     reasons = Counter(
         outcomes[k].reason if not (sample.succeeded[k]) else "the quantity is not a number"
         for k in np.flatnonzero(sample.done & ~good).tolist()

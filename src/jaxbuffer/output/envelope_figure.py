@@ -32,7 +32,7 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     _reasons(axes, found, x * over, y * above)
     rows, columns = np.nonzero(found.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
-    runs = f"{found.swept.found.mechanism.run_name}s"
+    runs = f"{found.swept.mechanism.run_name}s"
     title = f"{int(found.safe.sum())} of {found.safe.size} {runs} are safe: {found.asked}"
     if found.first is not None and found.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((found.first, over), (found.second, above)))
@@ -66,7 +66,7 @@ def _border(axes: "Axes", safe: np.ndarray, right: np.ndarray, top: np.ndarray) 
 
 def _reasons(axes: "Axes", found: "SafeRectangle", x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
-    reasons, marks = found.reasons, outcome_marks(found.swept.found.mechanism)
+    reasons, marks = found.reasons, outcome_marks(found.swept.mechanism)
     free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]
     free = free or [*MARKERS]
     others = sorted(set(reasons[reasons != ""]) - set(marks))

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from ..experiments.rectangle import SafeRectangle
     from ..experiments.sample import Sample
     from ..experiments.surface import Surface
-    from ..sweeps.computed import Computed
-    from ..sweeps.swept import Swept
+    from ..sweeps.columns import RunTable
+    from ..sweeps.result import Sweep
     from ..tuning.pareto import Front
 
 
-def sweep_record(swept: "Swept", envelope: "SafeRectangle | None", made: Made) -> dict[str, Any]:
+def sweep_record(swept: "Sweep", envelope: "SafeRectangle | None", made: Made) -> dict[str, Any]:
     """How many runs ended how, and what is safe; the runs themselves are in sweep.npz."""
     axes = [{**_field(it), "values": np.asarray(it.values).tolist(), "scale": it.scale} for it in swept.grid.axes]
     safe = None if envelope is None else _envelope(envelope)
@@ -115,9 +115,9 @@ def front_record(front: "Front", table: tuple[list[str], Iterable[Sequence[Any]]
     return told if made is None else {**told, MADE: made}
 
 
-def _whole(swept: "Computed", told: dict[str, Any], made: Made) -> dict[str, Any]:
+def _whole(swept: "RunTable", told: dict[str, Any], made: Made) -> dict[str, Any]:
     mechanism = swept.mechanism
-    outcomes = Counter(mechanism.outcomes(int(code)).name for code in swept.found.code[swept.done])
+    outcomes = Counter(mechanism.outcomes(int(code)).name for code in swept.code[swept.done])
     found = {
         "kind": mechanism.name,
         **told,

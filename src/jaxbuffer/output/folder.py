@@ -36,7 +36,7 @@ class Results:
 
     - ``folder``: where it is.
     - ``run``: of `jaxbuffer simulate`, as `Run.to_xarray` made it, history included.
-    - ``sweep``: of `jaxbuffer sweep`, as `Swept.to_xarray` made it.
+    - ``sweep``: of `jaxbuffer sweep`, as `Sweep.to_xarray` made it.
     - ``records``: the JSON files by what they are of: "run", "tuned", "sensitivity", "sweep", "sample", "front";
       "motion" and "force" over time of a run, or "force" of a tuning.
     - ``design``: the tuned one, or else that of the run, the sensitivities, the sweep, the sample or the front.

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from ..mechanisms.run import Run
     from ..run.trust import Trust
     from ..sensitivities.sensitivity import Sensitivity
-    from ..sweeps.computed import Computed
-    from ..sweeps.swept import Swept
+    from ..sweeps.columns import RunTable
+    from ..sweeps.result import Sweep
     from ..tuning.objective import Constraints
     from ..tuning.tuned import Tuned
 
@@ -104,17 +104,17 @@ def tuned_files(tuned: "Tuned", made: Made = None, report: Callable[[str], None]
     }
 
 
-def swept_json(swept: "Computed") -> str:
+def swept_json(swept: "RunTable") -> str:
     """A sweep or a sample as JSON: its table, a record for each run."""
-    from ..sweeps.dataset import swept_rows
+    from ..sweeps.table import sweep_rows
 
-    return table_json("runs", *swept_rows(swept))
+    return table_json("runs", *sweep_rows(swept))
 
 
-def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None, made: Made = None) -> Contents:
+def swept_files(swept: "Sweep", envelope: "SafeRectangle | None" = None, made: Made = None) -> Contents:
     """Of `jaxbuffer sweep`. ``envelope``: what is safe of a sweep over two fields; ``made``: how it came about."""
     from ..labelled.netcdf import content
-    from ..sweeps.dataset import swept_rows
+    from ..sweeps.table import sweep_rows
     from .experiment_records import sweep_record
     from .style import both
     from .sweep_figures import sweep_figure
@@ -122,7 +122,7 @@ def swept_files(swept: "Swept", envelope: "SafeRectangle | None" = None, made: M
 
     files: dict[str, Callable[[], str | bytes]] = {
         ARRAYS: lambda: arrays(swept),
-        TABLE: lambda: csv_text(*swept_rows(swept)),
+        TABLE: lambda: csv_text(*sweep_rows(swept)),
         **both(FIGURE.removesuffix(".png"), lambda: sweep_figure(swept)),
         LABELLED: lambda: content(swept.to_xarray()),
         RECORD: lambda: json_text(sweep_record(swept, envelope, made)),

@@ -24,10 +24,10 @@ METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gauss
 @styled
 def sample_figure(sample: "Sample") -> "Figure":
     """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
-    mechanism, drawn = sample.found.mechanism, sample.grid.axes[:COLUMNS]
+    mechanism, drawn = sample.mechanism, sample.grid.axes[:COLUMNS]
     names = mechanism.defaults.mapped[:ROWS]
     figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
-    columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.found.outcomes])
+    columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.outcomes])
     ends = sorted(set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.time_is_up))
     marks = outcome_marks(mechanism)
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
@@ -40,7 +40,7 @@ def sample_figure(sample: "Sample") -> "Figure":
                     style = {"color": marks[end][1], "marker": marks[end][0], "s": 18, "linewidths": 0}
                 axes.scatter(
                     in_figures(axis.unit)[1] * columns[axis.path][here],
-                    factor * sample.found.columns[name][here],
+                    factor * sample.columns[name][here],
                     label=end,
                     **style,
                 )

@@ -28,14 +28,14 @@ def sample_files(sample: "Sample", told: Told | None = None, text: str = "", mad
     """Of `jaxbuffer sample`. ``told``: what was read off it; ``text``: the summary, the sample's own by default;
     ``made``: how it came about."""
     from ..labelled.netcdf import content
-    from ..sweeps.dataset import swept_rows
+    from ..sweeps.table import sweep_rows
     from .experiment_records import sample_record
     from .sample_figures import indices_figure, sample_figure, surfaces_figure
     from .style import both
 
     told = Told() if told is None else told
     files: dict[str, Callable[[], str | bytes]] = {
-        "sample.csv": lambda: csv_text(*swept_rows(sample)),
+        "sample.csv": lambda: csv_text(*sweep_rows(sample)),
         "sample.json": lambda: json_text(sample_record(sample, told.indices, told.surfaces, made)),
         "sample.txt": lambda: f"{text or repr(sample)}\n",
         **both("sample", lambda: sample_figure(sample)),

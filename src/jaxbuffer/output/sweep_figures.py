@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..sweeps.grid import Axis
-from ..sweeps.swept import Swept
+from ..sweeps.result import Sweep
 from .layout import legend_below
 from .style import COLUMNS, GREY, RED, label, line, panels, styled
 from .words import called, edges, field_axis, in_figures, outcome_marks, said, scaled, shown
@@ -23,7 +23,7 @@ POINTS = ("o", "s", "^", "D", "v", "P")
 
 
 @styled
-def sweep_figure(swept: Swept) -> "Figure":
+def sweep_figure(swept: Sweep) -> "Figure":
     """Over one number lines, one for each combination of choices; over two heat maps of four quantities; over more, or
     choices besides, the peak contact force in slices."""
     axes = swept.grid.axes
@@ -37,7 +37,7 @@ def sweep_figure(swept: Swept) -> "Figure":
     return _slices(swept, moving)
 
 
-def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
+def _lines(swept: Sweep, along: int, by: list[int]) -> "Figure":
     """Four quantities over one field, a line for each combination of the values of the others (``by``)."""
     figure, grid = panels(9.0, 6.5, 2, 2)
     axis, axes_of = swept.grid.axes[along], swept.grid.axes
@@ -45,7 +45,7 @@ def _lines(swept: Swept, along: int, by: list[int]) -> "Figure":
     x, marks, others = _places(axis)[order], _marks(swept), [axes_of[k] for k in by]
     outcomes = _by_line(_outcomes(swept), along, by)[:, order]
     words = [", ".join(map(_said, others, it)) for it in itertools.product(*(other.values for other in others))]
-    for axes, name in zip(grid.flat, swept.found.mechanism.defaults.mapped, strict=True):
+    for axes, name in zip(grid.flat, swept.mechanism.defaults.mapped, strict=True):
         title, y, factor = _drawn(swept, name)
         several = _by_line(factor * swept.shaped(name), along, by)[:, order]
         for k, (values, ended) in enumerate(zip(several, outcomes, strict=True)):
@@ -101,9 +101,9 @@ def _scaled(axes: "Axes", axis: Axis) -> None:
         axes.set_xlim(-0.5, len(axis) - 0.5)
 
 
-def _maps(swept: Swept, across: int, up: int) -> "Figure":
+def _maps(swept: Sweep, across: int, up: int) -> "Figure":
     figure, grid = panels(11.0, 8.0, 2, 2)
-    for axes, name in zip(grid.flat, swept.found.mechanism.defaults.mapped, strict=True):
+    for axes, name in zip(grid.flat, swept.mechanism.defaults.mapped, strict=True):
         title, unit, factor = _drawn(swept, name)
         values = factor * swept.shaped(name)
         image = _map(axes, swept, (across, up), values, (slice(None),) * values.ndim)
@@ -114,7 +114,7 @@ def _maps(swept: Swept, across: int, up: int) -> "Figure":
     return figure
 
 
-def _slices(swept: Swept, moving: list[int]) -> "Figure":
+def _slices(swept: Sweep, moving: list[int]) -> "Figure":
     """The two longest fields span the maps; the values of the others are spread over the panels."""
     numbers = [k for k in moving if swept.grid.axes[k].unit]
     across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
@@ -147,7 +147,7 @@ def _slices(swept: Swept, moving: list[int]) -> "Figure":
 
 
 def _map(
-    axes: "Axes", swept: Swept, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
+    axes: "Axes", swept: Sweep, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
 ) -> Any:
     """A heat map of a cut through the grid, every run that did not succeed marked."""
     first, second = (swept.grid.axes[k] for k in plane)
@@ -172,7 +172,7 @@ def _map(
     return image
 
 
-def _legend(figure: "Figure", swept: Swept) -> None:
+def _legend(figure: "Figure", swept: Sweep) -> None:
     from matplotlib.lines import Line2D
 
     present = set(_outcomes(swept).ravel())
@@ -184,24 +184,24 @@ def _legend(figure: "Figure", swept: Swept) -> None:
     legend_below(figure, [*handles.values()], [*handles])
 
 
-def _drawn(swept: Swept, name: str) -> tuple[str, str, float]:
+def _drawn(swept: Sweep, name: str) -> tuple[str, str, float]:
     """A quantity's title, its axis with the unit, and how many of those a unit of it is."""
-    title, unit, factor = shown(swept.found.mechanism.quantities[name])
+    title, unit, factor = shown(swept.mechanism.quantities[name])
     return title[:1].upper() + title[1:], f"{title} [{unit}]", factor
 
 
-def _marks(swept: Swept) -> dict[str, tuple[str, str, str]]:
+def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
     """Marker, colour in lines and colour in maps of each outcome that is not what should be."""
-    ended = outcome_marks(swept.found.mechanism).items()
+    ended = outcome_marks(swept.mechanism).items()
     return {name: (marker, colour, "white") for name, (marker, colour) in ended} | {
         FAILED: ("s", RED, RED),
         UNDONE: (".", GREY, GREY),
     }
 
 
-def _outcomes(swept: Swept) -> np.ndarray:
+def _outcomes(swept: Sweep) -> np.ndarray:
     """Words in the grid's shape: an outcome's name, "failed" for all that failed, or "not computed"."""
-    names = [FAILED if outcome.failed else outcome.name for outcome in swept.found.outcomes]
+    names = [FAILED if outcome.failed else outcome.name for outcome in swept.outcomes]
     words = [name if done else UNDONE for name, done in zip(names, swept.done, strict=True)]
     return np.array(words).reshape(swept.grid.shape)
 
@@ -210,11 +210,11 @@ def _name(axis: Axis) -> str:
     return field_axis(axis.name, axis.unit) if axis.unit else axis.path.replace(".", " ").replace("_", " ")
 
 
-def _title(swept: Swept) -> str:
-    mechanism = swept.found.mechanism
+def _title(swept: Sweep) -> str:
+    mechanism = swept.mechanism
     fixed = [_said(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
     parts = [f"Sweep of {len(swept.grid)} {mechanism.run_name}s"]
     if mechanism.success is not None:
         code = mechanism.outcomes[mechanism.success]
-        parts.append(f"{int(np.sum(swept.done & (swept.found.code == code)))} {mechanism.success}")
+        parts.append(f"{int(np.sum(swept.done & (swept.code == code)))} {mechanism.success}")
     return ", ".join([*parts, *fixed])

@@ -10,35 +10,33 @@ import numpy as np
 from ..errors import InputError
 from ..mechanisms.registry import mechanism_of
 from ..study.config import design_toml, loads
-from ..sweeps.dataset import named
-from ..sweeps.found import Sweep
 from ..sweeps.grid import Axis, Grid
-from ..sweeps.swept import Swept
+from ..sweeps.result import Sweep
+from ..sweeps.table import heading
 from ..version import version
 
 TABLE, FIGURE, LABELLED, RECORD = "sweep.csv", "sweep.png", "sweep.nc", "sweep.json"
 INDEX = "sweep"  # key of the arrays' description
 
 
-def arrays(swept: Swept) -> bytes:
+def arrays(swept: Sweep) -> bytes:
     """An .npz file's content: each axis' values, each quantity in the grid's shape, and what they belong to."""
-    found = swept.found
     description = {
         "axes": [[axis.path, axis.unit, axis.scale] for axis in swept.grid.axes],
         "study": design_toml(swept.design, [swept.scenario]),
-        "outcomes": {str(int(outcome)): outcome.name for outcome in found.mechanism.outcomes},
+        "outcomes": {str(int(outcome)): outcome.name for outcome in swept.mechanism.outcomes},
         "jaxbuffer": version(),
     }
     stored: dict[str, Any] = {INDEX: np.array(json.dumps(description))}
     stored |= {axis.heading: axis.values for axis in swept.grid.axes}
-    stored |= {named(found, name): swept.shaped(name) for name in found.columns}
+    stored |= {heading(swept, name): swept.shaped(name) for name in swept.columns}
     stored["done"] = swept.done.reshape(swept.grid.shape)
     content = io.BytesIO()
     np.savez_compressed(content, **stored)
     return content.getvalue()
 
 
-def read(file: Path) -> Swept:
+def read(file: Path) -> Sweep:
     """The sweep that `arrays` wrote. Raises `InputError` if the file is not one."""
     try:
         with file.open("rb") as content, np.load(content, allow_pickle=False) as stored:
@@ -51,10 +49,10 @@ def read(file: Path) -> Swept:
         grid = Grid(axes)
         study = loads(description["study"].encode(), file)
         empty = Sweep.empty(mechanism_of(study.design), len(grid))
-        found = Sweep(empty.mechanism, {name: arrays[named(empty, name)].reshape(len(grid)) for name in empty.columns})
+        columns = {name: arrays[heading(empty, name)].reshape(len(grid)) for name in empty.columns}
         done = arrays["done"].reshape(len(grid)).astype(bool)
-        for code in np.unique(found.code[done]):
+        for code in np.unique(columns["code"][done]):
             empty.mechanism.outcomes(int(code))
     except Exception as error:  # zip files and arrays fail in many ways; all mean the same
         raise InputError(f"{file} is not a sweep's result, or is damaged: {error}") from None
-    return Swept(grid, study.design, study.scenario, found, done)
+    return Sweep(empty.mechanism, columns, study.design, study.scenario, grid).only(done)

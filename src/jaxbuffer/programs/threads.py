@@ -1,9 +1,8 @@
 """Threads that call compiled programs, which run outside Python."""
 
-import itertools
 import os
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 I = TypeVar("I")  # noqa: E741 # an item
@@ -26,23 +25,6 @@ class Pool:
         """What the function returns for each item, in their order."""
         return list(self._threads.map(function, items))
 
-    def as_completed(self, function: Callable[[I], object], items: Iterable[I]) -> Iterator[None]:
-        """Whenever some items are done, with few calls waiting, and close: an interrupt at once leaves the calls under
-        way to themselves."""
-        todo, running = iter(items), set[Future[object]]()
-        try:
-            while True:
-                fresh = itertools.islice(todo, 2 * self.workers - len(running))
-                running |= {self._threads.submit(function, item) for item in fresh}
-                if not running:
-                    return
-                finished, running = wait(running, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    future.result()
-                yield
-        finally:
-            self.close(wait=False)
-
-    def close(self, wait: bool = True) -> None:
+    def close(self) -> None:
         """End the threads; calls that have not begun are dropped."""
-        self._threads.shutdown(wait=wait, cancel_futures=True)
+        self._threads.shutdown(cancel_futures=True)

@@ -3,6 +3,7 @@
 Runs are solved in small chunks, one after the other within a chunk so that none waits for the slowest.
 """
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -10,14 +11,14 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..errors import InputError, as_number
-from ..hybrid import Result, Solver
+from ..hybrid import Result, Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..programs.cache import after
 from ..run.read_off import run_of
 from ..run.request import Request, request, stepped, tenth
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
-from .found import NO_VERDICT, column_names
+from .columns import NO_VERDICT, column_names
 from .grid import Batch
 
 CHUNK = 16
@@ -31,6 +32,16 @@ class Settings(NamedTuple):
     stabilisation: np.ndarray
     solver: Solver | None
     trust: bool = False
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the solver by its name: one of diffrax's would not equal itself, and its programs be compiled anew."""
+        return _settings, (float(self.rtol), float(self.stabilisation), name_of(self.solver), self.trust)
+
+
+@functools.lru_cache(maxsize=8)
+def _settings(rtol: float, stabilisation: float, solver: str | None, trust: bool) -> Settings:
+    named = None if solver is None else solver_named(solver)
+    return Settings(np.asarray(rtol), np.asarray(stabilisation), named, trust)
 
 
 class Runs(NamedTuple):
@@ -86,7 +97,7 @@ def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver
 def solve_chunk(
     chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result
 ) -> tuple:
-    """The columns of a sweep (`found.column_names`) but the last, each an array with an entry for each run of the
+    """The columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
     chunk."""
     catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
 
@@ -100,7 +111,7 @@ def solve_chunk(
 
 
 def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.ndarray]:
-    """The columns of a sweep (`found.column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
+    """The columns of a sweep (`column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
     which of them are."""
     mechanism = mechanism_of(chunk[0])
 

@@ -66,7 +66,28 @@ class Template(NamedTuple):
     duration: Any
 
 
-class GridSweep:
+class BlockSweep:
+    """A sweep in blocks, which have a dimension of each name in ``dims``."""
+
+    template: Template
+    cut: Cut
+    dims: tuple[str, ...]
+
+    def blocks(self) -> Iterator[Block]:
+        """All of them, made as they are asked for."""
+        for number in range(len(self.cut)):
+            yield self.block(number)
+
+    def block(self, number: int) -> Block:
+        """One of them."""
+        region = self.cut.region(number)
+        return Block(number, region, self._values_in(region))
+
+    def _values_in(self, region: Region) -> dict[Any, np.ndarray]:
+        raise NotImplementedError
+
+
+class GridSweep(BlockSweep):
     """A sweep over a grid: blocks are boxes of it, one choice thick. Nothing here has an entry for each run."""
 
     def __init__(self, grid: Grid, template: Template, size: int) -> None:
@@ -87,16 +108,8 @@ class GridSweep:
     def _values(self) -> tuple[np.ndarray, ...]:
         return tuple(axis.values for axis in self.grid.axes)
 
-    def blocks(self) -> Iterator[Block]:
-        """All of them, made as they are asked for."""
-        for number in range(len(self.cut)):
-            yield self.block(number)
-
-    def block(self, number: int) -> Block:
-        """One of them."""
-        region = self.cut.region(number)
-        own = {path: values[part] for path, values, part in zip(self.dims, self._values, region, strict=True)}
-        return Block(number, region, own)
+    def _values_in(self, region: Region) -> dict[Any, np.ndarray]:
+        return {path: values[part] for path, values, part in zip(self.dims, self._values, region, strict=True)}
 
     @staticmethod
     def batch(template: Template, block: Block) -> tuple[Batch, Any]:
@@ -111,7 +124,7 @@ class GridSweep:
         return Batch(None, *swept), template.duration
 
 
-class RunsSweep:
+class RunsSweep(BlockSweep):
     """A sweep of runs that are given one by one, as designs and scenarios with arrays (n,)."""
 
     def __init__(self, design: Part, scenarios: Part, duration: Any, count: int, size: int) -> None:
@@ -133,15 +146,8 @@ class RunsSweep:
         differ = {path: Labelled(("run",), it, unit_at(*both, path)) for path, it in values.items() if it.ndim}
         return {"run": Labelled(("run",), np.arange(self.cut.sizes[0]), "", "number of the run, from 0"), **differ}
 
-    def blocks(self) -> Iterator[Block]:
-        """All of them, made as they are asked for."""
-        for number in range(len(self.cut)):
-            yield self.block(number)
-
-    def block(self, number: int) -> Block:
-        """One of them."""
-        region = self.cut.region(number)
-        return Block(number, region, {k: array[region] for k, array in self.arrays.items()})
+    def _values_in(self, region: Region) -> dict[Any, np.ndarray]:
+        return {k: array[region] for k, array in self.arrays.items()}
 
     @staticmethod
     def batch(template: Template, block: Block) -> tuple[Batch, Any]:

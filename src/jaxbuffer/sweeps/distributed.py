@@ -1,11 +1,14 @@
-"""A sweep over a cluster: blocks as tasks, whose workers store what they find; nothing of it passes through here."""
+"""A sweep over a cluster: blocks as tasks, whose workers store what they compute; no numbers pass through here."""
 
 import json
+import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from ..cluster.connect import connected, require
 from ..cluster.spread import spread
@@ -16,17 +19,17 @@ from ..hybrid import name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.registry import mechanism_of
 from ..programs.store import folder as programs_folder
-from .chunk import CHUNK, Settings
-from .cut import Cut, GridSweep, RunsSweep
-from .found import column_names
+from .chunk import CHUNK, Settings, columns_of_chunk, runs
+from .columns import column_names, tally
+from .cut import Block, Cut, GridSweep, RunsSweep, Template
+from .executor import Where
 from .store import STORE as CHUNKS
 from .store import ZARR as STORE
 from .store import differing, identity
 from .stored import StoredInterrupted, StoredSweep
-from .task import Job, Told, solve_block
-from .zarr_store import BLOCK, IDENTITY, KIND, TOKEN, create, known, remove_drafts
+from .zarr_store import BLOCK, IDENTITY, KIND, TOKEN, Store, create, known, remove_drafts
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # an optional package, slow to import
     from distributed import Client
 
 TASK = 512  # runs of a task at most on few threads: about a second
@@ -34,41 +37,80 @@ PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the
 BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
-class Asked(NamedTuple):
-    """What a sweep over a cluster is to do; as in `sweep`."""
+class Job(NamedTuple):
+    """What all tasks of a sweep share, small enough to go with each of them; ``grid``: whether the blocks are those of
+    a `GridSweep`, or of a `RunsSweep`."""
 
-    sweep: Callable[[int], GridSweep | RunsSweep]  # cut into blocks of at most so many runs
-    runs: int
+    store: Store
+    grid: bool
+    template: Template
     settings: Settings
-    where: Any
-    workers: int | None
-    progress: Callable[[int, int], None] | None
-    folder: str | Path | None
-    resume: bool
 
 
-class _Place(NamedTuple):
-    """Where a sweep is stored, and the store's token."""
+class Report(NamedTuple):
+    """A worker's report on a block. ``computed``: False if it was there already; ``outcomes``: how many runs ended with
+    each code; ``verdicts``: how many have each verdict of `jb.trust`; ``solving``, ``storing``: how long that took
+    [s]."""
 
-    store: Path
-    token: str
+    number: int
+    runs: int
+    computed: bool
+    outcomes: dict[int, int]
+    verdicts: dict[int, int]
+    solving: float
+    storing: float
 
 
-def run(asked: Asked) -> StoredSweep:
-    """Solve all runs, or those that the store lacks."""
+def solve_block(job: Job, block: Block) -> Report:
+    """Solve and store a block, unless the store has it whole already."""
+    job.store.check()
+    columns, begin = job.store.read(block), time.perf_counter()
+    computed = columns is None
+    if columns is None:
+        columns = solved(job, block)
+    between = time.perf_counter()
+    if computed:
+        job.store.write(block, columns)
+    by_name, ended = dict(zip(job.store.columns, columns, strict=True)), time.perf_counter()
+    outcomes, verdicts = (tally(by_name[name]) for name in ("code", "trust"))
+    return Report(block.number, columns[0].size, computed, outcomes, verdicts, between - begin, ended - between)
+
+
+def solved(job: Job, block: Block) -> list[np.ndarray]:
+    """A block's columns, (runs,) each."""
+    batch, duration = (GridSweep if job.grid else RunsSweep).batch(job.template, block)
+    own = runs(batch, duration, CHUNK, 1, filled=True)
+    parts = []
+    for first in range(0, own.places.size, CHUNK):
+        room = slice(min(CHUNK, own.places.size - first))
+        parts.append([values[room] for values in columns_of_chunk(*own.call(first), job.settings)])
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+def run(cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, where: Where) -> StoredSweep:
+    """Solve all runs, or those that the store lacks; ``cut``: the sweep of ``count`` runs in blocks of at most so
+    many."""
     require()
-    if asked.folder is None:
+    if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
-    folder = Path(asked.folder).absolute()
+    folder = Path(where.folder).absolute()
     store = folder / STORE
-    if asked.resume and not store.exists():
+    if where.resume and not store.exists():
         other = f", {CHUNKS} is that of one without a scheduler" if (folder / CHUNKS).exists() else ""
-        told = f"{STORE} is missing{other}; leave out --resume to begin one"
-        raise InputError(f"{folder}: there is no sweep to resume; {told}")
+        reason = f"{STORE} is missing{other}; leave out --resume to begin one"
+        raise InputError(f"{folder}: there is no sweep to resume; {reason}")
     lock = Lock(folder)
     try:
-        with connected(asked.where, asked.workers) as client:
-            return _resumed(asked, client, store) if asked.resume else _begun(asked, client, store)
+        with connected(where.executor, where.workers) as client:
+            begin = _resumed if where.resume else _begun
+            workers, sweep, token = begin(cut, count, settings, client, store)
+            job = Job(
+                Store(store, token, column_names(mechanism_of(sweep.template.design))),
+                isinstance(sweep, GridSweep),
+                sweep.template,
+                settings,
+            )
+            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, store, where)
     finally:
         lock.release()
 
@@ -78,75 +120,71 @@ def task_size(runs: int, threads: int) -> int:
     return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))
 
 
-def _begun(asked: Asked, client: "Client", store: Path) -> StoredSweep:
+def _begun(
+    cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, client: "Client", store: Path
+) -> tuple[Workers, GridSweep | RunsSweep, str]:
+    """Make an empty store; return the workers, the sweep in blocks, and the store's token."""
     workers = Workers(client, _cache())
-    sweep = asked.sweep(task_size(asked.runs, max(1, workers.threads)))
+    sweep = cut(task_size(count, max(1, workers.threads)))
     mechanism = mechanism_of(sweep.template.design)
-    own = _identity(asked, sweep)
     about = {
         **attributes(mechanism, sweep.template.design, sweep.template.scenario),
-        "settings": json.dumps(_settings(asked, sweep), sort_keys=True),
-        IDENTITY: own,
+        "settings": json.dumps(_words(settings, sweep), sort_keys=True),
+        IDENTITY: _identity(settings, sweep),
         BLOCK: json.dumps(sweep.cut.block),
         KIND: json.dumps(workers.kind, sort_keys=True),
         TOKEN: uuid.uuid4().hex,
     }
     create(store, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
-    return _solved(asked, client, workers, _Place(store, about[TOKEN]), sweep)
+    return workers, sweep, about[TOKEN]
 
 
-def _resumed(asked: Asked, client: "Client", store: Path) -> StoredSweep:
+def _resumed(
+    cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, client: "Client", store: Path
+) -> tuple[Workers, GridSweep | RunsSweep, str]:
+    """Read what the store says of itself; return the workers, the sweep in its blocks, and its token."""
     there = known(store)
     remove_drafts(store)
-    sweep = asked.sweep(CHUNK)
-    differing(store, json.loads(_identity(asked, sweep)), there.identity)
+    sweep = cut(CHUNK)
+    differing(store, json.loads(_identity(settings, sweep)), there.identity)
     sweep.cut = Cut(sweep.cut.sizes, there.block)
-    return _solved(asked, client, Workers(client, _cache(), there.kind), _Place(store, there.token), sweep)
+    return Workers(client, _cache(), there.kind), sweep, there.token
 
 
 def _solved(
-    asked: Asked, client: "Client", workers: Workers, place: _Place, sweep: GridSweep | RunsSweep
+    reports: Iterator[Report], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
 ) -> StoredSweep:
-    store, token = place
-    mechanism = mechanism_of(sweep.template.design)
-    columns, grid = column_names(mechanism), isinstance(sweep, GridSweep)
-    rtol, stabilisation = float(asked.settings.rtol), float(asked.settings.stabilisation)
-    solver = name_of(asked.settings.solver)
-    job = Job(str(store), token, columns, grid, sweep.template, rtol, stabilisation, solver, asked.settings.trust)
+    """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
 
     def so_far() -> StoredSweep:
-        return StoredSweep(store, sweep, asked.runs, done, dict(outcomes), dict(verdicts))
+        return StoredSweep(store, sweep, count, done, dict(outcomes), dict(verdicts))
 
     try:
-        for told in _spread(client, workers, job, sweep):
-            done += told.runs
-            outcomes.update(told.outcomes)
-            verdicts.update(told.verdicts)
-            if asked.progress is not None:
-                asked.progress(done, asked.runs)
+        for report in reports:
+            done += report.runs
+            outcomes.update(report.outcomes)
+            verdicts.update(report.verdicts)
+            if where.progress is not None:
+                where.progress(done, count)
     except KeyboardInterrupt:
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
-        kept = f"{done} of {asked.runs} {mechanism.run_name}s are known to be in {store}; resuming goes on with them"
+        name = mechanism_of(sweep.template.design).run_name
+        there = f"{done} of {count} {name}s are known to be in {store}; resuming goes on with them"
         if error.errno is None:
-            raise ConnectionError(f"{error}; {kept}") from None
-        raise OSError(error.errno, f"{error.strerror}; {kept}", error.filename) from None
+            raise ConnectionError(f"{error}; {there}") from None
+        raise OSError(error.errno, f"{error.strerror}; {there}", error.filename) from None
     return so_far()
 
 
-def _spread(client: "Client", workers: Workers, job: Job, sweep: GridSweep | RunsSweep) -> Iterator[Told]:
-    return spread(client, workers, solve_block, job, sweep.blocks())
-
-
-def _identity(asked: Asked, sweep: GridSweep | RunsSweep) -> str:
-    options = (sweep.template.duration, *asked.settings)
+def _identity(settings: Settings, sweep: GridSweep | RunsSweep) -> str:
+    options = (sweep.template.duration, *settings)
     columns = column_names(mechanism_of(sweep.template.design))
     return json.dumps(identity(**sweep.identity(), options=options, quantities=columns), sort_keys=True)
 
 
-def _settings(asked: Asked, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
-    settings = asked.settings
+def _words(settings: Settings, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
     return {
         "rtol [-]": float(settings.rtol),
         "stabilisation [1/s]": float(settings.stabilisation),
@@ -157,5 +195,5 @@ def _settings(asked: Asked, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
 
 
 def _cache() -> str | None:
-    kept = programs_folder()
-    return None if kept is None else str(kept)
+    programs = programs_folder()
+    return None if programs is None else str(programs)

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -107,6 +107,33 @@ class Batch(NamedTuple):
     places: np.ndarray | None
     design: Part
     scenarios: Part
+
+
+class Places(Protocol):
+    """Where runs lie: a grid, or points spread over ranges."""
+
+    @property
+    def axes(self) -> Sequence[Any]:
+        """The fields that differ, each with its ``path``, ``unit``, ``name`` and ``heading``."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Each field's value in every run, shape (n,), by its path."""
+        ...
+
+    def point(self, index: int) -> str:
+        """One run's values in words."""
+        ...
+
+    def batches(self, design: Part, scenario: Part) -> list[Batch]:
+        """All runs, those of one program together."""
+        ...
+
+    def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
+        """Design and scenario with an array (n,) for each field that differs."""
+        ...
 
 
 @dataclasses.dataclass(frozen=True)

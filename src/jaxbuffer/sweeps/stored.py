@@ -8,9 +8,9 @@ import numpy as np
 
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
+from .columns import column_names, doubts
 from .cut import GridSweep, RunsSweep
-from .found import Sweep, column_names, doubts
-from .swept import Swept
+from .result import Sweep
 from .zarr_store import group_of, opened
 
 if TYPE_CHECKING:
@@ -58,17 +58,14 @@ class StoredSweep:
         ``run``, with units; `code` is the outcome, -1 where there is none yet."""
         return opened(self.store)
 
-    def load(self) -> Swept | Sweep:
+    def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
         group = group_of(self.store)
         columns = {name: np.asarray(group[name]).ravel() for name in column_names(self.mechanism)}
-        template = self.asked.template
         if isinstance(self.asked, RunsSweep):
             return Sweep(self.mechanism, columns, *self.asked.swept[:2])
-        plain = [axis.path for axis in self.asked.grid.axes if not axis.unit]
-        applied = (template.design, template.scenario) if plain else self.asked.grid.applied(*template[:2])
-        found = Sweep(self.mechanism, columns, *((None, None) if plain else applied))
-        return Swept(self.asked.grid, template.design, template.scenario, found, columns["code"] >= 0)
+        template = self.asked.template
+        return Sweep(self.mechanism, columns, template.design, template.scenario, self.asked.grid)
 
     def __repr__(self) -> str:
         name = self.mechanism.run_name

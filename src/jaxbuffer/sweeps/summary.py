@@ -1,34 +1,164 @@
-"""A sweep as a table, for people."""
-
-from typing import TYPE_CHECKING
+"""A sweep in words and tables, for people."""
 
 import numpy as np
 from rich.table import Table
 
-from ..tables import table, text
+from ..fields import as_typed, get
+from ..tables import table
+from .columns import RunTable
+from .grid import Axis, Grid
 
-if TYPE_CHECKING:
-    from .found import Sweep
-
-
-def sweep_summary(result: "Sweep") -> str:
-    """The table as text."""
-    return text(sweep_table(result))
+SHOWN = 10  # runs that are listed of those that failed
+QUANTILES = {"least": 0.0, "10 %": 0.1, "median": 0.5, "90 %": 0.9, "greatest": 1.0}
 
 
-def sweep_table(result: "Sweep") -> Table:
-    """How many runs ended how, and the range of what they found."""
-    codes, counts = np.unique(result.code, return_counts=True)
+def sweep_parts(sweep: RunTable) -> list[str | Table]:
+    """Outcomes and the spread of every quantity; over a grid, also the worst and the best run, and those that
+    failed."""
+    if not isinstance(sweep.grid, Grid):
+        return [sweep_table(sweep)]
+    mechanism, axes, done = sweep.mechanism, sweep.grid.axes, int(sweep.done.sum())
+    title = f"Sweep of {len(sweep)} {mechanism.run_name}s: " + " × ".join(f"{len(axis)} {axis.name}" for axis in axes)
+    parts: list[str | Table] = [title if done == len(sweep) else f"{title}; interrupted, {done} of them done"]
+    parts += [f"  {axis.path:26} {_values(axis)}" for axis in axes]
+    return [*parts, outcomes_table(sweep), *summary(sweep, "sweep.csv")]
+
+
+def sweep_table(sweep: RunTable) -> Table:
+    """How many runs ended how, and the range of what they sweep."""
+    codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
     ends = ", ".join(
-        f"{count} {result.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
+        f"{count} {sweep.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
     )
-    shown = table(f"Sweep of {len(result)} {result.mechanism.run_name}s: {ends}")
+    shown = table(f"Sweep of {len(sweep)} {sweep.mechanism.run_name}s: {ends}")
     for heading in ("quantity", "least", "median", "greatest"):
         shown.add_column(heading, justify="left" if heading == "quantity" else "right")
-    for name in result.mechanism.swept:
-        values, (symbol, factor) = result.columns[name], result.mechanism.quantities[name].in_figures
+    for name in sweep.mechanism.swept:
+        values, (symbol, factor) = sweep.columns[name], sweep.mechanism.quantities[name].in_figures
         known = factor * values[np.isfinite(values)]
         figures = [f"{f(known):.5g}" for f in (np.min, np.median, np.max)] if known.size else ["-"] * 3
         shown.add_row(f"{name} [{symbol}]", *figures)
-    shown.caption = "\n".join(result.doubts("see trust")) or None
+    shown.caption = "\n".join(sweep.doubts("see trust")) or None
     return shown
+
+
+def outcomes_table(sweep: RunTable) -> Table:
+    """How many runs ended how."""
+    mechanism = sweep.mechanism
+    codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
+    outcomes = table("Outcomes", ("outcome",), (f"{mechanism.run_name}s", "share"))
+    for code, count in zip(codes, counts, strict=True):
+        share = f"{100.0 * count / int(sweep.done.sum()):.1f} %"
+        outcomes.add_row(mechanism.outcomes(int(code)).reason, str(count), share)
+    return outcomes
+
+
+def summary(sweep: RunTable, file: str) -> list[str | Table]:
+    """The spread of every quantity, the worst and the best run, what lies beyond validity, and those that failed.
+
+    ``file``: where all of these can be looked up.
+    """
+    parts: list[str | Table] = []
+    if sweep.solved.any():
+        parts += [_spread(sweep), *_extremes(sweep)]
+    return [
+        *parts,
+        *_beyond_validity(sweep),
+        *_rising(sweep),
+        *sweep.doubts(f"see trust in {file}"),
+        *_failures(sweep, file),
+    ]
+
+
+def _rising(sweep: RunTable) -> list[str]:
+    """In how many runs that succeeded a largest value is the last one, and would go on to rise."""
+    mechanism, lines = sweep.mechanism, list[str]()
+    good = sweep.solved if mechanism.success is None else sweep.code == mechanism.outcomes[mechanism.success]
+    for name, quantity in mechanism.quantities.items():
+        if quantity.rising and (count := int(np.sum(good & (sweep.columns[quantity.rising] > 0.0)))):
+            runs = f"{count} of {int(good.sum())} {mechanism.run_name}s that ended {mechanism.success or 'solved'}"
+            lines.append(f"{name} is still rising where the run ends, in {runs}: it is the largest up to there only")
+    return lines
+
+
+def _beyond_validity(sweep: RunTable) -> list[str]:
+    """How many answers lie beyond each limit of validity, and the worst of them."""
+    mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
+    for places, design, _ in sweep.grid.batches(sweep.design, sweep.scenario):
+        for limit in mechanism.validity(design, sweep.peak_force[places], sweep.penetration[places]):
+            share = shares.setdefault(limit.beyond, np.full(len(sweep), -np.inf))
+            share[places] = np.where(limit.passed & sweep.solved[places], limit.share, -np.inf)
+    lines = []
+    for beyond, share in shares.items():
+        if count := int(np.sum(share > -np.inf)):
+            worst = int(np.argmax(share))
+            furthest = f"by a factor of {share[worst]:.3g} at {sweep.grid.point(worst)}"
+            lines.append(f"{beyond}, {count} {mechanism.run_name}s; {furthest}")
+    return lines
+
+
+def _spread(sweep: RunTable) -> Table:
+    solved = sweep.solved
+    mechanism = sweep.mechanism
+    what = f"Quantities of the {int(solved.sum())} {mechanism.run_name}s that were solved"
+    spread = table(what, ("quantity",), tuple(QUANTILES))
+    moved = {axis.path for axis in sweep.grid.axes}
+    for name in mechanism.meant(lambda path: path in moved or get(sweep.design, path)):
+        values, (symbol, factor) = sweep.columns[name][solved], mechanism.quantities[name].in_figures
+        known = factor * values[np.isfinite(values)]
+        if known.size:
+            spread.add_row(
+                f"{name} [{symbol}]",
+                *(f"{x:.5g}" for x in _without_rounding(np.quantile(known, list(QUANTILES.values())))),
+            )
+    return spread
+
+
+def _without_rounding(values: np.ndarray) -> np.ndarray:
+    """Values with zeros in place of what only rounding leaves."""
+    return np.where(np.abs(values) < 1e-12, 0.0, values)
+
+
+def _extremes(sweep: RunTable) -> list[str]:
+    success = sweep.mechanism.success
+    force = np.where(sweep.solved, sweep.peak_force, np.nan)
+    lines = [f"greatest peak force {_run(sweep, int(np.nanargmax(force)))}"]
+    good = np.ones(len(sweep), bool) if success is None else sweep.code == sweep.mechanism.outcomes[success]
+    least = np.where(sweep.solved & good, sweep.peak_force, np.nan)
+    if np.isfinite(least).any():
+        of = "" if success is None else f" of those {success}"
+        lines.append(f"least peak force{of} {_run(sweep, int(np.nanargmin(least)))}")
+    return lines
+
+
+def _run(sweep: RunTable, index: int) -> str:
+    mechanism, names = sweep.mechanism, sweep.contacts()
+    largest = int(sweep.columns[f"peak_{mechanism.contact}"][index])
+    contact = mechanism.contact_in_words(names[largest])
+    return (
+        f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {contact} after"
+        f" {sweep.peak_time[index]:.4g} s, {int(sweep.impact_count[index])} impacts, {sweep.outcomes[index].name}"
+    )
+
+
+def _failures(sweep: RunTable, file: str) -> list[str]:
+    failed = np.flatnonzero(sweep.done & ~sweep.solved)
+    lines = [
+        f"  {sweep.grid.point(i)}: {sweep.mechanism.outcomes(int(sweep.code[i])).reason}"
+        for i in failed[:SHOWN].tolist()
+    ]
+    if failed.size > SHOWN:
+        lines.append(f"  and {failed.size - SHOWN} more; see the column outcome in {file}")
+    return ["failed:", *lines] if lines else []
+
+
+def _values(axis: Axis) -> str:
+    if not axis.unit:
+        return axis.spanned()
+    typed = [as_typed(value, axis.unit, axis.typed) for value in axis.values.tolist()]
+    few, symbol = [f"{value:g}" for value, _ in typed], typed[0][1]
+    listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
+    if symbol == "rad":
+        low, high = np.degrees([min(axis.values), max(axis.values)])
+        return f"{listed} rad ({low:+.3g}° … {high:+.3g}°)"
+    return f"{listed} {symbol}".rstrip(" -")

@@ -4,10 +4,11 @@ Runs are solved in small chunks, one after the other within a chunk so that none
 handed to one thread a core: a compiled chunk runs outside Python.
 """
 
-import dataclasses
+import functools
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
 import jax
 import numpy as np
@@ -18,30 +19,20 @@ from ..fields import POSITIVE, Part
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..programs.process import check_ready
-from ..programs.threads import Pool, cores
+from ..programs.threads import cores
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .chunk import CHUNK, Runs, Settings, columns_of_chunk, runs
-from .found import Sweep as Sweep
-from .found import SweepInterrupted as SweepInterrupted
-from .found import column_names as column_names
-from .found import whole_numbers as whole_numbers
+from .chunk import CHUNK, Settings, columns_of_chunk, runs
+from .columns import empty_columns
+from .cut import GridSweep, RunsSweep, Template
+from .distributed import run as run_distributed
+from .executor import Where, check_executor, completed
 from .grid import Batch, grid
+from .result import Sweep, SweepInterrupted
 from .store import SweepStore, identity
-from .stored import StoredInterrupted as StoredInterrupted
-from .stored import StoredSweep as StoredSweep
-from .swept import Swept
+from .stored import StoredSweep
 
 ONE_FOR_ALL = "all runs of a sweep share it"
-
-
-class Storing(NamedTuple):
-    """How a sweep is stored and watched; fields as in `sweep`."""
-
-    workers: int | None
-    progress: Callable[[int, int], None] | None
-    folder: str | Path | None
-    resume: bool
 
 
 @overload
@@ -50,7 +41,8 @@ def sweep(
     scenarios: Part,
     duration: Scalar | None = None,
     *,
-    over: None = None,
+    over: Mapping[str, Any] | None = None,
+    executor: Executor | None = None,
     client: None = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
@@ -69,26 +61,8 @@ def sweep(
     scenarios: Part,
     duration: Scalar | None = None,
     *,
-    over: Mapping[str, Any],
-    client: None = None,
-    solver: Solver | str | None = None,
-    rtol: float = DEFAULT_TOLERANCE,
-    stabilisation: float = 20.0,
-    trust: bool = False,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | bool | None = None,
-    folder: str | Path | None = None,
-    resume: bool = False,
-) -> Swept: ...
-
-
-@overload
-def sweep(
-    design: Part,
-    scenarios: Part,
-    duration: Scalar | None = None,
-    *,
     over: Mapping[str, Any] | None = None,
+    executor: None = None,
     client: Any,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
@@ -107,6 +81,7 @@ def sweep(
     duration: Scalar | None = None,
     *,
     over: Mapping[str, Any] | None = None,
+    executor: Executor | None = None,
     client: Any = None,
     solver: Solver | str | None = None,
     rtol: float = DEFAULT_TOLERANCE,
@@ -116,7 +91,7 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
-) -> Sweep | Swept | StoredSweep:
+) -> Sweep | StoredSweep:
     """Simulate many runs of a mechanism.
 
     **Arguments:**
@@ -126,6 +101,9 @@ def sweep(
     - ``over``: values of several fields, all combinations of which are run: by dotted path, "scenario.…" for the
       scenario's, a list of numbers in the field's unit, {"from", "to", "count", "scale"}, or a list of choices.
       ``design`` and ``scenarios`` then have single numbers.
+    - ``executor``: where the runs are computed in place of threads of this process: any executor of
+      `concurrent.futures`, such as one of processes that are spawned, or a Dask client's ``get_executor()``. Its
+      processes must find the same bits; it stays open. ``workers`` says how many calls it runs at a time.
     - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" (threads) or "processes" on this
       machine: the sweep goes to its workers, which store it in ``folder`` (docs/clusters.md).
     - ``solver``, ``rtol`` [-], ``stabilisation`` [1/s]: as for `simulate`, for all runs.
@@ -136,7 +114,7 @@ def sweep(
     - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
     - ``resume``: go on with the sweep in ``folder`` instead.
 
-    **Returns:** a `Sweep`, with ``over`` a `Swept`, with ``client`` a `StoredSweep`; the same bits whether it was
+    **Returns:** a `Sweep`, with ``client`` a `StoredSweep`; the same bits whether it was
     interrupted and resumed or not. A run that fails says so in its ``code``; the others are not touched by it. Each
     combination of choices is a program of its own, compiled once.
 
@@ -165,93 +143,92 @@ def sweep(
     if workers is not None:
         check_whole("workers", workers, 1)
     check_flag("trust", trust)
+    if executor is not None:
+        check_executor(executor)
+        if client is not None:
+            raise InputError("executor and client contradict; keep one")
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
-    storing = Storing(workers, counted(progress, mechanism.run_name), folder, resume)
+    where = Where(
+        executor if client is None else client, workers, counted(progress, mechanism.run_name), folder, resume
+    )
     if client is not None:
-        return _over_cluster((design, scenarios, duration), over, client, settings, storing)
+        return _over_cluster((design, scenarios, duration), over, settings, where)
     if over is None:
-        return _run([Batch(None, design, scenarios)], duration, settings, storing)
+        result = Sweep(mechanism, {}, design, scenarios)
+        return _run(result, [Batch(None, design, scenarios)], duration, settings, where)
     check_single("duration", duration, "s", ONE_FOR_ALL)
-    asked = grid(over, design, scenarios)
-    try:
-        found = _run(asked.batches(design, scenarios), duration, settings, storing)
-    except SweepInterrupted as stop:
-        assert isinstance(stop.found, Sweep)
-        raise SweepInterrupted(Swept(asked, design, scenarios, stop.found, stop.done), stop.done) from None
-    return Swept(asked, design, scenarios, found, np.ones(len(asked), bool))
+    result = Sweep(mechanism, {}, design, scenarios, grid(over, design, scenarios))
+    return _run(result, result.grid.batches(design, scenarios), duration, settings, where)
 
 
 def _over_cluster(
-    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, client: Any, settings: Settings, storing: Storing
+    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, settings: Settings, where: Where
 ) -> StoredSweep:
     """The sweep of a design, scenarios and durations by the workers of a cluster."""
-    from .cut import GridSweep, RunsSweep, Template
-    from .distributed import Asked, run
-
     if over is None:
         count = runs(Batch(None, *swept[:2]), swept[2], 1, 1, filled=True).places.size
-        return run(Asked(lambda size: RunsSweep(*swept, count, size), count, settings, client, *storing))
+        return run_distributed(lambda size: RunsSweep(*swept, count, size), count, settings, where)
     check_single("duration", swept[2], "s", ONE_FOR_ALL)
     asked, template = grid(over, *swept[:2], held=False), Template(*swept)
-    return run(Asked(lambda size: GridSweep(asked, template, size), len(asked), settings, client, *storing))
+    return run_distributed(lambda size: GridSweep(asked, template, size), len(asked), settings, where)
 
 
-def _run(batches: Sequence[Batch], duration: Any, settings: Settings, storing: Storing) -> Sweep:
-    """All runs of all batches."""
+def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Settings, where: Where) -> Sweep:
+    """Fill a sweep's columns with all runs of all batches."""
     check_ready()
     on_cpu = jax.default_backend() == "cpu"
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
-    workers = workers if storing.workers is None else storing.workers
+    workers = workers if where.workers is None else where.workers
     parts = [runs(batch, duration, most, workers, on_cpu) for batch in batches]
-    count, alone = sum(part.places.size for part in parts), batches[0] if len(batches) == 1 else None
-    result = Sweep.empty(mechanism_of(batches[0].design), count, *(alone[1:] if alone else (None, None)))
+    count = sum(part.places.size for part in parts)
+    result.columns.update(empty_columns(result.mechanism, count))
     finished = np.zeros(count, bool)
     columns = list(result.columns.values())
-    store, progress = _store(batches, duration, settings, storing, result, finished), storing.progress
-
-    def solve(item: tuple[Runs, int]) -> None:
-        part, first = item
-        found = columns_of_chunk(*part.call(first), settings)
-        its_own = part.places[first : first + part.chunk]
-        for mine, values in zip(columns, found, strict=True):
-            mine[its_own] = values[: its_own.size]
-        finished[its_own] = True
-
-    todo = [
-        (part, first)
+    store, progress = _store(batches, duration, settings, where, result, finished), where.progress
+    calls = (
+        (part.places[first : first + part.chunk], part.call(first))
         for part in parts
         for first in range(0, part.places.size, part.chunk)
         if not finished[part.places[first : first + part.chunk]].all()
-    ]
+    )
     try:
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
-        for _ in Pool(workers).as_completed(solve, todo):
+        solve = functools.partial(_solved, settings)
+        for places, values in completed(solve, calls, workers, where.executor):
+            for column, those in zip(columns, values, strict=True):
+                column[places] = those[: places.size]
+            finished[places] = True
             if store is not None:
                 store.save()
             if progress is not None:
                 progress(int(finished.sum()), count)
     except KeyboardInterrupt:
-        done = finished.copy()  # calls under way go on for a moment
-        found = {name: column.copy() for name, column in result.columns.items()}
-        raise SweepInterrupted(dataclasses.replace(result, columns=found), done) from None
+        # it may have come between two columns of a call
+        raise SweepInterrupted(result.only(finished), finished) from None
     finally:
         if store is not None:
             store.close()
     return result
 
 
+def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The places of a call's runs, and their columns."""
+    places, chunk = call
+    return places, columns_of_chunk(*chunk, settings)
+
+
 def _store(
     batches: Sequence[Batch],
     duration: Any,
     settings: Settings,
-    storing: Storing,
+    where: Where,
     result: Sweep,
     finished: np.ndarray,
 ) -> SweepStore | None:
     """Where runs are stored as they are finished, if anywhere; what an earlier sweep finished is filled in."""
-    if storing.folder is None:
-        if storing.resume:
+    if where.folder is None:
+        if where.resume:
             raise InputError("resume needs the folder of the sweep to go on with")
         return None
     alone = len(batches) == 1
@@ -261,4 +238,4 @@ def _store(
         options=(duration, *settings),
         quantities=tuple(result.columns),
     )
-    return SweepStore(Path(storing.folder), asked, list(result.columns.values()), finished, storing.resume)
+    return SweepStore(Path(where.folder), asked, list(result.columns.values()), finished, where.resume)

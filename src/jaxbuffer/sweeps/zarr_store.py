@@ -20,8 +20,8 @@ from ..files import naming
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.mechanism import Mechanism
 from ..run.trust import VERDICTS
+from .columns import column_names, whole_numbers
 from .cut import Block, Cut
-from .found import column_names, whole_numbers
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,96 @@
+"""Calls handed to an executor: threads of this process by default, or whatever `concurrent.futures` has a class for."""
+
+import functools
+import itertools
+import os
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from ..cluster.workers import differing, prepared
+from ..errors import InputError
+from ..programs.process import kind
+from ..programs.store import folder
+
+I = TypeVar("I")  # noqa: E741 # an item
+R = TypeVar("R")
+PROCESS = uuid.uuid4().hex  # differs between machines, on which processes may have the same number
+
+
+class Where(NamedTuple):
+    """Where a sweep is computed and stored, and who watches it; ``executor`` may be a client, the rest is as in
+    `sweep`."""
+
+    executor: Any
+    workers: int | None
+    progress: Callable[[int, int], None] | None
+    folder: str | Path | None
+    resume: bool
+
+
+class Home(NamedTuple):
+    """The process that hands out calls: its ``address``, the ``kind`` of numbers that it computes, and its folder of
+    compiled programs."""
+
+    address: str
+    kind: dict[str, str]
+    cache: str | None
+
+
+def completed(
+    function: Callable[[I], R], items: Iterable[I], workers: int, executor: Executor | None = None
+) -> Iterator[R]:
+    """Yield what the function returns for each item, whichever is done first, with at most two calls a worker handed
+    out. An interrupt leaves the calls under way to themselves and drops those that wait.
+
+    **Arguments:** ``workers``: threads of our own, or how many calls the ``executor`` runs at a time.
+    **Raises:** `InputError` where a process of the executor computes other bits, `ConnectionError` where it ended.
+    """
+    pool, call = (ThreadPoolExecutor(workers), function) if executor is None else (executor, _elsewhere(function))
+    waiting, running = iter(items), set[Future[R]]()
+    try:
+        while True:
+            running |= {pool.submit(call, item) for item in itertools.islice(waiting, 2 * workers - len(running))}
+            if not running:
+                return
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in finished:
+                yield future.result()
+    except BrokenExecutor as error:
+        raise ConnectionError(f"the executor is broken: {error}") from None
+    finally:
+        for future in running:
+            future.cancel()
+        if executor is None:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def check_executor(executor: Any) -> None:
+    """Raise `InputError` for what is no executor."""
+    if not isinstance(executor, Executor):
+        example = "concurrent.futures.ThreadPoolExecutor(), client.get_executor() of a distributed.Client"
+        raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor, as in {example}")
+
+
+def _elsewhere(function: Callable[[I], R]) -> Callable[[I], R]:
+    """The function with a check of the process that it is called in, for executors that have other processes."""
+    cache = folder()
+    home = Home(_address(), kind(), None if cache is None else str(cache))
+    return functools.partial(_checked, home, function)
+
+
+def _checked(home: Home, function: Callable[[I], R], item: I) -> R:
+    here = _address()
+    if here != home.address:
+        names = differing(home.kind, prepared(here, home.cache))
+        if names:
+            what = ", ".join(names)
+            raise InputError(f"a process of the executor differs from this one in {what}, and so might its bits")
+    return function(item)
+
+
+def _address() -> str:
+    """This process's, also after a fork."""
+    return f"{PROCESS}-{os.getpid()}"

@@ -1,0 +1,111 @@
+"""The result of a sweep."""
+
+import dataclasses
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..labelled.arrays import frame
+from ..mechanisms.mechanism import Mechanism
+from ..tables import html, text
+from .columns import RunTable, empty_columns
+from .grid import Grid
+from .summary import sweep_parts
+from .table import sweep_dataset, sweep_rows
+
+if TYPE_CHECKING:  # both are slow to import
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclasses.dataclass(frozen=True)
+class Sweep(RunTable):
+    """The result of a sweep: an array of n entries a quantity, in the order asked. Print it for a summary.
+
+    - ``mechanism``: of which these are runs.
+    - ``columns``: by name, each of shape (n,) and an attribute too: ``code`` of the outcome, the mechanism's quantities
+      that sweeps have (units in its catalogue), the contact with the largest force (``peak_flank`` where contacts are
+      flanks), ``impact_count``, ``attempts``, and ``trust``: the index of its verdict in `VERDICTS`, or -1. Numbers of
+      failed runs are NaN.
+    - ``design``, ``scenarios``: what was swept, with arrays (n,) for the numbers that differ; over a grid, what the
+      grid's values were put into.
+    - ``grid``: the grid of ``over``, None without.
+
+    **Example:**
+
+    >>> found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2]))
+    >>> [outcome.name for outcome in found.outcomes], bool(found.solved.all())
+    (['captured', 'captured'], True)
+    >>> [f"{1e3 * stroke:.2f} mm" for stroke in found.stroke]
+    ['7.50 mm', '15.18 mm']
+    """
+
+    grid: Grid = None  # type: ignore[assignment] # the runs were given one by one
+
+    @staticmethod
+    def empty(mechanism: Mechanism, count: int) -> "Sweep":
+        """Room for a number of runs, none of them done."""
+        return Sweep(mechanism, empty_columns(mechanism, count))
+
+    @property
+    def found(self) -> "Sweep":
+        """The same runs one by one, without their grid."""
+        if self.grid is None:
+            return self
+        choices = any(not axis.unit for axis in self.grid.axes)
+        swept = (None, None) if choices else self.grid.applied(self.design, self.scenarios)
+        return Sweep(self.mechanism, self.columns, *swept)  # type: ignore[arg-type]
+
+    def shaped(self, quantity: str) -> np.ndarray:
+        """A quantity in the grid's shape."""
+        return self.columns[quantity].reshape(len(self) if self.grid is None else self.grid.shape)
+
+    def only(self, done: np.ndarray) -> "Sweep":
+        """A copy with the runs of ``done`` (n,), in which the others are not computed."""
+        blank = empty_columns(self.mechanism, len(self))
+        columns = {name: np.where(done, values, blank[name]) for name, values in self.columns.items()}
+        return dataclasses.replace(self, columns=columns)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """The sweep as labelled arrays, each with its unit in the attribute ``units``: over a grid a dimension for each
+        field, named by its dotted path, with its values; else along ``run``, counted from 0, with the numbers of design
+        and scenario that differ as coordinates.
+
+        Numbers are NaN where a run failed; ``outcome`` is in words, "not computed" where the sweep was interrupted.
+
+        **Example:**
+
+        >>> found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=[0.1, 0.194]), 0.22)
+        >>> data = found.to_xarray()
+        >>> data["scenario.height"].values.tolist(), data["scenario.height"].units, data.outcome.values.tolist()
+        ([0.1, 0.194], 'm', ['finished', 'finished'])
+        >>> found = jb.sweep(jb.BarDrop(), jb.BarDropScenario(), 0.22, over={"scenario.height": [0.1, 0.194]})
+        >>> data = found.to_xarray()
+        >>> dict(data.sizes), data.peak_force.units, str(data.outcome.sel({"scenario.height": 0.1}).item())
+        ({'scenario.height': 2}, 'N', 'finished')
+        """
+        return sweep_dataset(self)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """A row for each run that was computed, as in sweep.csv: the numbers that differ, the outcome and the results,
+        columns named with their units."""
+        return frame(*sweep_rows(self))
+
+    def __repr__(self) -> str:
+        return text(*sweep_parts(self))
+
+    def _repr_html_(self) -> str:
+        return html(*sweep_parts(self))
+
+
+class SweepInterrupted(KeyboardInterrupt):
+    """Ctrl-C during a sweep. ``found``: a `Sweep`, of a sample a `Sample`, with what was done until then; ``done``
+    (n,): which runs those are."""
+
+    def __init__(self, found: Any, done: np.ndarray) -> None:
+        super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.run_name}s done")
+        self.found, self.done = found, done
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle both arguments: an exception by itself would pickle its message alone."""
+        return type(self), (self.found, self.done)
