@@ -10,7 +10,7 @@ from jaxbuffer.papers import paper_named
 from jaxbuffer.papers.impact.crank_claims import CLAIMS
 from jaxbuffer.papers.impact.crank_rows import turn_times
 from jaxbuffer.papers.impact.crank_studies import BAR, STUDIES
-from jaxbuffer.papers.study import NO, PARTLY, YES, judged, run
+from jaxbuffer.papers.study import NO, PARTLY, YES, run, verdicts_of
 
 BY_NAME = {study.name: study for study in STUDIES}
 PRINTED = {(0.1, 1e4, 1e7), (0.01, 1e4, 1e7), (0.2, 1e4, 1e7), (0.2, 1e5, 1e8)}  # e [-], k [N/mm^e], M0 [N mm]
@@ -66,12 +66,12 @@ def test_a_jump_from_the_joint_comes_after_a_touch(touch, verdict):
 
 @pytest.mark.slow
 def test_the_studies():
-    """All runs finish, a turn of every printed set takes 2π/10 s, and every statement is judged."""
+    """All runs finish, a turn of every printed set takes 2π/10 s, and every statement is verdicts_of."""
     _, part = paper_named("impact").parts
     studied = run(part)
     rows = {found.study.name: found.rows for found in studied}
     assert {row["outcome"] for found in rows.values() for row in found} == {"finished"}
     for row in rows["crank"]:
         assert float(row["second_turn"]) == pytest.approx(0.2 * math.pi, rel=1e-3)
-    assert len(judged(part.claims, studied)) == len(CLAIMS)
+    assert len(verdicts_of(part.claims, studied)) == len(CLAIMS)
     assert all(png(part.figure(found)).startswith(b"\x89PNG") for found in studied)

@@ -7,7 +7,7 @@ from jaxbuffer.cli.entry import run as command
 from jaxbuffer.output.style import png
 from jaxbuffer.papers import PAPERS, paper_named
 from jaxbuffer.papers.impact.bar_claims import CLAIMS
-from jaxbuffer.papers.impact.bar_rows import harmonics, seen_by
+from jaxbuffer.papers.impact.bar_rows import harmonics, sampled_at
 from jaxbuffer.papers.impact.bar_studies import STUDIES
 from jaxbuffer.papers.study import NO, PARTLY, YES, run
 
@@ -55,9 +55,9 @@ def test_a_displacement_is_less_if_it_is_by_a_hundredth(six, verdict):
 
 def test_what_a_fixed_step_sees_of_a_triangle():
     """A triangle of 10 µs seen at 100 µs: nine of ten grids see nothing, none more than its height."""
-    seen = seen_by(1e-4, np.array([0.0, 1e-3, 1.005e-3, 1.01e-3, 2e-3]), np.array([0.0, 0.0, 7.0, 0.0, 0.0]))
-    assert np.mean(seen > 0.0) == pytest.approx(0.1, abs=0.01)
-    assert 6.5 < seen.max() <= 7.0
+    sampled = sampled_at(1e-4, np.array([0.0, 1e-3, 1.005e-3, 1.01e-3, 2e-3]), np.array([0.0, 0.0, 7.0, 0.0, 0.0]))
+    assert np.mean(sampled > 0.0) == pytest.approx(0.1, abs=0.01)
+    assert 6.5 < sampled.max() <= 7.0
     assert harmonics(np.linspace(0.0, 3e-3, 301), np.sin(np.linspace(0.0, 6.0 * np.pi, 301)).clip(0.0)) == 3
 
 

@@ -25,11 +25,11 @@ def oscillator():
     return Linearisation(one, one, FREQUENCY**2 * one, 0.0 * one, 1)
 
 
-def step(solver, which, length, wanted):
-    """A step from t = 0.2 s, its second derivative wanted or not, or where ``wanted`` says so of state and rate."""
-    asked = wanted if callable(wanted) else lambda state, rate: jnp.asarray(wanted)
+def step(solver, which, length, needed):
+    """A step from t = 0.2 s, its second derivative needed or not, or where ``needed`` says so of state and rate."""
+    when = needed if callable(needed) else lambda state, rate: jnp.asarray(needed)
     columns = jnp.array([[0.3, 0.0], [2.0, 1.0]])
-    time, second = jnp.asarray(0.2), SecondDerivative(asked, jnp.asarray(1e-5))
+    time, second = jnp.asarray(0.2), SecondDerivative(when, jnp.asarray(1e-5))
     rate, allowance = field(time, columns), jnp.full((2, 2), 1e-9)
     transform = TimeTransform.uniform(jnp.asarray(length))
     return solver.step(jnp.asarray(which), field, oscillator(), time, columns, rate, transform, allowance, second)
@@ -42,7 +42,7 @@ def step(solver, which, length, wanted):
 def test_the_second_derivative_at_the_end(solver, which, length):
     """Of the state and of the rows beside it, by both methods, alone and in arrays long enough for either;
     and where no step is taken at all."""
-    found = step(solver, which, length, wanted=True)
+    found = step(solver, which, length, needed=True)
     (x, v), time = found.end, 0.2 + length
     exact = [-(FREQUENCY**2) * x + jnp.cos(DRIVE * time), -(FREQUENCY**2) * v - DRIVE * jnp.sin(DRIVE * time)]
     np.testing.assert_allclose(found.second, exact, rtol=1e-7)
@@ -50,15 +50,15 @@ def test_the_second_derivative_at_the_end(solver, which, length):
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_nothing_else_changes_where_it_is_wanted(which):
-    """Zeros where it is not wanted; the step itself is the same."""
-    with_it, without = (step(Automatic(), which, 5e-3, wanted) for wanted in (True, False))
+    """Zeros where it is not needed; the step itself is the same."""
+    with_it, without = (step(Automatic(), which, 5e-3, needed) for needed in (True, False))
     assert not np.any(without.second)
     for name in ("end", "rate", "error"):
         np.testing.assert_array_equal(getattr(with_it, name), getattr(without, name))
 
 
 @pytest.mark.parametrize("which", [0, 1])
-def test_whether_it_is_wanted_is_asked_of_the_state(which):
+def test_the_state_decides_whether_it_is_needed(which):
     """Which ends at 0.3, moving at -0.4; the row beside it at 0.005, moving at 0.98."""
     of_state = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] > 0.1) & (rate[0] < 0.0))
     beside = step(Automatic(), which, 5e-3, lambda state, rate: (state[0] < 0.1) | (rate[0] > 0.0))
@@ -75,6 +75,6 @@ def test_the_estimated_error_is_hairers():
     theirs = DOP853(rates, 0.2, start, 1.0, first_step=length, max_step=length, rtol=1.0, atol=1e9)
     theirs.step()
     estimate = np.abs(theirs._estimate_error(theirs.K, length))
-    ours = step(ExplicitRungeKutta(), 0, length, wanted=False)
+    ours = step(ExplicitRungeKutta(), 0, length, needed=False)
     assert np.min(estimate) > 1e-9
     np.testing.assert_allclose(np.abs(ours.error[:, 0]), estimate, rtol=1e-6)

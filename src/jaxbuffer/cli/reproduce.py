@@ -42,7 +42,7 @@ def reproduce(
     require_matplotlib()
     configure(cache=cache_folder())
     check_ready()
-    from ..papers.study import judged, run_paper, runs
+    from ..papers.study import run_paper, runs, verdicts_of
     from ..papers.tables import NAMED, claims_table, markdown
     from .progress import counting
 
@@ -54,7 +54,7 @@ def reproduce(
     failed = [row for row in rows if str(row["outcome"]).startswith("failed")]
     if failed:
         return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
-    verdicts = judged([claim for part in chosen.parts for claim in part.claims], studied)
+    verdicts = verdicts_of([claim for part in chosen.parts for claim in part.claims], studied)
     columns = {**NAMED, **chosen.columns}
     heads = [f"{name} [{unit}]" if unit else name for name, unit in columns.items()]
     contents: dict[str, Any] = {

@@ -68,18 +68,18 @@ def with_values(design: D, scenario: S, values: Mapping[str, Any]) -> tuple[D, S
 
 
 def check_numbers(
-    design: eqx.Module, scenario: eqx.Module, wanted: Sequence[str], instead: str
+    design: eqx.Module, scenario: eqx.Module, addresses: Sequence[str], instead: str
 ) -> tuple[tuple[str, ...], np.ndarray]:
     """The addresses to differentiate by, checked, and the values there, (addresses,).
 
-    **Arguments:** ``wanted``: the addresses; ``instead``: what takes an array of numbers, for the message.
+    **Arguments:** ``addresses``: the addresses; ``instead``: what takes an array of numbers, for the message.
 
     **Raises:** `InputError` for addresses that are unknown, no single numbers or given twice.
     """
-    found = check_names("wrt", wanted, "buffer.k_A")
-    for address in found:
+    paths = check_names("wrt", addresses, "buffer.k_A")
+    for address in paths:
         value = value_at(design, scenario, address)
         if value is None or isinstance(value, (str, int)):  # a number is a float; whole ones choose
             raise InputError(f"{address} = {value!r} is not a number that can be differentiated")
         check_single(address, value, "", instead)
-    return found, np.array([float(value_at(design, scenario, address)) for address in found])
+    return paths, np.array([float(value_at(design, scenario, address)) for address in paths])

@@ -36,8 +36,8 @@ def from_json(default: T, text: str) -> T:
 
     **Raises:** `InputError` for fields that are unknown and values out of range; `ValueError` for what is no JSON.
     """
-    found: Mapping[str, Any] = json.loads(text)
-    return replace(default, {name.partition(" [")[0]: value for name, value in found.items()})
+    record: Mapping[str, Any] = json.loads(text)
+    return replace(default, {name.partition(" [")[0]: value for name, value in record.items()})
 
 
 def _plain(value: Any, is_number: bool) -> Any:

@@ -73,8 +73,8 @@ def as_unit(value: Any, unit: str) -> Any:
     **Raises:** `InputError` for a list in which some values have a unit and others none.
     """
     if isinstance(value, str):
-        found = _read(value, unit)
-        return found if isinstance(found, float) else value
+        number = _read(value, unit)
+        return number if isinstance(number, float) else value
     if isinstance(value, (list, tuple)) and any(isinstance(entry, str) for entry in value):
         check_units_agree(shown(value), value)
         value = [as_unit(entry, unit) for entry in value]
@@ -107,8 +107,8 @@ def typed_unit(value: Any) -> str:
     if isinstance(value, (list, tuple, Mapping)):
         values = value.values() if isinstance(value, Mapping) else value
         return next(filter(None, map(typed_unit, values)), "")
-    found = _TEXT.fullmatch(value) if isinstance(value, str) else None
-    return found[2].strip() if found else ""
+    match = _TEXT.fullmatch(value) if isinstance(value, str) else None
+    return match[2].strip() if match else ""
 
 
 def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
@@ -160,7 +160,7 @@ def check_units_agree(where: str, values: Sequence[Any], written: Callable[..., 
     **Arguments:** ``where``: the values' name, as shown to the user; ``values``: as typed, numbers or texts;
     ``written``: the whole as it should be typed, from a text for each value; a list of them by default.
     """
-    units = [found[2].strip() for value in values if isinstance(value, str) and (found := _TEXT.fullmatch(value))]
+    units = [match[2].strip() for value in values if isinstance(value, str) and (match := _TEXT.fullmatch(value))]
     if not units:
         return
     read = [as_number(value) for value in values]
@@ -187,24 +187,24 @@ _RANGE = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": Fa
 
 def _read(text: str, unit: str) -> float | str:
     """The number in ``unit`` that a text means, or what is wrong with its unit; "" if it is no number at all."""
-    if (found := _TEXT.fullmatch(text)) is None:
+    if (match := _TEXT.fullmatch(text)) is None:
         return _without_unit(text.strip(), unit)
-    number, symbol = float(found[1]), found[2].strip()
-    wanted = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    number, symbol = float(match[1]), match[2].strip()
+    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
     if unit.endswith("^e"):
-        return f"the unit depends on the exponent; write {wanted} without one"
+        return f"the unit depends on the exponent; write {expected} without one"
     if not _UNIT.fullmatch(symbol) or _POWERS.search(symbol):
-        return f"{shown(symbol)} is not a unit; expected {wanted}"
+        return f"{shown(symbol)} is not a unit; expected {expected}"
     units, target = _registry(), _parsed(unit)
     try:
         given = _parsed(symbol)
     except Exception:  # pint has many, and its tokenizer others
-        return f"{_unknown(symbol)}; expected {wanted}"
+        return f"{_unknown(symbol)}; expected {expected}"
     if given.dimensionality != target.dimensionality:
         kinds = (
             f" is {kind}" for known, kind in KINDS.items() if _parsed(known).dimensionality == given.dimensionality
         )
-        return f"{symbol}{next(kinds, ' does not fit')}, expected {wanted}{_instead(symbol, unit)}"
+        return f"{symbol}{next(kinds, ' does not fit')}, expected {expected}{_instead(symbol, unit)}"
     return float(units.Quantity(number, given).to(target).magnitude)
 
 

@@ -90,7 +90,7 @@ def _run(
     rates = jax.vmap(system.derivative)(log.time, events, _before(log))
     started = (log.kind == Kind.NONE) | (log.kind == Kind.TOUCHDOWN) & (log.time == 0.0)
     rates = jnp.where(started[:, None], 0.0, rates)
-    steps, step_rows = _kept(system, path, log, events, status, options.keep)
+    steps, step_rows = _history(system, path, log, events, status, options.keep)
     result = Result(status, log, steps, solution.stats["num_steps"], path.steps + 1)
     return EventRows(events, rates, step_rows), result
 
@@ -153,7 +153,7 @@ def _before(log: Log) -> Float[Array, "slots contacts"]:
     return jnp.where(its_own, 1.0 - log.active, log.active)
 
 
-def _kept(
+def _history(
     system: HybridSystem,
     path: Path,
     log: Log,

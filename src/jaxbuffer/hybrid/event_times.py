@@ -80,9 +80,10 @@ def _moves(
     def moves_of(entry: _Entry, row: Array, row_move: Array) -> dict[str, Array]:
         def pushed(look: Callable[[HybridSystem, _Entry, Array], Any], move: Array) -> Any:
             of = lambda parameters, row: look(build(*parameters), entry, row)  # noqa: E731
-            seen, moves = eqx.filter_jvp(of, (parameters, row), (parameters_move, move))
+            values, moves = eqx.filter_jvp(of, (parameters, row), (parameters_move, move))
             still = lambda value, move: jnp.zeros_like(value) if move is None else move  # noqa: E731
-            return jax.tree.map(still, seen, moves)  # None where nothing moves: a mechanism that nothing is observed of
+            # A move is None where nothing moves: in a mechanism without observables.
+            return jax.tree.map(still, values, moves)
 
         later = jnp.where(entry.moves, -pushed(_guard, row_move) / entry.guard_rate, 0.0)
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)
@@ -92,8 +93,8 @@ def _moves(
         return {"time": later, "values": values, "guard_rate": unknown, "rows": moved[None], "rates": rate[None]}
 
     entries = _Entry(log.kind, log.which, log.time, log.guard_rate, log.active)
-    found = jax.vmap(moves_of)(entries, rows, rows_move)
-    moves = {name: jnp.where(used.reshape(-1, *[1] * (x.ndim - 1)), x, 0.0) for name, x in found.items()}
+    each = jax.vmap(moves_of)(entries, rows, rows_move)
+    moves = {name: jnp.where(used.reshape(-1, *[1] * (x.ndim - 1)), x, 0.0) for name, x in each.items()}
     latest = moves["time"][jnp.maximum(log.count - 1, 0)]
     unknown = latest * jnp.where(log.overflown, jnp.nan, 0.0)
     missed_values = jnp.broadcast_to(unknown, log.missed_values.shape)

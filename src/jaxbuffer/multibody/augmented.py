@@ -36,9 +36,11 @@ class SparseRows(NamedTuple):
         values: list[Scalar] = []
         pattern = []
         for row in rows:
-            kept = {column: entry for column, entry in row.items() if not (isinstance(entry, float) and entry == 0.0)}
-            pattern.append(tuple((column, len(values) + k) for k, column in enumerate(kept)))
-            values += kept.values()
+            nonzero = {
+                column: entry for column, entry in row.items() if not (isinstance(entry, float) and entry == 0.0)
+            }
+            pattern.append(tuple((column, len(values) + k) for k, column in enumerate(nonzero)))
+            values += nonzero.values()
         return SparseRows(stacked(values) if values else jnp.zeros(0), tuple(pattern))
 
     def times(self, vector: Float[Array, " coordinates"]) -> list[Scalar]:
@@ -72,9 +74,9 @@ class MassMatrix(NamedTuple):
         for columns, rows in blocks:
             indices = []
             for row in rows:
-                kept = [not (isinstance(entry, float) and entry == 0.0) for entry in row]
-                indices.append(tuple(len(values) + sum(kept[:k]) if keep else -1 for k, keep in enumerate(kept)))
-                values += [entry for entry, keep in zip(row, kept, strict=True) if keep]
+                nonzero = [not (isinstance(entry, float) and entry == 0.0) for entry in row]
+                indices.append(tuple(len(values) + sum(nonzero[:k]) if keep else -1 for k, keep in enumerate(nonzero)))
+                values += [entry for entry, keep in zip(row, nonzero, strict=True) if keep]
             layout.append((columns, tuple(indices)))
         return MassMatrix(inverse, stacked(values) if values else jnp.zeros(0), tuple(layout))
 

@@ -28,5 +28,5 @@ def assemble(
         kin = system.kinematics(q, v)
         q = q + system.solve(kin, none, -system.errors(kin))
     kin = system.kinematics(q, v)
-    found = system.constraints(kin)
-    return q, v - system.solve(kin, none, found.rate + jnp.sum(found.jacobian * v[None], axis=-1))
+    constraints = system.constraints(kin)
+    return q, v - system.solve(kin, none, constraints.rate + jnp.sum(constraints.jacobian * v[None], axis=-1))

@@ -15,6 +15,6 @@ PAPERS = {
 
 def paper_named(name: str) -> Paper:
     """The paper of a name in `PAPERS`."""
-    found = importlib.import_module(f".{name}", __name__).PAPER
-    assert isinstance(found, Paper)
-    return found
+    paper = importlib.import_module(f".{name}", __name__).PAPER
+    assert isinstance(paper, Paper)
+    return paper

@@ -120,7 +120,7 @@ def run(
     part: Part, studies: Sequence[Study] | None = None, done: Callable[[str], None] = lambda _: None
 ) -> list[Studied]:
     """Simulate every case of a part's studies (default: all of them); ``done`` hears of each."""
-    found = []
+    results = []
     for study in part.studies if studies is None else studies:
         made: list[Run] = []
         for case in study.cases:
@@ -130,8 +130,8 @@ def run(
         named = (
             {"study": study.name, "case": case.label, "value": case.value, **part.row(case, one)} for case, one in pairs
         )
-        found.append(Studied(study, tuple(made), tuple(named)))
-    return found
+        results.append(Studied(study, tuple(made), tuple(named)))
+    return results
 
 
 def run_paper(paper: Paper, done: Callable[[str], None] = lambda _: None) -> list[Studied]:
@@ -139,9 +139,9 @@ def run_paper(paper: Paper, done: Callable[[str], None] = lambda _: None) -> lis
     return [studied for part in paper.parts for studied in run(part, done=done)]
 
 
-def judged(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dict[str, str]]:
+def verdicts_of(claims: Sequence[Claim], studied: Sequence[Studied]) -> list[dict[str, str]]:
     """Claim by claim: what the text says, what the model says, and whether they agree."""
-    rows = {found.study.name: found.rows for found in studied}
+    rows = {one.study.name: one.rows for one in studied}
     return [
         {"claim": c.claim, "section": c.where, "model": v.said, "verdict": v.verdict}
         for c, v in ((claim, claim.judge(rows)) for claim in claims)

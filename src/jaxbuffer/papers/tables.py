@@ -1,4 +1,4 @@
-"""A paper's numbers and the judged claims as Markdown."""
+"""A paper's numbers and verdicts on its claims as Markdown."""
 
 from collections.abc import Sequence
 
@@ -17,23 +17,23 @@ def claims_table(verdicts: Sequence[dict[str, str]]) -> str:
 def markdown(paper: Paper, studied: Sequence[Studied], verdicts: Sequence[dict[str, str]]) -> str:
     """The whole report."""
     parts = ["# The paper's studies, run again", f"*{paper.title}*", paper.note, "## Claims", claims_table(verdicts)]
-    for found in studied:
-        study = found.study
+    for each in studied:
+        study = each.study
         parts.append(f"## {study.title} (fig. {study.figures})")
         if study.assumed:
             parts.append(f"Assumed: {study.assumed}.")
-        parts.append(_table(paper, found))
+        parts.append(_table(paper, each))
         parts.append(f"![{study.title}]({study.name}.png)")
     return "\n\n".join(parts) + "\n"
 
 
-def _table(paper: Paper, found: Studied) -> str:
-    part = paper.part_of(found.study)
+def _table(paper: Paper, results: Studied) -> str:
+    part = paper.part_of(results.study)
     units = {"case": "", **part.columns}
     shown = ("case", *part.shown)
     heads = [f"{name.replace('_', ' ')} [{unit}]" if (unit := units[name]) else name for name in shown]
     lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    for row in found.rows:
+    for row in results.rows:
         cells = [v if isinstance(v := row[name], str) else f"{v:.5g}" for name in shown]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)

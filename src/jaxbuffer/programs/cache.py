@@ -79,8 +79,8 @@ class _Program(NamedTuple):
 
     def __call__(self, leaves: list[Any], given: list[Any]) -> Any:
         computed = iter(_run(self.parts, given))
-        found = [next(computed) if source is None else leaves[source] for source in self.sources]
-        return jax.tree.unflatten(self.structure, found)
+        leaves_now = [next(computed) if source is None else leaves[source] for source in self.sources]
+        return jax.tree.unflatten(self.structure, leaves_now)
 
 
 class stored(Generic[R]):  # a decorator
@@ -157,8 +157,8 @@ class stored(Generic[R]):  # a decorator
             with said, store.being_loaded(file):
                 parts = [_lowered(part, file, k).compile() for k, part in enumerate(exported)]
                 jax.block_until_ready(_run(parts, given))
-            found = structure.read(description["structure"])
-            return _Program(parts, found, tuple(description["sources"]), description["seconds"])
+            output_structure = structure.read(description["structure"])
+            return _Program(parts, output_structure, tuple(description["sources"]), description["seconds"])
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
             store.remove(file)
@@ -175,18 +175,18 @@ class stored(Generic[R]):  # a decorator
 
         def begun(*arrays: Any) -> list[Any]:
             assert self.first is not None
-            found, structure_found = jax.tree.flatten(self.first(*jax.tree.unflatten(tree, separate(*arrays)[0])))
-            between[:] = [structure_found]
-            return found
+            outputs, output_structure = jax.tree.flatten(self.first(*jax.tree.unflatten(tree, separate(*arrays)[0])))
+            between[:] = [output_structure]
+            return outputs
 
         def flat(*arrays: Any) -> list[Any]:
             leaves, carried = separate(*arrays)
             arguments = [*jax.tree.unflatten(tree, leaves), *(jax.tree.unflatten(it, carried) for it in between)]
-            found, structure_found = jax.tree.flatten(self.last(*arguments))
+            outputs, output_structure = jax.tree.flatten(self.last(*arguments))
             place = {id(leaf): k for k, leaf in enumerate(leaves)}
-            sources = tuple(place.get(id(leaf)) for leaf in found)
-            result[:] = [structure_found, sources]
-            return [leaf for leaf, source in zip(found, sources, strict=True) if source is None]
+            sources = tuple(place.get(id(leaf)) for leaf in outputs)
+            result[:] = [output_structure, sources]
+            return [leaf for leaf, source in zip(outputs, sources, strict=True) if source is None]
 
         begin = time.monotonic()
         with _announced(_expected(self.last.__name__, self.seconds)):
@@ -314,8 +314,8 @@ def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
 
 def _run(parts: Sequence[Compiled], arguments: Sequence[Any]) -> list[Any]:
     """What the functions return: a second part gets the arguments and what the first one found."""
-    found = parts[0](*arguments)
-    return parts[1](*arguments, *found) if len(parts) > 1 else found
+    between = parts[0](*arguments)
+    return parts[1](*arguments, *between) if len(parts) > 1 else between
 
 
 def _of_jax() -> Path | None:

@@ -38,7 +38,7 @@ _WRAPPERS: tuple[tuple[Any, tuple[str, ...]], ...] = (  # of functions, and wher
     (type(jax.jit(lambda: None)), ("__wrapped__",)),
 )
 
-Seen = dict[int, tuple[int, Any]]  # by identity: in which order it came, and the thing itself, which so stays alive
+Visited = dict[int, tuple[int, Any]]  # by identity: in which order it came, and the thing itself, which so stays alive
 
 
 class UserCode(ValueError):
@@ -73,10 +73,10 @@ def known(thing: Any) -> bool:
     module, name = _address(thing)
     if not (isinstance(module, str) and isinstance(name, str) and _known_package(module)):
         return False
-    found: Any = sys.modules.get(module)
+    target: Any = sys.modules.get(module)
     for part in name.split("."):
-        found = getattr(found, part, None)
-    return found is thing
+        target = getattr(target, part, None)
+    return target is thing
 
 
 def label(thing: Any) -> Hashable:
@@ -131,83 +131,83 @@ def _known_package(name: str) -> bool:
 def fingerprint(*things: Any) -> Hashable:
     """A description of classes, functions and values, for this process alone: nested tuples that are equal where the
     things are alike. What cannot be described, such as code of a C extension, is equal to itself."""
-    seen: Seen = {}
-    return tuple(_described(thing, seen) for thing in things)
+    visited: Visited = {}
+    return tuple(_described(thing, visited) for thing in things)
 
 
-def _described(thing: Any, seen: Seen) -> Hashable:  # noqa: PLR0911, PLR0912 # a table of kinds
+def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0912 # a table of kinds
     kind = type(thing)
     if kind in _PLAIN:
         return (kind.__name__, repr(thing))
     if kind is tuple or kind is list:
-        return (kind.__name__, *(_described(part, seen) for part in thing))
-    if id(thing) in seen:  # code refers to its own class, and classes to each other
-        return ("again", seen[id(thing)][0])
-    seen[id(thing)] = (len(seen), thing)
+        return (kind.__name__, *(_described(part, visited) for part in thing))
+    if id(thing) in visited:  # code refers to its own class, and classes to each other
+        return ("again", visited[id(thing)][0])
+    visited[id(thing)] = (len(visited), thing)
     if known(thing):
         return Same(thing)
     if isinstance(thing, type):
-        return _class(thing, seen)
+        return _class(thing, visited)
     if isinstance(thing, types.FunctionType):
-        return _function(thing, seen)
+        return _function(thing, visited)
     if isinstance(thing, (dict, types.MappingProxyType)):
-        return _mapping(thing, seen)
+        return _mapping(thing, visited)
     if isinstance(thing, tuple):
-        return (_described(kind, seen), *(_described(part, seen) for part in thing))
+        return (_described(kind, visited), *(_described(part, visited) for part in thing))
     if isinstance(thing, (set, frozenset)) and all(type(part) in _PLAIN for part in thing):
         return (kind.__name__, *sorted((type(part).__name__, repr(part)) for part in thing))
     if isinstance(thing, enum.Enum):
-        return (_described(kind, seen), thing.name)
+        return (_described(kind, visited), thing.name)
     if isinstance(thing, (eqx.Module, jax.custom_jvp, jax.custom_vjp)):
-        return (_described(kind, seen), *_mapping(vars(thing), seen))
+        return (_described(kind, visited), *_mapping(vars(thing), visited))
     if isinstance(thing, (np.ndarray, np.generic, jax.Array)) and not isinstance(thing, jax.core.Tracer):
         numbers = np.asarray(thing)
         if not numbers.dtype.hasobject:
             return (str(numbers.dtype), numbers.shape, hashlib.sha256(numbers.tobytes()).hexdigest())
     for wrappers, names in _WRAPPERS:
         if isinstance(thing, wrappers):
-            return (kind.__name__, *(_described(getattr(thing, name), seen) for name in names))
+            return (kind.__name__, *(_described(getattr(thing, name), visited) for name in names))
     return Same(thing)
 
 
-def _mapping(mapping: Any, seen: Seen) -> tuple[Hashable, ...]:
-    return tuple((_described(key, seen), _described(value, seen)) for key, value in mapping.items())
+def _mapping(mapping: Any, visited: Visited) -> tuple[Hashable, ...]:
+    return tuple((_described(key, visited), _described(value, visited)) for key, value in mapping.items())
 
 
-def _class(cls: type, seen: Seen) -> tuple[Hashable, ...]:
+def _class(cls: type, visited: Visited) -> tuple[Hashable, ...]:
     fields = [
-        (field.name, _described(dict(field.metadata), seen), _described(field.default_factory, seen))
+        (field.name, _described(dict(field.metadata), visited), _described(field.default_factory, visited))
         for field in getattr(cls, "__dataclass_fields__", {}).values()
     ]
     own = {name: value for name, value in vars(cls).items() if name not in _MADE}
-    above = (_described(base, seen) for base in (type(cls), *cls.__bases__))
-    return (f"{cls.__module__}.{cls.__qualname__}", *above, *fields, *_mapping(own, seen))
+    above = (_described(base, visited) for base in (type(cls), *cls.__bases__))
+    return (f"{cls.__module__}.{cls.__qualname__}", *above, *fields, *_mapping(own, visited))
 
 
-def _function(function: types.FunctionType, seen: Seen) -> tuple[Hashable, ...]:
+def _function(function: types.FunctionType, visited: Visited) -> tuple[Hashable, ...]:
     """The code, and all that it reads: defaults, variables around it, globals and modules that it imports by name."""
     code = function.__code__
     names = _names(code)
     reads = {name: function.__globals__.get(name, sys.modules.get(name)) for name in sorted(names)}
     return (
         _code(code),
-        *(_described(part, seen) for part in (function.__defaults__, function.__kwdefaults__, function.__dict__)),
-        tuple(_cell(cell, seen) for cell in function.__closure__ or ()),
-        tuple((name, _global(value, names, seen)) for name, value in reads.items() if value is not None),
+        *(_described(part, visited) for part in (function.__defaults__, function.__kwdefaults__, function.__dict__)),
+        tuple(_cell(cell, visited) for cell in function.__closure__ or ()),
+        tuple((name, _global(value, names, visited)) for name, value in reads.items() if value is not None),
     )
 
 
-def _global(value: Any, names: frozenset[str], seen: Seen) -> Hashable:
+def _global(value: Any, names: frozenset[str], visited: Visited) -> Hashable:
     """What a global stands for; of a module of the user's, the attributes that the code names."""
     if not isinstance(value, types.ModuleType) or known(value):
-        return _described(value, seen)
+        return _described(value, visited)
     used = {name: vars(value)[name] for name in sorted(names) if name in vars(value)}
-    return ("module", value.__name__, *_mapping(used, seen))
+    return ("module", value.__name__, *_mapping(used, visited))
 
 
-def _cell(cell: types.CellType, seen: Seen) -> Hashable:
+def _cell(cell: types.CellType, visited: Visited) -> Hashable:
     try:
-        return _described(cell.cell_contents, seen)
+        return _described(cell.cell_contents, visited)
     except ValueError:  # not filled yet
         return "empty"
 

@@ -53,7 +53,7 @@ UNSUITABLE: dict[str, tuple[tuple[object, ...], str]] = {
 }
 """JAX's switches that jaxbuffer cannot work with: the values, and why."""
 
-_told = False  # of slow loops
+_warned = False  # of slow loops
 _forked = False  # after JAX's backend had started
 
 
@@ -82,7 +82,7 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     flags = os.environ.get("XLA_FLAGS", "")
     if THRESHOLD not in flags:
         if backend_is_up():
-            told_of_slow_loops()
+            warned_of_slow_loops()
             warnings.warn(
                 "jaxbuffer.configure() came after JAX's backend started: loops stay about ten times slower. "
                 "Call it before the first JAX computation.",
@@ -127,10 +127,10 @@ def _flags(present: str) -> list[str]:
     return [ONE_KERNEL + SHORT_LOOPS, *others]
 
 
-def told_of_slow_loops() -> bool:
+def warned_of_slow_loops() -> bool:
     """Whether the user was told of slow loops before; from now on, yes."""
-    global _told  # once per process
-    before, _told = _told, True
+    global _warned  # once per process
+    before, _warned = _warned, True
     return before
 
 
@@ -154,7 +154,7 @@ def check_ready() -> None:
         )
     _check_switches()
     backend = _backend()
-    if told_of_slow_loops():
+    if warned_of_slow_loops():
         return
     if backend == "cpu" and not one_kernel():
         warnings.warn(
@@ -173,10 +173,10 @@ def _check_switches() -> None:
         value = getattr(jax.config, name)
         value = getattr(value, "value", value)  # of an enumeration
         if value in values:
-            wanted = "False" if value is True else {"strict": "'standard'"}.get(value, "'allow'")
+            remedy = "False" if value is True else {"strict": "'standard'"}.get(value, "'allow'")
             raise InputError(
                 f"{name.upper()}={value}: jaxbuffer cannot work with this switch of JAX, because {why};"
-                f" take it out of the environment, or call jax.config.update({name!r}, {wanted})"
+                f" take it out of the environment, or call jax.config.update({name!r}, {remedy})"
             )
 
 

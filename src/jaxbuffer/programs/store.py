@@ -84,21 +84,21 @@ def _make(folder: Path) -> None:
         place.mkdir(mode=0o700, exist_ok=True)
 
 
-def _wrong(folder: Path, found: os.stat_result) -> str:
-    if not stat.S_ISDIR(found.st_mode):
+def _wrong(folder: Path, status: os.stat_result) -> str:
+    if not stat.S_ISDIR(status.st_mode):
         return f"{folder} is not a folder; set JAXBUFFER_CACHE to one"
-    if found.st_uid != os.getuid():
+    if status.st_uid != os.getuid():
         return f"{folder} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
-    if found.st_mode & OTHERS:
+    if status.st_mode & OTHERS:
         return f"others may write to {folder}; once you trust what is in it: chmod 700 '{folder}'"
     return ""
 
 
-def _replaceable(parent: Path, found: os.stat_result) -> str:
+def _replaceable(parent: Path, status: os.stat_result) -> str:
     """What lets others put another folder in the place of one in here: in a sticky one (/tmp) they can't."""
-    if found.st_uid not in (0, os.getuid()):
+    if status.st_uid not in (0, os.getuid()):
         return f"{parent} belongs to another user; set JAXBUFFER_CACHE to a folder of your own"
-    if found.st_mode & OTHERS and not found.st_mode & stat.S_ISVTX:
+    if status.st_mode & OTHERS and not status.st_mode & stat.S_ISVTX:
         return f"others may write to {parent}: chmod go-w '{parent}', or set JAXBUFFER_CACHE to another folder"
     return ""
 
@@ -144,15 +144,15 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
         _log.info("%s is not a whole program of this format", file)
         remove(file)
         return None
-    found, compiled = json.loads(body), compiled_from(file, of_jax)
-    if found["compiled"] != _checksums(compiled):
+    record, compiled = json.loads(body), compiled_from(file, of_jax)
+    if record["compiled"] != _checksums(compiled):
         _log.info("what was compiled from %s has changed", file)
         remove(file)
         return None
     for path in (file, *compiled):
         with contextlib.suppress(OSError):
             path.touch()
-    return Stored(found["description"], [base64.b64decode(program) for program in found["exported"]])
+    return Stored(record["description"], [base64.b64decode(program) for program in record["exported"]])
 
 
 def remove(*paths: Path) -> None:

@@ -78,12 +78,12 @@ def _our_class(name: str) -> type:
     if name in _BUILT_IN:
         return _BUILT_IN[name]
     module, _, path = name.partition(":")
-    found: Any = importlib.import_module(module) if module.split(".")[0] in identity.OURS else None
+    target: Any = importlib.import_module(module) if module.split(".")[0] in identity.OURS else None
     for part in path.split("."):
-        found = getattr(found, part, None)
-    if not (isinstance(found, type) and issubclass(found, (eqx.Module, tuple))):
+        target = getattr(target, part, None)
+    if not (isinstance(target, type) and issubclass(target, (eqx.Module, tuple))):
         raise CannotSay(f"{name} is not a class of this package")
-    return found
+    return target
 
 
 def _plain(value: Any) -> Any:

@@ -33,19 +33,19 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     mass = system.mass
     weight = mass * system.gravity[None]
     constant = weight if system.load is None else weight + system.load
-    residual = constant - sum((found.forces for found in resistances), jnp.zeros_like(positions))
+    residual = constant - sum((part.forces for part in resistances), jnp.zeros_like(positions))
     if (liquid := system.liquid) is not None:
         whole = state.pressure if system.static_pressure is None else state.pressure + system.static_pressure
         residual = residual + liquid.push(whole, len(positions))
     layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
-    pressing = sum((found.nodes for found in layers), jnp.zeros_like(positions))
+    pressing = sum((forces.nodes for forces in layers), jnp.zeros_like(positions))
     contacts = []
     for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
-        found = contact_forces(
+        forces = contact_forces(
             contact, positions, state.velocity, residual + pressing, inverse_mass, step, candidates, before
         )
-        contacts.append(found)
-        pressing = pressing + found.nodes
+        contacts.append(forces)
+        pressing = pressing + forces.nodes
     acceleration = inverse_mass * (residual + pressing)
     velocity = state.velocity + step * acceleration
     between = 0.5 * (state.velocity + velocity)
@@ -69,11 +69,11 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         state.time + step,
         state.displacement + step * velocity,
         velocity,
-        tuple(found.history for found in resistances),
+        tuple(part.history for part in resistances),
         pressure,
         rate,
         impulse,
-        tuple(found.over_step for found in contacts),
+        tuple(forces.over_step for forces in contacts),
         state.contact_work - step * jnp.sum(pressing * between),
         state.released + _sum(resistances, "released"),
     )
@@ -82,7 +82,7 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
 
 def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:
     """Of all groups of elements."""
-    return sum((getattr(found, name) for found in resistances), jnp.zeros(()))
+    return sum((getattr(part, name) for part in resistances), jnp.zeros(()))
 
 
 def _liquid_energy(system: System, state: State, impulse: Array) -> Float[Array, ""]:
@@ -99,10 +99,10 @@ def march(
     start: State,
     step: Scalar,
     blocks: Int[Array, ""] | int,
-    see: Callable[[T, Instant], T],
-    seen: T,
+    observe: Callable[[T, Instant], T],
+    observations: T,
     *,
-    until: Callable[[T], Bool[Array, ""]] = lambda seen: jnp.asarray(False),
+    until: Callable[[T], Bool[Array, ""]] = lambda observations: jnp.asarray(False),
     backwards: bool = False,
 ) -> tuple[State, T]:
     """Many steps.
@@ -112,34 +112,35 @@ def march(
     - ``system``, ``start``: what moves, and from where.
     - ``step``: [s], below `System.stable_step`.
     - ``blocks``: how many blocks of steps.
-    - ``see``: (what is seen so far, an instant) → what is seen from now on; ``seen``: at first.
-    - ``until``: (what is seen) → whether that is enough; asked after each block.
+    - ``observe``: (observations so far, an instant) → observations with those of the instant; ``observations``: the
+      first ones.
+    - ``until``: (observations) → whether they are enough; called after each block.
     - ``backwards``: whether reverse derivatives will be asked for, and no forward ones. States are then kept between
       blocks, all of them up to `KEPT` blocks, and within a block before each step; the steps are taken again.
 
-    **Returns:** the state after the last step, and what was seen. A state that is not finite ends the loop.
+    **Returns:** the state after the last step, and the observations. A state that is not finite ends the loop.
     """
 
     def one(carry: tuple[State, T], near: Near) -> tuple[State, T]:
-        state, seen = carry
+        state, observations = carry
         after, instant = advance(system, state, step, near)
-        return after, see(seen, instant)
+        return after, observe(observations, instant)
 
     again = jax.checkpoint(one) if backwards else one
 
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
-        done, state, seen = carry
+        done, state, observations = carry
         near = jax.lax.stop_gradient(system.search(state.displacement))
-        state, seen = jax.lax.scan(lambda c, _: (again(c, near), None), (state, seen), length=BLOCK)[0]
-        return done + 1, state, seen
+        state, observations = jax.lax.scan(lambda c, _: (again(c, near), None), (state, observations), length=BLOCK)[0]
+        return done + 1, state, observations
 
     def going(carry: tuple[Array, State, T]) -> Array:
-        done, state, seen = carry
-        return (done < blocks) & jnp.all(jnp.isfinite(state.displacement)) & ~until(seen)
+        done, state, observations = carry
+        return (done < blocks) & jnp.all(jnp.isfinite(state.displacement)) & ~until(observations)
 
-    first: Any = (jnp.asarray(0), start, seen)
+    first: Any = (jnp.asarray(0), start, observations)
     if backwards:
-        _, state, seen = eqxi.while_loop(going, body, first, kind="checkpointed", checkpoints=KEPT)
+        _, state, observations = eqxi.while_loop(going, body, first, kind="checkpointed", checkpoints=KEPT)
     else:
-        _, state, seen = jax.lax.while_loop(going, body, first)
-    return state, seen
+        _, state, observations = jax.lax.while_loop(going, body, first)
+    return state, observations

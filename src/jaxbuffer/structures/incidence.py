@@ -25,7 +25,7 @@ class Incidence(NamedTuple):
         for place, node in enumerate(corners.ravel()):
             meeting[node].append(place)
         most = max([1, *map(len, meeting)])
-        places = np.array([[*found, *[corners.size] * (most - len(found))] for found in meeting], int)
+        places = np.array([[*group, *[corners.size] * (most - len(group))] for group in meeting], int)
         return Incidence(corners, places.reshape(nodes, most))
 
     def to_corners(self, values: Float[Array, "nodes *rest"]) -> Float[Array, "elements corners *rest"]:

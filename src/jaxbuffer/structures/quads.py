@@ -146,5 +146,5 @@ def nodal_forces(
     **Returns:** forces (elements, 4, 2) [N per metre of depth], and that.
     """
     strain, pull_back = jax.vjp(lambda u: quads.strains(u, coupling), displacements)
-    stress, found = stress_of(strain)
-    return pull_back(stress * quads.weight[..., None])[0], found
+    stress, answer = stress_of(strain)
+    return pull_back(stress * quads.weight[..., None])[0], answer

@@ -68,19 +68,19 @@ class Plane(eqx.Module):
 
         def stress_of(strain: Array) -> tuple[Array, Stressed]:
             strain = strain if flowed is None else strain + self.quads.varying(flowed)
-            found = self.material.answer(strain, history)
-            return alive[:, None, None] * found.stress[..., :3], found
+            answer = self.material.answer(strain, history)
+            return alive[:, None, None] * answer.stress[..., :3], answer
 
-        forces, found = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
+        forces, answer = nodal_forces(self.quads, here, self.material.coupling(), stress_of)
         since = History(
-            *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(found.history, history, strict=True))
+            *(jnp.where(_beside(alive, new) > 0.0, new, old) for new, old in zip(answer.history, history, strict=True))
         )
         lost = alive * jnp.all(self.material.failed(since), axis=1)
-        energy = jnp.sum(self.quads.weight * found.stored, axis=1)
+        energy = jnp.sum(self.quads.weight * answer.stored, axis=1)
         return Resistance(
             self.quads.incidence.to_nodes(forces),
             since,
-            alive[:, None, None] * found.stress,
+            alive[:, None, None] * answer.stress,
             jnp.sum(alive * energy),
             jnp.sum(self.quads.weight * self.material.plastic_work(since)),
             jnp.sum(lost * energy),

@@ -84,19 +84,19 @@ def depth_at(function: Callable[[Values], Values], value: Scalar) -> Scalar:
 
     Found by bisection, differentiable by the step of Newton's method at its end.
     """
-    wanted = jnp.asarray(value, float)
+    target = jnp.asarray(value, float)
 
     def halved(_: int, bracket: tuple[Values, Values]) -> tuple[Values, Values]:
         low, high = bracket
         middle = jnp.sqrt(low * high)
-        shallow = function(middle) < wanted
+        shallow = function(middle) < target
         return jnp.where(shallow, middle, low), jnp.where(shallow, high, middle)
 
-    ends = (jnp.full_like(wanted, 1e-15), jnp.full_like(wanted, 10.0))
-    found = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
-    reached, slope = jax.jvp(function, (found,), (jnp.ones_like(found),))
+    ends = (jnp.full_like(target, 1e-15), jnp.full_like(target, 10.0))
+    depth = jax.lax.stop_gradient(jax.lax.fori_loop(0, 60, halved, ends)[1])
+    reached, slope = jax.jvp(function, (depth,), (jnp.ones_like(depth),))
     steep = jnp.where(slope > 0.0, jax.lax.stop_gradient(slope), 1.0)
-    return jnp.where(wanted > 0.0, found - (reached - wanted) / steep, 0.0)
+    return jnp.where(target > 0.0, depth - (reached - target) / steep, 0.0)
 
 
 def power(penetration: Values, exponent: Scalar) -> Values:

@@ -90,11 +90,11 @@ class Liu(PinInHoleLaw):
     def _inverse(self, function, slope, value: Scalar, unit: Scalar, exponent: float) -> Scalar:
         """Where a ``function`` of δ that begins as ``unit`` times (δ/ΔR)^exponent takes a ``value`` [m]."""
         positive = jnp.asarray(value, float) > 0.0
-        wanted = jnp.where(positive, value, unit)
-        depth = self.clearance * (wanted / unit) ** (1.0 / exponent)
+        target = jnp.where(positive, value, unit)
+        depth = self.clearance * (target / unit) ** (1.0 / exponent)
         for _ in range(STEPS):
             reached = function(depth)
-            depth = depth * (wanted / reached) ** (reached / (depth * slope(depth)))
+            depth = depth * (target / reached) ** (reached / (depth * slope(depth)))
         return jnp.where(positive, depth, 0.0)
 
 

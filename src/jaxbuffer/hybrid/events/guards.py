@@ -108,9 +108,7 @@ def observe(system: HybridSystem, state: Array, rate: Array, second: Array, acti
     """Guards and observables with their rates, from the state and its first and ``second`` derivative. Where the second
     one is not known (zeros: see `near_largest`), observables of the state's rate count as rising."""
     look = lambda y, r: system.watched(y, r, active)  # noqa: E731
-    seen, moves = jax.jvp(look, (state, rate), (rate, second))
+    at, moves = jax.jvp(look, (state, rate), (rate, second))
     of_rate = jnp.asarray(system.rate_observables(), bool)
     value_rate = jnp.where(of_rate & ~jnp.any(second != 0.0), RISING, moves.value)
-    return Guards(
-        seen.gap, seen.gap_rate, moves.gap_rate, seen.terminal, moves.terminal, seen.value, value_rate, *seen.invariant
-    )
+    return Guards(at.gap, at.gap_rate, moves.gap_rate, at.terminal, moves.terminal, at.value, value_rate, *at.invariant)

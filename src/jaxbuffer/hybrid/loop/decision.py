@@ -97,9 +97,9 @@ def _next_bracket(
 ) -> Bracket:
     """The bracket to go on with: of the event that was found, of the one being located, or none."""
     tries = jnp.where(state.locating, state.bracket.tries + 1, 0)
-    found = Bracket.around(crossing, signed(before, state.active).value, tries)
+    around = Bracket.around(crossing, signed(before, state.active).value, tries)
     located = where(outcome == Outcome.REFINE, refinement.bracket, Bracket.none())
-    located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), found, located)
+    located = where((outcome == Outcome.LOCATE) | (outcome == Outcome.LOOK_BACK), around, located)
     again = state.bracket._replace(converged=refinement.converged)
     return where(outcome == Outcome.RETAKE, again, located)
 

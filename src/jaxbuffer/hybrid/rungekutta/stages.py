@@ -33,10 +33,10 @@ class SecondDerivative(NamedTuple):
     It comes from two more evaluations of the field, ``spacing`` after and before the end along the tangent: two stages
     more, where a push-forward of the field would be compiled anew (a fifth of a capture's compilation).
 
-    ``wanted``: (state, its derivative) at the step's end → whether; ``spacing`` [s].
+    ``needed``: (state, its derivative) at the step's end → whether; ``spacing`` [s].
     """
 
-    wanted: Callable[[State, State], Bool[Array, ""]]
+    needed: Callable[[State, State], Bool[Array, ""]]
     spacing: Float[Array, ""]
 
 
@@ -65,7 +65,7 @@ class _StageState(NamedTuple):
     ``stage`` that is being solved for; ``iterations`` of Newton's method in it so far; ``known``: the start plus the
     weighted sum of the earlier slopes; ``increment``: the guess of what this stage adds to that; ``slopes`` so far,
     each times dt/dx but the last stage's (and, after it, those on either side of the step's end); ``unconverged``: the
-    change over what is allowed where an implicit stage was given up; ``wanted``: number of stages to evaluate.
+    change over what is allowed where an implicit stage was given up; ``needed``: number of stages to evaluate.
     """
 
     stage: Int[Array, ""]
@@ -74,7 +74,7 @@ class _StageState(NamedTuple):
     increment: Columns
     slopes: Float[Array, "stages state columns"]
     unconverged: Float[Array, ""]
-    wanted: Int[Array, ""]
+    needed: Int[Array, ""]
 
 
 def take_step(
@@ -113,9 +113,9 @@ def take_step(
         increment=method.gamma * slopes[0],
         slopes=slopes,
         unconverged=jnp.zeros(()),
-        wanted=stages.count,
+        needed=stages.count,
     )
-    s = lax.while_loop(lambda s: s.stage < s.wanted, stages.iterate, s)
+    s = lax.while_loop(lambda s: s.stage < s.needed, stages.iterate, s)
     return Step(
         end=s.known,
         error=stages.error(s),
@@ -210,7 +210,7 @@ class _Stages:
         if self.second is None:
             return jnp.zeros_like(self.columns)
         after, before = (lax.dynamic_index_in_dim(s.slopes, self.count + k, keepdims=False) for k in range(2))
-        return jnp.where(s.wanted > self.count, (after - before) / (2.0 * self.second.spacing), 0.0)
+        return jnp.where(s.needed > self.count, (after - before) / (2.0 * self.second.spacing), 0.0)
 
     def iterate(self, s: _StageState) -> _StageState:
         """Evaluate the field once: all of an explicit stage, one iteration of Newton's method in an implicit one."""
@@ -220,7 +220,7 @@ class _Stages:
         done = converged | (s.iterations >= MAX_ITERATIONS)
         failed = done & ~converged
         slopes = put(s.slopes, gain, s.stage, 0)
-        increment, wanted = self._next_increment(s, slope, gain)
+        increment, needed = self._next_increment(s, slope, gain)
         return _StageState(
             stage=jnp.where(failed, self.count, s.stage + done),
             iterations=jnp.where(done, 0, s.iterations + 1),
@@ -228,7 +228,7 @@ class _Stages:
             increment=jnp.where(done, increment, s.increment + change),
             slopes=slopes,
             unconverged=jnp.where(failed, size / CONVERGED, s.unconverged),
-            wanted=wanted,
+            needed=needed,
         )
 
     def _newton_iteration(self, s: _StageState, slope: Columns) -> tuple[Columns, Columns, Float[Array, ""]]:
@@ -253,10 +253,10 @@ class _Stages:
         """The first guess of the next stage's increment, and the number of stages wanted, which the last one knows."""
         increment = jnp.where(s.stage < self.last - 1, self.method.gamma, 0.0) * gain
         if self.second is None:
-            return increment, s.wanted
+            return increment, s.needed
         beside = jnp.where(s.stage == self.last, self.second.spacing * slope, -s.increment)
-        wanted = (s.stage == self.last) & self.second.wanted(s.known[:, 0], slope[:, 0])
-        return jnp.where(s.stage < self.last, increment, beside), jnp.where(wanted, self.count + 2, s.wanted)
+        needed = (s.stage == self.last) & self.second.needed(s.known[:, 0], slope[:, 0])
+        return jnp.where(s.stage < self.last, increment, beside), jnp.where(needed, self.count + 2, s.needed)
 
 
 def _weighted(weights: Array | np.ndarray, i: Int[Array, ""] | int, slopes: Array) -> Columns:

@@ -103,8 +103,8 @@ def push_through_assembly(
     moving = [i for i, depends in enumerate(_depending(numbers, values)) if depends]
 
     def pick(values: list[Array]) -> list[Array]:
-        found = numbers(values)
-        return [found[i] for i in moving]
+        picked = numbers(values)
+        return [picked[i] for i in moving]
 
     pushed = jax.vmap(lambda direction: jax.jvp(pick, (values,), (direction,))[1])(directions)
 

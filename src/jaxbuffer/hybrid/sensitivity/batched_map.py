@@ -53,10 +53,10 @@ def on_columns(linear: Callable[..., Array], *examples: Any) -> Callable[..., Fl
 
 def _needed(results: Iterable[Vertex]) -> list[Vertex]:
     """The results and all that they are made from, sources first."""
-    found, stack = set[Vertex](), list(results)
+    needed, stack = set[Vertex](), list(results)
     while stack:
         vertex = stack.pop()
-        if vertex not in found:
-            found.add(vertex)
+        if vertex not in needed:
+            needed.add(vertex)
             stack += vertex.sources
-    return sorted(found, key=lambda vertex: vertex.number)
+    return sorted(needed, key=lambda vertex: vertex.number)

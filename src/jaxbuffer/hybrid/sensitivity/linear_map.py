@@ -29,10 +29,10 @@ def read(linear: Callable[..., Array], *examples: Any) -> tuple[list[np.ndarray]
 
 
 def _vertices(shape: tuple[int, ...]) -> np.ndarray:
-    found = np.empty(shape, dtype=object)
+    vertices = np.empty(shape, dtype=object)
     for index in np.ndindex(*shape):
-        found[index] = Vertex()
-    return found
+        vertices[index] = Vertex()
+    return vertices
 
 
 def _is_linear(value: Any) -> bool:
@@ -48,35 +48,35 @@ def _traced(jaxpr: Any, consts: Sequence[Any], arguments: Sequence[Any]) -> list
         shape = equation.outvars[0].aval.shape
         inner = equation.params.get("jaxpr") or equation.params.get("call_jaxpr")
         if not any(map(_is_linear, given)):
-            found = equation.primitive.bind(*given, **equation.params)
-            found = found if equation.primitive.multiple_results else [found]
+            outputs = equation.primitive.bind(*given, **equation.params)
+            outputs = outputs if equation.primitive.multiple_results else [outputs]
         elif inner is not None and name in CALLS:
-            found = _traced(inner.jaxpr, inner.consts, given)
+            outputs = _traced(inner.jaxpr, inner.consts, given)
         elif name in MOVES:
-            found = [MOVES[name](given[0], shape, equation.params)]
+            outputs = [MOVES[name](given[0], shape, equation.params)]
         elif name in OPERATIONS:
-            found = [OPERATIONS[name](given, shape, equation.params)]
+            outputs = [OPERATIONS[name](given, shape, equation.params)]
         else:
             raise Unsupported(name)
-        values.update(zip(equation.outvars, found, strict=True))
+        values.update(zip(equation.outvars, outputs, strict=True))
     return [value(x) for x in jaxpr.outvars]
 
 
 def _each(function: Callable[..., Vertex | None], shape: tuple[int, ...], *arrays: np.ndarray) -> np.ndarray:
-    found = np.empty(shape, dtype=object)
+    results = np.empty(shape, dtype=object)
     spread = [np.broadcast_to(array, shape) for array in arrays]
     for index in np.ndindex(*shape):
-        found[index] = function(*(array[index] for array in spread))
-    return found
+        results[index] = function(*(array[index] for array in spread))
+    return results
 
 
 def _elements(value: Any) -> np.ndarray:
     """A coefficient array's numbers; those that are known when tracing stay Python numbers."""
     known = isinstance(value, (np.ndarray, np.generic, float, int))
-    found = np.empty(np.shape(value), dtype=object)
-    for index in np.ndindex(*found.shape):
-        found[index] = float(np.asarray(value)[index]) if known else value[index] if index else value
-    return found
+    elements = np.empty(np.shape(value), dtype=object)
+    for index in np.ndindex(*elements.shape):
+        elements[index] = float(np.asarray(value)[index]) if known else value[index] if index else value
+    return elements
 
 
 def _times(vertex: Vertex | None, coefficient: Coefficient) -> Vertex | None:

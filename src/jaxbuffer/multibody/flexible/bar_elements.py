@@ -83,6 +83,6 @@ def _polynomials(table: np.ndarray, elements: int, stations: Stations, derivativ
 
 def _scattered(first: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
     """(stations, size): each row's values, from its column ``first`` on."""
-    found = np.zeros((values.shape[0], size))
-    np.put_along_axis(found, first[:, None] + np.arange(values.shape[1])[None, :], values, axis=1)
-    return found
+    full = np.zeros((values.shape[0], size))
+    np.put_along_axis(full, first[:, None] + np.arange(values.shape[1])[None, :], values, axis=1)
+    return full

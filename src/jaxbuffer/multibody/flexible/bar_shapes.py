@@ -121,10 +121,10 @@ def cantilever_shapes(interior: int, axial_interior: int | None) -> BarShapes:
     """
     elements = _elements(interior)
     mass, stiffness = bending_matrices(elements)
-    lateral = _held(mass, stiffness, 2, [2 * elements - 2, 2 * elements - 1], interior)
+    lateral = _reduced(mass, stiffness, 2, [2 * elements - 2, 2 * elements - 1], interior)
     if axial_interior is None:
         return _of_elements(elements, lateral, None)
-    return _of_elements(elements, lateral, _held(*axial_matrices(elements), 1, [2 * elements - 1], axial_interior))
+    return _of_elements(elements, lateral, _reduced(*axial_matrices(elements), 1, [2 * elements - 1], axial_interior))
 
 
 @cache
@@ -186,9 +186,9 @@ def _elements(interior: int) -> int:
     return max(ELEMENTS, 6 * interior)
 
 
-def _held(mass: np.ndarray, stiffness: np.ndarray, fixed: int, kept: list[int], interior: int) -> np.ndarray:
-    """(unknowns, modes) modes of elements whose first ``fixed`` unknowns are held; ``kept`` counts without those."""
-    reduction = craig_bampton(mass[fixed:, fixed:], stiffness[fixed:, fixed:], kept, interior)
+def _reduced(mass: np.ndarray, stiffness: np.ndarray, fixed: int, interface: list[int], interior: int) -> np.ndarray:
+    """(unknowns, modes) modes of elements whose first ``fixed`` unknowns are fixed; ``interface`` counts the others."""
+    reduction = craig_bampton(mass[fixed:, fixed:], stiffness[fixed:, fixed:], interface, interior)
     shapes = uncoupled(reduction).shapes
     return np.concatenate([np.zeros((fixed, shapes.shape[1])), shapes])
 

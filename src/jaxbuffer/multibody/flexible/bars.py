@@ -119,5 +119,5 @@ def pinned_bar(bar: Bar, modes: int = 2, axial_nodes: bool = False, *, damping_r
     (4, 0.075552, 203.19)
     """
     shapes = sine_shapes(modes, axial_nodes)
-    found = with_damping_ratio(component_modes(bar, shapes, 0.5), damping_ratio)
-    return FlexibleBar(bar, found, 0.5, shapes)
+    damped = with_damping_ratio(component_modes(bar, shapes, 0.5), damping_ratio)
+    return FlexibleBar(bar, damped, 0.5, shapes)

@@ -43,19 +43,19 @@ def craig_bampton(mass: Any, stiffness: Any, interface: Any, modes: int) -> Redu
     - ``modes``: number of fixed-interface modes.
     """
     size = mass.shape[0]
-    kept = np.asarray(interface, int)
-    inner = np.setdiff1d(np.arange(size), kept)
+    outer = np.asarray(interface, int)
+    inner = np.setdiff1d(np.arange(size), outer)
     if not 0 <= modes <= inner.size:
         raise ValueError(f"modes: {modes} is not between 0 and the {inner.size} unknowns inside the interface")
     mass, stiffness = _as_treated(mass), _as_treated(stiffness)
-    basis = np.zeros((size, kept.size + modes))
-    basis[kept, np.arange(kept.size)] = 1.0
-    coupled = stiffness[inner][:, kept]
+    basis = np.zeros((size, outer.size + modes))
+    basis[outer, np.arange(outer.size)] = 1.0
+    coupled = stiffness[inner][:, outer]
     inside = stiffness[inner][:, inner]
-    if kept.size and inner.size:
-        basis[inner, : kept.size] = -_solve(inside, coupled if isinstance(coupled, np.ndarray) else coupled.toarray())
+    if outer.size and inner.size:
+        basis[inner, : outer.size] = -_solve(inside, coupled if isinstance(coupled, np.ndarray) else coupled.toarray())
     if modes:
-        basis[inner, kept.size :] = _lowest(mass[inner][:, inner], inside, modes)
+        basis[inner, outer.size :] = _lowest(mass[inner][:, inner], inside, modes)
     return Reduction(basis, *(_symmetric(basis.T @ (matrix @ basis)) for matrix in (mass, stiffness)))
 
 
@@ -75,10 +75,10 @@ def uncoupled(reduction: Reduction, momenta: np.ndarray | None = None) -> Modes:
         rest = complete[:, momenta.shape[1] :]
         basis, mass, stiffness = basis @ rest, _symmetric(rest.T @ mass @ rest), _symmetric(rest.T @ stiffness @ rest)
     eigenvalues, shapes = eigh(stiffness, mass)
-    found = basis @ shapes
-    large = np.abs(found) >= 0.4 * np.abs(found).max(axis=0, keepdims=True)
-    signs = np.sign(found[np.argmax(large, axis=0), np.arange(found.shape[1])])  # of the first large displacement
-    return Modes(eigenvalues, found * signs[None, :])
+    physical = basis @ shapes
+    large = np.abs(physical) >= 0.4 * np.abs(physical).max(axis=0, keepdims=True)
+    signs = np.sign(physical[np.argmax(large, axis=0), np.arange(physical.shape[1])])  # of the first large displacement
+    return Modes(eigenvalues, physical * signs[None, :])
 
 
 def _lowest(mass: Any, stiffness: Any, modes: int) -> np.ndarray:

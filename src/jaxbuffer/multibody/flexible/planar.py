@@ -104,14 +104,14 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
     rigid = np.stack([ones, other, _turned(arms)], axis=1)
     tie, points = _tied(places, centre, attachments)
     reduction = craig_bampton(tie.T @ mass @ tie, tie.T @ stiffness @ tie, range(3 * len(attachments)), interior)
-    found = uncoupled(reduction, tie.T @ (mass @ rigid))
-    motions = np.sqrt(area) * found.shapes[: 3 * len(attachments)].reshape(len(attachments), 3, -1)
-    shapes = np.sqrt(area) * (tie @ found.shapes)
+    modes = uncoupled(reduction, tie.T @ (mass @ rigid))
+    motions = np.sqrt(area) * modes.shapes[: 3 * len(attachments)].reshape(len(attachments), 3, -1)
+    shapes = np.sqrt(area) * (tie @ modes.shapes)
     return PlanarModes(
         area=area,
         inertia=float(arms @ mass @ arms),
         centre=centre,
-        eigenvalues=found.eigenvalues,
+        eigenvalues=modes.eigenvalues,
         radial=shapes.T @ (mass @ arms),
         gyroscopic=-shapes.T @ (mass @ _turned(shapes)),
         points=points,
@@ -154,11 +154,11 @@ def _tied(places: np.ndarray, centre: np.ndarray, attachments: Sequence[Attachme
             raise ValueError(f"attachments[{which}]: its nodes are {'shared' if nodes.any() else 'none'}")
         owner[nodes] = which
     points = np.array([attachment.point for attachment in attachments], float)
-    held, free = np.flatnonzero(owner >= 0), np.flatnonzero(owner < 0)
-    arms, first, ones = places[:, held] - points[owner[held]].T, 3 * owner[held], np.ones(held.size)
-    kept = 3 * len(attachments)
-    inner, own = np.stack([2 * free, 2 * free + 1], 1).ravel(), kept + np.arange(2 * free.size)
-    rows = np.concatenate([2 * held, 2 * held, 2 * held + 1, 2 * held + 1, inner])
+    tied, free = np.flatnonzero(owner >= 0), np.flatnonzero(owner < 0)
+    arms, first, ones = places[:, tied] - points[owner[tied]].T, 3 * owner[tied], np.ones(tied.size)
+    unknowns = 3 * len(attachments)
+    inner, own = np.stack([2 * free, 2 * free + 1], 1).ravel(), unknowns + np.arange(2 * free.size)
+    rows = np.concatenate([2 * tied, 2 * tied, 2 * tied + 1, 2 * tied + 1, inner])
     columns = np.concatenate([first, first + 2, first + 1, first + 2, own])
     values = np.concatenate([ones, -arms[1], ones, arms[0], np.ones(inner.size)])
-    return csr_array((values, (rows, columns)), shape=(2 * count, kept + inner.size)), points - centre[None, :]
+    return csr_array((values, (rows, columns)), shape=(2 * count, unknowns + inner.size)), points - centre[None, :]

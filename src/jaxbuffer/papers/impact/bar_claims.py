@@ -56,18 +56,18 @@ def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict
 
     def judge(rows: Rows) -> Verdict:
         names = {"drop": "rigid", "speed": "rigid at 1.325 m/s", "plate": "bending plate", "bodies": "both bend"}
-        found = {said: _number(rows[name][case], "peak_force") for name, said in names.items()}
-        seen = _number(rows["drop"][case], "seen_at_1e-4")
-        said = "; ".join(f"{name} {value:.4g} N" for name, value in found.items())
-        said += f"; a step of 1e-4 s sees {seen:.3g} N of the first (median)"
-        return Verdict(said, verdict([any(_near(value, p) for value in found.values()) for p in printed]))
+        forces = {said: _number(rows[name][case], "peak_force") for name, said in names.items()}
+        median = _number(rows["drop"][case], "seen_at_1e-4")
+        said = "; ".join(f"{name} {value:.4g} N" for name, value in forces.items())
+        said += f"; a step of 1e-4 s sees {median:.3g} N of the first (median)"
+        return Verdict(said, verdict([any(_near(value, p) for value in forces.values()) for p in printed]))
 
     return judge
 
 
 def _stays(rows: Rows) -> Verdict:
-    found = [rows[name][2] for name in ("drop", "plate", "bodies")]
-    times = [math.inf if row["stays"] else _number(row, "first_contact") for row in found]
+    last_cases = [rows[name][2] for name in ("drop", "plate", "bodies")]
+    times = [math.inf if row["stays"] else _number(row, "first_contact") for row in last_cases]
     shown = ["stays" if math.isinf(t) else f"{1e3 * t:.3g} ms" for t in times]
     said = f"first contact with c = 6: rigid {shown[0]}, bending plate {shown[1]}, both bend {shown[2]}"
     return Verdict(said, verdict([t > 0.0441 for t in times]))

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...output.style import COLOURS, drawing, label, line, panels
 from ..study import Studied
-from .bar_rows import STEPS, WINDOW, seen_by
+from .bar_rows import STEPS, WINDOW, sampled_at
 
 EARLY = 60e-6  # s from the first contact: the first peak
 FORCE, SINCE = "contact force [N]", "time from the first contact [ms]"
@@ -43,16 +43,16 @@ def _named(case: str) -> str:
 
 
 def _whole(grid: Any, name: str, curve: dict[str, Any], run: Any) -> None:
-    seen = run.history
-    time, first = np.asarray(seen.time), float(run.impacts.time[0])
-    force, drawn = np.asarray(seen.contact_force)[:, 0], {**curve, "label": name}
-    grid[0, 0].plot(time, 1e3 * np.asarray(seen.gap)[:, 0], **drawn)
-    grid[0, 1].plot(time, np.asarray(seen.approach_speed)[:, 0], **drawn)
+    history = run.history
+    time, first = np.asarray(history.time), float(run.impacts.time[0])
+    force, drawn = np.asarray(history.contact_force)[:, 0], {**curve, "label": name}
+    grid[0, 0].plot(time, 1e3 * np.asarray(history.gap)[:, 0], **drawn)
+    grid[0, 1].plot(time, np.asarray(history.approach_speed)[:, 0], **drawn)
     near = (time > first - 0.05 * WINDOW) & (time < first + WINDOW)
     grid[1, 0].plot(1e3 * (time - first)[near], force[near], **drawn)
     close = (time > first - 0.05 * EARLY) & (time < first + EARLY)
     grid[1, 1].plot(1e6 * (time - first)[close], force[close], **drawn)
-    below = seen.plate_deflection if run.design.plate.modes else np.maximum(np.asarray(seen.penetration), 0.0)
+    below = history.plate_deflection if run.design.plate.modes else np.maximum(np.asarray(history.penetration), 0.0)
     grid[2, 0].plot(1e3 * (time - first)[near], 1e6 * np.asarray(below)[near], **drawn)
 
 
@@ -61,7 +61,7 @@ def _steps(axes: Any, studied: Studied) -> None:
     for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
         time, force = np.asarray(run.history.time), np.asarray(run.history.contact_force)[:, 0]
         for step, dashes in zip(STEPS, (":", "-"), strict=True):
-            seen = np.sort(seen_by(step, time, force))
+            sampled = np.sort(sampled_at(step, time, force))
             name = f"{_named(case.label)}, steps of {1e3 * step:g} ms"
-            axes.plot(np.linspace(0.0, 1.0, len(seen)), seen, dashes, color=COLOURS[number], label=name)
+            axes.plot(np.linspace(0.0, 1.0, len(sampled)), sampled, dashes, color=COLOURS[number], label=name)
     label(axes, "What fixed steps see of the largest force", "share of all beginnings of the grid [-]", FORCE)

@@ -46,7 +46,9 @@ def row(case: Case, run: BarDropRun) -> Row:
     time, force = np.asarray(history.time), np.asarray(history.contact_force)[:, 0]
     bent = float(np.asarray(run.quantity("plate_deflection")))
     at_peak = float(np.interp(float(run.peak_time), time, history.plate_deflection)) / bent if bent else 0.0
-    seen = {f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(seen_by(step, time, force))) for step in STEPS}
+    medians = {
+        f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(sampled_at(step, time, force))) for step in STEPS
+    }
     stays = bool(np.isnan(hits.release_time[0]))
     return {
         "outcome": run.outcome.name,
@@ -65,7 +67,7 @@ def row(case: Case, run: BarDropRun) -> Row:
         "plate_deflection": bent,
         "plate_share_at_peak": at_peak,
         "bar_deflection": float(np.asarray(run.quantity("bar_deflection"))),
-        **seen,
+        **medians,
         "plate_modes": design.plate.modes,
         "bar_modes": design.bar.modes,
     }
@@ -80,7 +82,7 @@ def damper_peak(run: BarDropRun) -> float:
     return float(np.max(float(impact.damping) * share**2 * (3.0 - 2.0 * share) * speed, initial=0.0))
 
 
-def seen_by(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
+def sampled_at(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
     """The largest force [N] that samples a fixed ``step`` [s] apart meet, for many beginnings of the samples."""
     grids = (np.arange(first * step, time[-1], step) for first in np.linspace(0.0, 1.0, BEGINNINGS, endpoint=False))
     return np.array([np.interp(grid, time, force).max() for grid in grids])
@@ -89,6 +91,6 @@ def seen_by(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
 def harmonics(since: np.ndarray, force: np.ndarray) -> int:
     """How many maxima the force has in the paper's detailed view. ``since``: the time from the first contact [s]."""
     inside = (since >= 0.0) & (since < WINDOW)
-    seen = np.concatenate([[0.0], force[inside], [0.0]])
-    higher = (seen[1:-1] > seen[:-2]) & (seen[1:-1] >= seen[2:]) & (seen[1:-1] > COUNTED * force.max())
+    padded = np.concatenate([[0.0], force[inside], [0.0]])
+    higher = (padded[1:-1] > padded[:-2]) & (padded[1:-1] >= padded[2:]) & (padded[1:-1] > COUNTED * force.max())
     return int(np.sum(higher))

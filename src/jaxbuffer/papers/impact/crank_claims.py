@@ -52,9 +52,9 @@ def _torque_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdic
 
     def judge(rows: Rows) -> Verdict:
         row = rows["crank"][case]
-        found = [_number(row, name) for name in ("least_torque", "largest_torque")]
-        said = f"{found[0]:.4g} to {found[1]:.4g} N m; cannot be compared, as no geometry is printed"
-        return Verdict(said, verdict([any(_near(abs(x), p) for x in found) for p in printed]))
+        ends = [_number(row, name) for name in ("least_torque", "largest_torque")]
+        said = f"{ends[0]:.4g} to {ends[1]:.4g} N m; cannot be compared, as no geometry is printed"
+        return Verdict(said, verdict([any(_near(abs(x), p) for x in ends) for p in printed]))
 
     return judge
 
@@ -69,9 +69,9 @@ def _forces(printed: tuple[float, float], case: int) -> Callable[[Rows], Verdict
     """Whether the largest components are the printed ones [N]."""
 
     def judge(rows: Rows) -> Verdict:
-        found = [_number(rows["crank"][case], name) for name in ("across", "along")]
-        said = f"{found[0]:.5g} N across, {found[1]:.5g} N along"
-        return Verdict(said, verdict([_near(a, p) for a, p in zip(found, printed, strict=True)]))
+        forces = [_number(rows["crank"][case], name) for name in ("across", "along")]
+        said = f"{forces[0]:.5g} N across, {forces[1]:.5g} N along"
+        return Verdict(said, verdict([_near(a, p) for a, p in zip(forces, printed, strict=True)]))
 
     return judge
 
@@ -114,18 +114,18 @@ def _cyclic(rows: Rows) -> Verdict:
 
 
 def _jump(rows: Rows) -> Verdict:
-    found = rows["crank_rod"]
+    cases = rows["crank_rod"]
     said = (
-        f"the torque is M₀ at rest and a tenth after {_list([1e3 * t for t in _numbers(found, 'start_takes')])} ms; "
-        f"the first touch comes at {_list([1e3 * t for t in _numbers(found, 'first_impact')])} ms, rigid, 2 and 4 modes"
+        f"the torque is M₀ at rest and a tenth after {_list([1e3 * t for t in _numbers(cases, 'start_takes')])} ms; "
+        f"the first touch comes at {_list([1e3 * t for t in _numbers(cases, 'first_impact')])} ms, rigid, 2 and 4 modes"
     )
-    return Verdict(said, verdict([_number(row, "first_impact") < _number(row, "start_takes") for row in found]))
+    return Verdict(said, verdict([_number(row, "first_impact") < _number(row, "start_takes") for row in cases]))
 
 
 def _amplitude(rows: Rows) -> Verdict:
-    found = [_swing(row) for row in rows["crank_rod"]]
-    said = f"rigid, 2 and 4 modes {_list(found, '.3g')} N m in the first 0.1 s, after the start"
-    return Verdict(said, verdict([_near(x, 50.0) for x in found[1:]]))
+    swings = [_swing(row) for row in rows["crank_rod"]]
+    said = f"rigid, 2 and 4 modes {_list(swings, '.3g')} N m in the first 0.1 s, after the start"
+    return Verdict(said, verdict([_near(x, 50.0) for x in swings[1:]]))
 
 
 def _lower(name: str) -> Callable[[Rows], Verdict]:

@@ -48,8 +48,8 @@ def figure(studied: Studied) -> "Figure":
 
 
 def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
-    seen, drawn = run.history, {"color": colour, "label": name, "linewidth": 0.8}
-    time, torque = np.asarray(seen.time), torque_of(run)
+    history, drawn = run.history, {"color": colour, "label": name, "linewidth": 0.8}
+    time, torque = np.asarray(history.time), torque_of(run)
     along, across = components(run)
     path = 1e3 * np.asarray(journal_path(run))
     later, early = time >= STARTED, time <= DETAIL
@@ -59,6 +59,6 @@ def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
     grid[1, 1].plot(time, along, **drawn)
     grid[2, 0].plot(*path[early].T, **drawn)
     if not bends:
-        grid[2, 1].plot(time, np.asarray(seen.velocity)[:, 0, 2], **drawn)
+        grid[2, 1].plot(time, np.asarray(history.velocity)[:, 0, 2], **drawn)
     elif run.design.rod.modes:
-        grid[2, 1].plot(time, 1e6 * np.asarray(seen.rod_deflection), **drawn)
+        grid[2, 1].plot(time, 1e6 * np.asarray(history.rod_deflection), **drawn)

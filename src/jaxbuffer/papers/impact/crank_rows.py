@@ -76,8 +76,8 @@ def known(time: float) -> float | str:
 
 def frequencies(rod: Rod) -> Row:
     """Lowest and highest natural frequency of the free rod's modes [Hz], 0 for a rigid one."""
-    found = free_bar(rod.bar, rod.modes - 2).modes.frequencies() if rod.modes else (0.0,)
-    return {"lowest_mode": float(found[0]), "highest_mode": float(found[-1])}
+    modes = free_bar(rod.bar, rod.modes - 2).modes.frequencies() if rod.modes else (0.0,)
+    return {"lowest_mode": float(modes[0]), "highest_mode": float(modes[-1])}
 
 
 def torque_of(run: Run) -> Float[np.ndarray, " steps"]:
@@ -98,12 +98,12 @@ def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray,
 
 def turn_times(time: Float[np.ndarray, " steps"], angle: Float[np.ndarray, " steps"]) -> tuple[float, float]:
     """When the crank has turned once and twice [s], NaN where it has not. ``angle``: from its start [rad]."""
-    found = []
+    times = []
     for turns in (1, 2):
         past = np.flatnonzero(angle >= 2.0 * math.pi * turns)
         if len(past) == 0 or past[0] == 0:
-            found.append(math.nan)
+            times.append(math.nan)
             continue
         at = slice(past[0] - 1, past[0] + 1)
-        found.append(float(np.interp(2.0 * math.pi * turns, angle[at], time[at])))
-    return found[0], found[1]
+        times.append(float(np.interp(2.0 * math.pi * turns, angle[at], time[at])))
+    return times[0], times[1]

@@ -77,13 +77,13 @@ def contact_forces(
     weights = _distribution(contact, pairs, inverse_mass)
     yielding = _yielding(contact.slaves, pairs, weights, inverse_mass)
     if contact.method == "penalty":
-        over_step = normal = jnp.where(pairs.found, contact.stiffness * jnp.maximum(-pairs.gap, 0.0), 0.0)
+        over_step = normal = jnp.where(pairs.present, contact.stiffness * jnp.maximum(-pairs.gap, 0.0), 0.0)
     else:
         matrix = _coupling(contact.slaves, pairs, inverse_mass) if contact.method == "multiplier" else None
-        over_step = normal = _closing_forces(matrix, yielding, closing / step, pairs.found)
+        over_step = normal = _closing_forces(matrix, yielding, closing / step, pairs.present)
         if contact.averaged and before is not None:
             answered = yielding * before if matrix is None else matrix @ before
-            over_step = _closing_forces(matrix, yielding, 2.0 * closing / step - answered, pairs.found)
+            over_step = _closing_forces(matrix, yielding, 2.0 * closing / step - answered, pairs.present)
             normal = 0.5 * (before + over_step)
     along = jnp.stack([-pairs.normal[:, 1], pairs.normal[:, 0]], axis=1)
     force = normal[:, None] * pairs.normal
@@ -127,39 +127,39 @@ def _coupling(slaves: np.ndarray, pairs: Pairs, inverse_mass: Array) -> Float[Ar
 
 
 def _closing_forces(
-    matrix: Float[Array, "pairs pairs"] | None, yielding: Array, wanted: Float[Array, " pairs"], found: Array
+    matrix: Float[Array, "pairs pairs"] | None, yielding: Array, target: Float[Array, " pairs"], present: Array
 ) -> Float[Array, " pairs"]:
-    """The forces f ≥ 0 with W f ≥ ``wanted`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or diagonal,
+    """The forces f ≥ 0 with W f ≥ ``target`` [m/s²] and f (W f - wanted) = 0, where W is the ``matrix``, or diagonal,
     ``yielding``, where each pair is served for itself.
 
     With a matrix the set of closed pairs is settled first (a primal-dual active set); the equations of that set are
     then solved once, with derivatives.
     """
     if matrix is None:
-        return jnp.where(found, jnp.maximum(wanted, 0.0) / yielding, 0.0)
-    closed = _closed(jax.lax.stop_gradient(matrix), jax.lax.stop_gradient(wanted), found)
-    return jnp.maximum(_held(matrix, wanted, closed), 0.0)
+        return jnp.where(present, jnp.maximum(target, 0.0) / yielding, 0.0)
+    closed = _closed(jax.lax.stop_gradient(matrix), jax.lax.stop_gradient(target), present)
+    return jnp.maximum(_holding_forces(matrix, target, closed), 0.0)
 
 
-def _held(matrix: Array, wanted: Array, closed: Array) -> Float[Array, " pairs"]:
-    """The forces that give the ``closed`` pairs what is ``wanted``, zero on the others."""
+def _holding_forces(matrix: Array, target: Array, closed: Array) -> Float[Array, " pairs"]:
+    """The forces that give the ``closed`` pairs what is ``target``, zero on the others."""
     both = closed[:, None] & closed[None]
     return jnp.linalg.solve(
-        jnp.where(both, matrix, 0.0) + jnp.diag(jnp.where(closed, 0.0, 1.0)), jnp.where(closed, wanted, 0.0)
+        jnp.where(both, matrix, 0.0) + jnp.diag(jnp.where(closed, 0.0, 1.0)), jnp.where(closed, target, 0.0)
     )
 
 
-def _closed(matrix: Array, wanted: Array, found: Array) -> Bool[Array, " pairs"]:
+def _closed(matrix: Array, target: Array, present: Array) -> Bool[Array, " pairs"]:
     """Which pairs press."""
 
     def settle(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
         closed, _, rounds = state
-        force = _held(matrix, wanted, closed)
-        again = (force - (matrix @ force - wanted) / jnp.diagonal(matrix) > 0.0) & found
+        force = _holding_forces(matrix, target, closed)
+        again = (force - (matrix @ force - target) / jnp.diagonal(matrix) > 0.0) & present
         return again, jnp.any(again != closed), rounds + 1
 
     going = lambda state: state[1] & (state[2] < ROUNDS)  # noqa: E731
-    first = (wanted > 0.0) & found
+    first = (target > 0.0) & present
     return jax.lax.while_loop(going, settle, (first, jnp.any(first), jnp.asarray(0)))[0]
 
 

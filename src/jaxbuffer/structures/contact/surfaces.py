@@ -20,14 +20,14 @@ class Pairs(NamedTuple):
     - ``normal``: (pairs, 2) from the surface to the node [-].
     - ``nodes``: (pairs, 2) the surface's nodes beside the foot.
     - ``weights``: (pairs, 2) φ, how much of the foot moves with each [-].
-    - ``found``: (pairs,) whether there is a foot.
+    - ``present``: (pairs,) whether there is a foot.
     """
 
     gap: Float[Array, " pairs"]
     normal: Float[Array, "pairs 2"]
     nodes: Int[Array, "pairs 2"]
     weights: Float[Array, "pairs 2"]
-    found: Bool[Array, " pairs"]
+    present: Bool[Array, " pairs"]
 
     def along(self, slaves: np.ndarray, vectors: Float[Array, "nodes 2"], direction: Float[Array, "pairs 2"]) -> Array:
         """(pairs,) by how much the nodes' ``vectors`` part node and foot along a ``direction``."""
