@@ -113,6 +113,11 @@ class HybridSystem(eqx.Module):
         raise NotImplementedError
 
     @property
+    def observes_rate(self) -> bool:
+        """Whether any observable depends on the state's rate."""
+        return any(self.rate_observables())
+
+    @property
     def sudden(self) -> bool:
         """Whether an observable of the state's rate may rise within a step from far below its largest value to above
         it, as a reaction does where something rings. It is then followed closely at every step, not only near its

@@ -36,7 +36,7 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
         rate = log.rates[slot, 0]
         if system.jumps:
             rate = system.derivative(log.time[slot], state, active)
-        elif any(system.rate_observables()):
+        elif system.observes_rate:
             after = system.derivative(log.time[slot], state, active)
             rate = jnp.where(log.kind[slot] == Kind.RELEASE, after, rate)
         return system.observables(state, rate, active), rate

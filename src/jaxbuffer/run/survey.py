@@ -31,7 +31,7 @@ def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> F
     the state's derivative then goes with the event.
     """
     state = state_at(log, slot)
-    of_rate = system.contact_count > 0 and any(system.rate_observables())
+    of_rate = system.contact_count > 0 and system.observes_rate
     if not system.jumps and not of_rate:
         return state
     kind = log.kind[slot]

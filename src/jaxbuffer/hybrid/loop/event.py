@@ -113,7 +113,7 @@ def logged(
     # What is largest right after a touchdown with a jump, or right after a release, has no maximum that could be
     # located. The step onto a release ends a little beside it, where the contact still pushes; the log's values are
     # those without that push.
-    of_rate = task.contacts > 0 and any(task.system.rate_observables())
+    of_rate = task.contacts > 0 and task.system.observes_rate
     if task.system.jumps or of_rate:
         mode_changes = event.touchdown & task.system.jumps | event.release & of_rate
         after = lambda: observables_after_event(task.system, event.time, event.rows_at_event[0], event.active)  # noqa: E731

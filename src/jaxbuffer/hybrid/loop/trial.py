@@ -129,7 +129,7 @@ def _step(
     """The step from the present point, of the ``rows`` given and their ``rate``."""
     system, point, active = task.system, state.point, state.active
     second = None
-    if any(system.rate_observables()):
+    if system.observes_rate:
         before, extremes = point.guards.value, state.extremes
         near = lambda y, rate: near_largest(system, y, rate, active, before, extremes)  # noqa: E731
         second = SecondDerivative(near, SPACING * jnp.min(state.step_sizes.steps))
