@@ -266,15 +266,15 @@ def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
     """The names as a tuple. **Raises:** `InputError` unless they are a list of words, none of them twice."""
     if isinstance(names, str):
         raise InputError(f"{path} = {shown(names)} is one name, not a list of them; write {path}=({names!r},)")
-    found = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)
-    if not all(isinstance(name, str) for name in found):
+    given = tuple(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else (None,)
+    if not all(isinstance(name, str) for name in given):
         raise InputError(f"{path} = {shown(names)} is not a list of names; write {path}=({example!r},)")
-    if not found:
+    if not given:
         raise InputError(f"{path} is empty; name at least one, {example} say")
-    for name in found:
-        if found.count(name) > 1:
+    for name in given:
+        if given.count(name) > 1:
             raise InputError(f"{path} names {name} twice")
-    return found
+    return given
 
 
 def suggest(name: Any, known: Iterable[str]) -> str:

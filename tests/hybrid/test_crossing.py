@@ -83,7 +83,7 @@ def test_coming_near_is_not_touching():
     near = [1e-6 * c for c in (0.45**2 + 0.001, -0.9 / STEP, 1.0 / STEP**2)]
     before, after = (seen(contacts=[polynomial(near, time)]) for time in (0.0, STEP))
     found = searched(before, after, OPEN)
-    assert (int(found.guard), bool(found.found), float(found.at)) == (-1, False, STEP)
+    assert (int(found.guard), bool(found.exists), float(found.at)) == (-1, False, STEP)
 
 
 def test_the_end_of_the_run():
@@ -93,7 +93,7 @@ def test_the_end_of_the_run():
     found = searched(seen(ends=rows[0]), seen(ends=rows[1]))
     assert int(found.guard) == 0
     np.testing.assert_allclose(float(found.at), 0.4 * STEP, rtol=1e-9)
-    assert not searched(seen(ends=rows[1]), seen(ends=rows[0])).found
+    assert not searched(seen(ends=rows[1]), seen(ends=rows[0])).exists
 
 
 def test_a_maximum_inside():
@@ -108,12 +108,12 @@ def test_a_maximum_inside():
     np.testing.assert_allclose(float(found.at), max(slope.roots()) * STEP, rtol=1e-12)
     assert float(found.far) == STEP
     highest = cubic(max(slope.roots()))
-    assert searched(before, after, least=jnp.array([highest])).found
-    assert not searched(before, after, least=jnp.array([1.01 * highest])).found
-    assert not searched(before, after, least=jnp.array([1.0]), maxima=False).found
-    assert not searched(before, after, least=jnp.array([1.0]), ignored=0).found
+    assert searched(before, after, least=jnp.array([highest])).exists
+    assert not searched(before, after, least=jnp.array([1.01 * highest])).exists
+    assert not searched(before, after, least=jnp.array([1.0]), maxima=False).exists
+    assert not searched(before, after, least=jnp.array([1.0]), ignored=0).exists
     unknown = after._replace(value_rate=jnp.array([RISING]))
-    assert not searched(before, unknown, least=jnp.array([1.0])).found
+    assert not searched(before, unknown, least=jnp.array([1.0])).exists
 
 
 def test_a_maximum_between_two_falling_ends_is_seen():
@@ -143,7 +143,7 @@ def test_a_maximum_of_what_rises_again_is_seen():
     np.testing.assert_allclose(float(crossing.far), steepest * STEP, rtol=1e-12)
     np.testing.assert_allclose(float(crossing.far_value), -slope(steepest) / STEP, rtol=1e-12)
     unknown = [ends._replace(value_rate=jnp.array([RISING])) for ends in (before, after)]
-    assert not searched(*unknown, least=jnp.array([0.0])).found
+    assert not searched(*unknown, least=jnp.array([0.0])).exists
 
 
 def test_the_earliest_of_several():
@@ -182,7 +182,7 @@ def test_a_located_maximum_counts_as_falling():
     after = seen(observed=[(0.9, -1.0), (1.2, 3.0)])
     least = jnp.array([0.5, 0.5])
     assert int(searched(left, after, least=least).guard) == 0
-    assert not searched(left.falling(jnp.array([True, False])), after, least=least).found
+    assert not searched(left.falling(jnp.array([True, False])), after, least=least).exists
 
 
 @pytest.mark.parametrize(("datum", "extent"), [(0.0, 4.0), (-7.0, 4.0), (1e6, 4.0), (4.5, 0.5)])

@@ -32,7 +32,7 @@ class Crossing(NamedTuple):
     alone: Bool[Array, ""]
 
     @property
-    def found(self) -> Bool[Array, ""]:
+    def exists(self) -> Bool[Array, ""]:
         """Whether there is one."""
         return self.guard >= 0
 
@@ -73,9 +73,9 @@ def _first_crossing(
     fraction = fractions[guard]
     reach = jnp.concatenate([far, beyond_peak])[guard]
     far_value = jnp.concatenate([signed(after, active).value[: far.shape[0]], value_there])[guard]
-    found = jnp.isfinite(fraction)
+    exists = jnp.isfinite(fraction)
     alone = jnp.sum(jnp.isfinite(fractions)) == 1
-    return Crossing(jnp.where(found, guard, -1), jnp.where(found, fraction, 1.0) * step, reach * step, far_value, alone)
+    return Crossing(jnp.where(exists, guard, -1), jnp.where(exists, fraction, 1.0) * step, reach * step, far_value, alone)
 
 
 def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:

@@ -59,7 +59,7 @@ def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, ref
     overshot = jnp.where(task.options.solver.is_implicit(trial.method), 1.0, OVERSHOT)
     from_step = ~locating & ~state.reevaluating & (trial.state_norm <= overshot)
     on_arrival = locating & refinement.finished & (state.bracket.tries < MAX_TRIES)
-    holds_event = (from_step | on_arrival) & finite & crossing.found
+    holds_event = (from_step | on_arrival) & finite & crossing.exists
     only_maximum = holds_event & ~locating & accurate & crossing.alone & (crossing.guard >= task.rated)
     succeeds = accurate & finite & (~locating | refinement.finished) & (~holds_event | only_maximum)
     lacks_tangents = ~trial.with_tangents & bool(task.tangents.count)
