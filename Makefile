@@ -27,8 +27,9 @@ lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-logo --no-cache
 
-types: $(READY)
+types: $(READY)  ## of all source, and what two checkers say of calls as users write them
 	$(BIN)/mypy
+	$(BIN)/basedpyright
 
 smoke: $(READY)  ## wheel and sdist build, install into an environment of their own, and run there
 	.ci/smoke $(BIN)/python

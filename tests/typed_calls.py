@@ -1,7 +1,7 @@
-"""What a type checker says of calls as users write them: `make types` checks this file, nothing runs it.
+"""What type checkers say of calls as users write them: `make types` checks this file, nothing runs it.
 
-What is right passes, and has the type named. What is wrong has a comment that names the error, and
-`warn_unused_ignores` makes a comment without an error one itself.
+What is right passes, and has the type named. What is wrong has a comment that names mypy's error; both mypy and pyright
+take a comment without an error for one.
 """
 
 from typing import Any, assert_type
