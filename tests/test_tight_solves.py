@@ -9,6 +9,7 @@ import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
 from jaxbuffer.mechanisms.impacts import Impacts
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
@@ -81,7 +82,7 @@ def test_a_horizon_with_another_tolerance_and_change(monkeypatch):
 def solve(run, names=("stroke", "peak_force")):
     """A tight solve by two parameters."""
     paths = ("buffer.k_A", "buffer.c_A")
-    return TightSolve(jb.table2(), jb.Scenario(), paths, names, 8.0, None, int(run.code), course_of(run))
+    return TightSolve(PROBE_CONE, jb.table2(), jb.Scenario(), paths, names, 8.0, None, int(run.code), course_of(run))
 
 
 @pytest.fixture

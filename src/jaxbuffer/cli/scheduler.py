@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import InputError
-from .request import Request
+from .request import CommandLine
 from .streams import note
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ Scheduler = Annotated[
 ]
 
 
-def check(scheduler: str, request: Request) -> None:
+def check(scheduler: str, request: CommandLine) -> None:
     """Raise `InputError` where the extra's packages or a folder for the store are missing."""
     from ..cluster.connect import require
 

@@ -6,12 +6,12 @@ import typer
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import Request, ScenarioNumber, given
+from .request import CommandLine, ScenarioNumber, given
 from .scheduler import Scheduler
 
 
 def sensitivity(
-    request: Request,
+    request: CommandLine,
     wrt: Annotated[
         list[str] | None,
         typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),

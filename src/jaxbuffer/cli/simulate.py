@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import Request, ScenarioNumber
+from .request import CommandLine, ScenarioNumber
 from .streams import note
 from .trust import Trust, asked_for
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..study.config import Config
 
 
-def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Trust = "on") -> int:
+def simulate(request: CommandLine, scenario_number: ScenarioNumber = None, trust: Trust = "on") -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the

@@ -14,7 +14,6 @@ from ..errors import InputError, suggest
 from ..fields import Part
 from ..hybrid import Solver
 from ..labelled.arrays import frame
-from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import SMALL
 from ..sweeps.columns import RunTable
@@ -173,9 +172,8 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
 
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
-    at_most = mechanism_of(design).defaults.duration if duration is None else duration
     try:
-        result = sweep(*points.applied(design, scenario), at_most, **options)
+        result = sweep(*points.applied(design, scenario), duration, **options)
     except SweepInterrupted as stop:
         raise SweepInterrupted(_sample(points, design, scenario, stop.found), stop.done) from None
     except StoredInterrupted as stop:

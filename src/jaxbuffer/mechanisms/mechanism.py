@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import jax
 from jaxtyping import Array, Bool
 
 from ..errors import InputError
@@ -105,9 +106,10 @@ def _shown(scenario: Part, name: str) -> str:
     return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
 
 
-@dataclasses.dataclass(frozen=True)
+@jax.tree_util.register_static  # a compiled program is made for it, and takes no numbers from it
+@dataclasses.dataclass(frozen=True, eq=False)
 class Mechanism:
-    """A mechanism: what can be simulated, swept, differentiated and tuned.
+    """A mechanism: what can be simulated, swept, differentiated and tuned. It is equal to itself alone.
 
     What every mechanism says:
 

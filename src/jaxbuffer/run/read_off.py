@@ -7,41 +7,31 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from .._types import Scalar
-from ..hybrid import Log, Options, Result, Status
-from ..mechanisms.mechanism import Mechanism
+from ..hybrid import Log, Result, Status
 from ..mechanisms.outcome import outcome_code
-from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Maxima, Run, Solved, plain_run
-from ..mechanisms.system import ContactSystem
 from .conservation import balance
 from .history import history as history_of
 from .impacts import contact_time, impacts
 from .maxima import maxima
 from .moving import moving_end, moving_events
-from .request import Parameters
+from .request import Request
 from .survey import survey
 
 
-def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Any) -> Run:
+def run_of(request: Request, result: Any) -> Run:
     """The run, from what time stepping found."""
-    mechanism = mechanism_of(parameters[0])
+    mechanism = request.mechanism
     if mechanism.stepping is not None:
-        return mechanism.stepping.read(parameters, duration, result)
-    system = mechanism.system(*parameters)
-    make = mechanism.run or plain_run
-    return make(system, _read_off(mechanism, system, parameters, duration, result, options))
+        return mechanism.stepping.read(request.parameters, request.duration, result)
+    solved = _read_off(request, result)
+    return (mechanism.run or plain_run)(request.system, solved)
 
 
-def _read_off(
-    mechanism: Mechanism,
-    system: ContactSystem,
-    parameters: Parameters,
-    duration: Scalar,
-    result: Result,
-    options: Options,
-) -> Solved:
+def _read_off(request: Request, result: Result) -> Solved:
     """All that every mechanism's runs have."""
+    mechanism, parameters, duration, _, options = request
+    system = request.system
     start = system.first_posture()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     seen = survey(system, log)

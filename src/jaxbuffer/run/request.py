@@ -1,8 +1,8 @@
-"""One run as it is asked for, and stepped through time."""
+"""A request for one run, and the run stepped through time."""
 
 import dataclasses
 import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 from jaxtyping import Array, Bool
@@ -12,7 +12,6 @@ from ..errors import check_type, inside
 from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
 from ..hybrid import Diffrax, Options, Solver, Tolerance, solve_at_fixed_times
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.registry import mechanism_of
 from ..mechanisms.system import ContactSystem
 from ..programs.cache import Static
 
@@ -29,7 +28,6 @@ LIMITS: dict[str, dict[str, Any]] = {
 Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
 Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 ONE_RUN = "simulate takes one {}: use jax.vmap or jb.sweep"
-Request = tuple[Parameters, Scalar, Tolerances, Options]  # with the duration [s]
 
 
 @functools.cache
@@ -38,7 +36,35 @@ def options_of(max_steps: int = 200_000, max_events: int = 512, keep: int = 0) -
     return Options(max_steps=max_steps, max_events=max_events, keep=keep)
 
 
+class Request(NamedTuple):
+    """A request for one run: what `stepped` and `run_of` need of it. It is a tree of numbers, made for one mechanism.
+
+    ``mechanism``; ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``tolerances``: rtol
+    and atol [-]; ``options``: how it is stepped, whose own tolerances `with_tolerances` replaces.
+    """
+
+    mechanism: Mechanism
+    parameters: Parameters
+    duration: Scalar
+    tolerances: Tolerances
+    options: Options
+
+    @property
+    def system(self) -> ContactSystem:
+        """The equations of motion, ready to be stepped."""
+        return self.mechanism.system(*self.parameters)
+
+    @property
+    def allowed(self) -> Bool[Array, ""]:
+        """Whether all numbers are in range."""
+        design, scenario, stabilisation = self.parameters
+        numbers = (self.duration, *self.tolerances, stabilisation)
+        within = (inside(x, **limits) for x, limits in zip(numbers, LIMITS.values(), strict=True))
+        return self.mechanism.valid(design, scenario) & all_of(within)
+
+
 def request(
+    mechanism: Mechanism,
     design: Part,
     scenario: Part,
     duration: Scalar,
@@ -47,13 +73,12 @@ def request(
     stabilisation: Scalar = 20.0,
     options: Options | None = None,
 ) -> Request:
-    """What `stepped` and `run_of` need of a run, unchecked; ``tolerances``: rtol and atol [-]; the rest as for
-    `simulate`."""
+    """Make a request of unchecked numbers; ``tolerances``: rtol and atol [-]; the rest as for `simulate`."""
     options = options_of() if options is None else options
     options = options if solver is None else dataclasses.replace(options, solver=solver)
     if isinstance(options.solver, Diffrax):  # it has no events to set a memory at; the run's design says so
-        design = mechanism_of(design).smooth(design)
-    return (design, scenario, stabilisation), duration, tolerances, options
+        design = mechanism.smooth(design)
+    return Request(mechanism, (design, scenario, stabilisation), duration, tolerances, options)
 
 
 def check_pair(mechanism: Mechanism, design: Any, scenario: Any) -> None:
@@ -63,27 +88,16 @@ def check_pair(mechanism: Mechanism, design: Any, scenario: Any) -> None:
     mechanism.check_fit(design, scenario)
 
 
-def allowed_of(
-    mechanism: Mechanism, parameters: Parameters, duration: Scalar, tolerances: Tolerances
-) -> Bool[Array, ""]:
-    """Whether all numbers are in range."""
-    design, scenario, stabilisation = parameters
-    options = {"duration": duration, "rtol": tolerances[0], "atol": tolerances[1], "stabilisation": stabilisation}
-    return mechanism.valid(design, scenario) & all_of(inside(x, **LIMITS[name]) for name, x in options.items())
-
-
 def tenth(rtol: float) -> float | None:
     """A tenth of a tolerance [-]; None where that is below the least allowed."""
     return None if rtol < 10.0 * TOLERANCES["low"] else 0.1 * rtol
 
 
-def with_tolerances(options: Options, parameters: Parameters, tolerances: Tolerances) -> Options:
+def with_tolerances(request: Request) -> Options:
     """The options with a run's tolerances, and how closely its events are located at these."""
-    system = mechanism_of(parameters[0]).system(*parameters)
-    event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, tolerances[0]))
-    return dataclasses.replace(
-        options, tolerance=Tolerance(*tolerances), event_time=event_time, shortfall=tolerances[0]
-    )
+    system, (rtol, atol) = request.system, request.tolerances
+    event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, rtol))
+    return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
 
 
 def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:
@@ -96,23 +110,16 @@ def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:
     return duration * (rtol if system.jumps else (0.01 * rtol) ** 0.4)
 
 
-def stepped(
-    parameters: Parameters,
-    duration: Scalar,
-    tolerances: Tolerances,
-    options: Options,
-    unchecked: Static = UNCHECKED,
-    wanted: Bool[Array, ""] | bool = True,
-) -> Any:
-    """What time stepping finds of a run: a `Result`, or what the mechanism's own `Stepping` has.
+def stepped(request: Request, unchecked: Static = UNCHECKED, wanted: Bool[Array, ""] | bool = True) -> Any:
+    """Step a run through time: the result is a `Result`, or what the mechanism's own `Stepping` has.
 
     ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails without a step.
     """
-    mechanism = mechanism_of(parameters[0])
+    mechanism, parameters, duration, tolerances, options = request
     if mechanism.stepping is not None:
-        may = wanted & allowed_of(mechanism, parameters, duration, tolerances)
         options = dataclasses.replace(options, tolerance=Tolerance(*tolerances))
-        return mechanism.stepping.step(parameters, duration, options, may, backwards=unchecked.value)
-    allowed = wanted & allowed_of(mechanism, parameters, duration, tolerances) if unchecked.value else None
-    options = with_tolerances(options, parameters, tolerances)
-    return solve_at_fixed_times(mechanism.system, parameters, duration, options, allowed)
+        return mechanism.stepping.step(
+            parameters, duration, options, wanted & request.allowed, backwards=unchecked.value
+        )
+    allowed = wanted & request.allowed if unchecked.value else None
+    return solve_at_fixed_times(mechanism.system, parameters, duration, with_tolerances(request), allowed)

@@ -10,7 +10,7 @@ import numpy as np
 from .._types import Scalar
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
-from ..hybrid import Options, Result, Solver, solver_named
+from ..hybrid import Result, Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
@@ -22,8 +22,7 @@ from .request import (
     LIMITS,
     ONE_RUN,
     UNCHECKED,
-    Parameters,
-    Tolerances,
+    Request,
     check_pair,
     options_of,
     request,
@@ -118,14 +117,14 @@ def simulate(
     check_whole("max_events", max_events, 1)
     options = options_of(max_steps, max_events, HISTORY_STEPS if history else 0)
     solver = None if solver is None else solver_named(solver)
-    given = request(design, scenario, duration, solver, (rtol, atol), stabilisation, options)
+    given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
     if not all(type(leaf) is float for leaf in leaves):
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
         given = jax.tree.map(_array, given)
-        if any(map(np.ndim, jax.tree.leaves(given[0]))):
+        if any(map(np.ndim, jax.tree.leaves(given.parameters))):
             _refuse_arrays(design, scenario, one)
-    run = _simulate(*given, UNCHECKED if traced else CHECKED)
+    run = _simulate(given, UNCHECKED if traced else CHECKED)
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
         stepping = mechanism.stepping
         rows = stepping.rows(run) if stepping is not None else min(int(run.accepted), HISTORY_STEPS)
@@ -146,12 +145,5 @@ def _array(value: Any) -> Any:
 
 
 @after(stepped)
-def _simulate(
-    parameters: Parameters,
-    duration: Scalar,
-    tolerances: Tolerances,
-    options: Options,
-    unchecked: Static,
-    result: Result,
-) -> Run:
-    return run_of(parameters, duration, options, result)
+def _simulate(request: Request, unchecked: Static, result: Result) -> Run:
+    return run_of(request, result)

@@ -12,12 +12,12 @@ from jaxtyping import Array, Float
 from .._types import Scalar
 from ..fields import Part, with_values
 from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
-from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..programs.cache import Static, after
 from ..run.read_off import run_of
-from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, allowed_of, request, stepped, with_tolerances
+from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, request, stepped, with_tolerances
 
 
 class Gradients(eqx.Module):
@@ -43,6 +43,7 @@ class Gradients(eqx.Module):
 
 
 def gradients(
+    mechanism: Mechanism,
     design: Part,
     scenario: Part,
     addresses: Sequence[str],
@@ -57,46 +58,50 @@ def gradients(
     One compiled program serves all designs, scenarios, durations, tolerances and quantities of a mechanism.
     """
     inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
-    return _gradients(inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
+    return _gradients(mechanism, inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
 
 
 Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [-]
 
 
-def _moved(inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
+def _moved(mechanism: Mechanism, inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
     """The run with the asked addresses at ``values``."""
     design, scenario, duration, rtol = inputs
     moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
-    return request(*moved, duration, solver, (rtol, rtol))
+    return request(mechanism, *moved, duration, solver, (rtol, rtol))
 
 
-def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result | None:
+def _stepped(
+    mechanism: Mechanism, inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None
+) -> Result | None:
     """What time stepping finds, with a tangent for each address; nothing of a mechanism with its own `Stepping`, which
     is differentiated as a whole."""
-    if mechanism_of(inputs[0]).stepping is not None:
+    if mechanism.stepping is not None:
         return None
     separate = [values[k] for k in range(len(asked.value))]
-    parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)
-    mechanism = mechanism_of(inputs[0])
-    allowed = allowed_of(mechanism, parameters, duration, tolerances)
-    options = with_tolerances(options, parameters, tolerances)
+    asked_for = _moved(mechanism, inputs, separate, asked, solver)
 
     def assembled(values: list[Array], inputs: Inputs) -> HybridSystem:
-        return mechanism.system(*_moved(inputs, values, asked, solver)[0])
+        return _moved(mechanism, inputs, values, asked, solver).system
 
-    return solve_with_tangents(assembled, separate, inputs, duration, options, allowed)
+    options, allowed = with_tolerances(asked_for), asked_for.allowed
+    return solve_with_tangents(assembled, separate, inputs, asked_for.duration, options, allowed)
 
 
 @after(_stepped, seconds=20.0)
 def _gradients(
-    inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result | None
+    mechanism: Mechanism,
+    inputs: Inputs,
+    values: Float[Array, " addresses"],
+    asked: Static,
+    solver: Solver | None,
+    result: Result | None,
 ) -> Gradients:
-    catalogue = mechanism_of(inputs[0]).quantities
+    catalogue = mechanism.quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        parameters, duration, _, options = given = _moved(inputs, values, asked, solver)
-        found = stepped(*given, CHECKED) if result is None else differentiable(result, values)
-        run = run_of(parameters, duration, options, found)
+        given = _moved(mechanism, inputs, values, asked, solver)
+        run = run_of(given, stepped(given, CHECKED) if result is None else differentiable(result, values))
         results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
         return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
 

@@ -113,7 +113,7 @@ class Problem:
     units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        mechanism = mechanism_of(self.design)
+        mechanism = self.mechanism
         object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.defaults.duration)
