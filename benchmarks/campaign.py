@@ -23,10 +23,11 @@ import numpy as np
 
 import jaxbuffer as jb
 from jaxbuffer.fields import Part
+from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.progress import counted
-from jaxbuffer.run.read_off import run_of
-from jaxbuffer.run.request import Request, options_of, request, stepped
+from jaxbuffer.run.request import options_of, request
+from jaxbuffer.run.stepper import run_of, stepped
 from jaxbuffer.run.trust import trust
 
 RUNS = 10_000

@@ -10,11 +10,12 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Options
+from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.cache import Static, _built, _run, after
 from jaxbuffer.programs.store import store_in
-from jaxbuffer.run.request import CHECKED, Request
 from jaxbuffer.run.simulate import _simulate
+from jaxbuffer.run.stepper import CHECKED
 from jaxbuffer.sensitivities.gradients import _gradients
 from jaxbuffer.sweeps.chunk import solve_chunk
 

@@ -13,7 +13,6 @@ from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
-    CHECK_TOLERANCE,
     FLOOR,
     NOISE,
     TightSolve,
@@ -104,7 +103,7 @@ def test_solves_are_made_once_each_and_tightly(monkeypatch, pool):
     for moves in ((0.1, 0.1), (0.1, -0.1), (-0.1,)):
         found = tight.after([(np.array(along), move) for move in moves])
         np.testing.assert_allclose(found, [[0.0075, 240.0]] * len(moves))
-    assert asked == [(101.0, 2.05, 8.0, CHECK_TOLERANCE), (99.0, 1.95, 8.0, CHECK_TOLERANCE)]
+    assert asked == [(101.0, 2.05, 8.0, 1e-11), (99.0, 1.95, 8.0, 1e-11)]
     assert len(tight.known) == 2
 
 

@@ -6,9 +6,10 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options
+from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.run.request import CHECKED, Request
 from jaxbuffer.run.simulate import _simulate
+from jaxbuffer.run.stepper import CHECKED
 
 
 def compiled(solver):

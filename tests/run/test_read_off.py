@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Kind, Log, Result, Status
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.run.read_off import run_of
 from jaxbuffer.run.request import request
+from jaxbuffer.run.stepper import run_of
 
 RATE = 2.0  # m/s, at which the ball's depth grows at the end
 

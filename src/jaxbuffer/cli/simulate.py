@@ -51,7 +51,7 @@ def simulate(request: CommandLine, scenario_number: ScenarioNumber = None, trust
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
-    from ..run.simulate import HISTORY_STEPS
+    from ..run.stepper import HISTORY_STEPS
 
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")

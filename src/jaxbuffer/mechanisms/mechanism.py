@@ -3,19 +3,31 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import jax
 from jaxtyping import Array, Bool
 
-from ..errors import InputError
-from ..fields import Part, all_of, paths, unit
+from .._types import Scalar
+from ..errors import InputError, inside
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, paths, unit
+from ..hybrid import Options
 from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
 from .picture import Meshed, Panel
 from .quantity import Catalogue
 from .system import ContactSystem
 from .validity import Limit
+
+TOLERANCES = {"low": 1e-13, "high": 1e-2}
+LIMITS: dict[str, dict[str, Any]] = {
+    "duration": POSITIVE,
+    "rtol": TOLERANCES,
+    "atol": TOLERANCES,
+    "stabilisation": NON_NEGATIVE,
+}
+Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
+Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,24 +74,69 @@ class Floor:
     softeners: tuple[str, ...]
 
 
-@dataclasses.dataclass(frozen=True)
-class Stepping:
-    """How a mechanism is stepped through time that is no hybrid system.
+class Request(NamedTuple):
+    """A request for one run: a tree of numbers, for one mechanism.
 
-    ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
-    ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
-    ``rows``: how many rows of its history a run has filled; ``difference_tolerance``: rtol of the runs that differences
-    are taken of; ``tight``: rtol at which a tuned design is judged.
+    ``mechanism``; ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``tolerances``: rtol
+    and atol [-]; ``options``: how it is stepped, without its tolerances.
     """
 
-    step: Callable[..., Any]
-    read: Callable[[Any, Any, Any], Any]
-    rows: Callable[[Any], int]
-    difference_tolerance: float
-    tight: float
+    mechanism: "Mechanism"
+    parameters: Parameters
+    duration: Scalar
+    tolerances: Tolerances
+    options: Options
+
+    @property
+    def system(self) -> ContactSystem:
+        """The equations of motion, ready to be stepped."""
+        return self.mechanism.system(*self.parameters)
+
+    @property
+    def allowed(self) -> Bool[Array, ""]:
+        """Whether all numbers are in range."""
+        design, scenario, stabilisation = self.parameters
+        numbers = (self.duration, *self.tolerances, stabilisation)
+        within = (inside(x, **limits) for x, limits in zip(numbers, LIMITS.values(), strict=True))
+        return self.mechanism.valid(design, scenario) & all_of(within)
 
 
-def no_hybrid_system(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
+class Stepper(Protocol):
+    """How runs are stepped through time: from event to event (`run.stepper.Events`), or in steps of its own.
+
+    ``difference_tolerance``: rtol of the runs that differences are taken of; ``tight``: rtol at which a tuned design is
+    evaluated.
+    """
+
+    @property
+    def difference_tolerance(self) -> float:
+        """Return the rtol of runs that differences are taken of [-]."""
+
+    @property
+    def tight(self) -> float:
+        """Return the rtol at which a tuned design is evaluated [-]."""
+
+    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Any:
+        """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails
+        without a step, and need have derivatives backwards only."""
+
+    def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> Any:
+        """Step the run ``make(values, others)`` with a tangent for each value; None where `differentiable` does it."""
+
+    def differentiable(self, request: Request, result: Any, values: list[Array]) -> Any:
+        """Return the result of `step_with_tangents`, with derivatives by the values."""
+
+    def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the function ``one`` of a run's numbers as a function of arrays of them."""
+
+    def read(self, request: Request, result: Any) -> Any:
+        """Return the `Run` that was stepped."""
+
+    def rows(self, run: Any) -> int:
+        """Return how many rows of its history a run has filled."""
+
+
+def no_equations(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
     """Raise `InputError`: the mechanism is stepped otherwise."""
     raise InputError(f"{type(design).__name__} is not a system of equations of motion between events")
 
@@ -115,12 +172,12 @@ class Mechanism:
 
     - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
     - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
-    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system;
-    - ``quantities``: its one catalogue.
+    - ``quantities``: its one catalogue;
+    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system; or else ``stepper``: how it
+      is stepped through time.
 
     What has a plain default:
 
-    - ``stepping``: how it is stepped through time if it is no hybrid system (then ``system`` is `no_hybrid_system`);
     - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
       of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
     - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
@@ -147,9 +204,9 @@ class Mechanism:
     title: str
     design: type[Part]
     scenario: type[Part]
-    system: Callable[..., ContactSystem]
     quantities: Catalogue
-    stepping: Stepping | None = None
+    system: Callable[..., ContactSystem] = no_equations
+    stepper: Stepper | None = None
     outcomes: type[RunOutcome] = Simulated
     ends: tuple[str, ...] = ("failed_penetration",)
     time_is_up: str = "finished"

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from ..hybrid import Log, Result, Status
+from ..mechanisms.mechanism import Request
 from ..mechanisms.outcome import outcome_code
 from ..mechanisms.run import Maxima, Run, Solved, plain_run
 from .conservation import balance
@@ -15,17 +16,13 @@ from .history import history as history_of
 from .impacts import contact_time, impacts
 from .maxima import maxima
 from .moving import moving_end, moving_events
-from .request import Request
 from .survey import survey
 
 
-def run_of(request: Request, result: Any) -> Run:
-    """The run, from what time stepping found."""
-    mechanism = request.mechanism
-    if mechanism.stepping is not None:
-        return mechanism.stepping.read(request.parameters, request.duration, result)
+def read_off(request: Request, result: Result) -> Run:
+    """The run, from the events that were located."""
     solved = _read_off(request, result)
-    return (mechanism.run or plain_run)(request.system, solved)
+    return (request.mechanism.run or plain_run)(request.system, solved)
 
 
 def _read_off(request: Request, result: Result) -> Solved:

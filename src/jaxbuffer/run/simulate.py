@@ -11,25 +11,13 @@ from .._types import Scalar
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
 from ..hybrid import Result, Solver, solver_named
+from ..mechanisms.mechanism import LIMITS, Request
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
 from .history import trimmed
-from .read_off import run_of
-from .request import (
-    CHECKED,
-    DEFAULT_TOLERANCE,
-    LIMITS,
-    ONE_RUN,
-    UNCHECKED,
-    Request,
-    check_pair,
-    options_of,
-    request,
-    stepped,
-)
-
-HISTORY_STEPS = 20_000
+from .request import DEFAULT_TOLERANCE, ONE_RUN, check_pair, options_of, request
+from .stepper import CHECKED, HISTORY_STEPS, UNCHECKED, run_of, stepped, stepper_of
 
 
 @overload
@@ -126,8 +114,7 @@ def simulate(
             _refuse_arrays(design, scenario, one)
     run = _simulate(given, UNCHECKED if traced else CHECKED)
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
-        stepping = mechanism.stepping
-        rows = stepping.rows(run) if stepping is not None else min(int(run.accepted), HISTORY_STEPS)
+        rows = stepper_of(mechanism).rows(run)
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
     return run
 

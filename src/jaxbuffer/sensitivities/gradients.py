@@ -11,13 +11,13 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..fields import Part, with_values
-from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
-from ..mechanisms.mechanism import Mechanism
+from ..hybrid import Solver
+from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
 from ..mechanisms.run import Run
 from ..programs.cache import Static, after
-from ..run.read_off import run_of
-from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, request, stepped, with_tolerances
+from ..run.request import DEFAULT_TOLERANCE, request
+from ..run.stepper import run_of, stepper_of
 
 
 class Gradients(eqx.Module):
@@ -73,19 +73,14 @@ def _moved(mechanism: Mechanism, inputs: Inputs, values: list[Array], asked: Sta
 
 def _stepped(
     mechanism: Mechanism, inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None
-) -> Result | None:
-    """What time stepping finds, with a tangent for each address; nothing of a mechanism with its own `Stepping`, which
-    is differentiated as a whole."""
-    if mechanism.stepping is not None:
-        return None
+) -> Any:
+    """Step the run with a tangent for each address."""
     separate = [values[k] for k in range(len(asked.value))]
-    asked_for = _moved(mechanism, inputs, separate, asked, solver)
 
-    def assembled(values: list[Array], inputs: Inputs) -> HybridSystem:
-        return _moved(mechanism, inputs, values, asked, solver).system
+    def make(values: list[Array], inputs: Inputs) -> Request:
+        return _moved(mechanism, inputs, values, asked, solver)
 
-    options, allowed = with_tolerances(asked_for), asked_for.allowed
-    return solve_with_tangents(assembled, separate, inputs, asked_for.duration, options, allowed)
+    return stepper_of(mechanism).step_with_tangents(make, separate, inputs)
 
 
 @after(_stepped, seconds=20.0)
@@ -95,13 +90,13 @@ def _gradients(
     values: Float[Array, " addresses"],
     asked: Static,
     solver: Solver | None,
-    result: Result | None,
+    result: Any,
 ) -> Gradients:
     catalogue = mechanism.quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
         given = _moved(mechanism, inputs, values, asked, solver)
-        run = run_of(given, stepped(given, CHECKED) if result is None else differentiable(result, values))
+        run = run_of(given, stepper_of(mechanism).differentiable(given, result, values))
         results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
         return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
 

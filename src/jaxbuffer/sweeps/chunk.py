@@ -11,12 +11,12 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..errors import InputError, as_number
-from ..hybrid import Result, Solver, name_of, solver_named
-from ..mechanisms.mechanism import Mechanism
+from ..hybrid import Solver, name_of, solver_named
+from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.registry import mechanism_of
 from ..programs.cache import after
-from ..run.read_off import run_of
-from ..run.request import Request, request, stepped, tenth
+from ..run.request import request, tenth
+from ..run.stepper import run_of, stepped, stepper_of
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
 from .columns import NO_VERDICT, column_names
 from .grid import Batch
@@ -84,15 +84,13 @@ def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, 
 
 def _stepped(
     mechanism: Mechanism, chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None
-) -> Result:
+) -> Any:
     """What time stepping finds of each run."""
 
-    def one(chunk: Chunk, wanted: Array) -> Result:
+    def one(chunk: Chunk, wanted: Array) -> Any:
         return stepped(_request(mechanism, chunk, rtol, stabilisation, solver), wanted=wanted)
 
-    if mechanism.stepping is not None:  # lanes of a loop over many nodes would wait for the slowest
-        return jax.lax.map(lambda run: one(*run), (chunk, wanted))
-    return jax.vmap(one)(chunk, wanted)
+    return stepper_of(mechanism).many(one)(chunk, wanted)
 
 
 @after(_stepped)
@@ -103,12 +101,12 @@ def solve_chunk(
     rtol: Any,
     stabilisation: Any,
     solver: Solver | None,
-    result: Result,
+    result: Any,
 ) -> tuple:
     """The columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
     chunk."""
 
-    def numbers(chunk: Chunk, result: Result) -> tuple:
+    def numbers(chunk: Chunk, result: Any) -> tuple:
         run = run_of(_request(mechanism, chunk, rtol, stabilisation, solver), result)
         own = (mechanism.quantities[name].of(run) for name in mechanism.swept)
         return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ..fields import Part, get, unit
 from ..mechanisms.energy import energy_text
+from ..run.stepper import stepper_of
 from ..tables import html, table, text
 from .checks import Corners, Floor, corners, floor
 from .evaluation import Evaluation, Evaluator
@@ -22,7 +23,6 @@ from .store import Record
 if TYPE_CHECKING:
     import pandas as pd  # takes half a second to import; only `Tuned.to_pandas` needs it
 
-TIGHT = 1e-9  # rtol at which the result is evaluated, where the mechanism does not say otherwise
 SHOWN = 12  # scenarios in a table
 OWN = 3  # own quantities in that table, in place of the usual ones
 
@@ -149,8 +149,7 @@ def assess(
     ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
-    stepping = problem.mechanism.stepping
-    tight = TIGHT if stepping is None else stepping.tight
+    tight = stepper_of(problem.mechanism).tight
     before, after = evaluator([first, scaled], rtol=tight)
     # Before the count of captures below: the corners are runs, too.
     in_corners = corners(goal, evaluator, scaled, tight)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ...structures.contact import SOLID
-from ..mechanism import Defaults, Mechanism, Names, Stepping, no_hybrid_system
+from ..mechanism import Defaults, Mechanism, Names
 from ..registry import register
 from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
@@ -15,8 +15,7 @@ from .numbering import Numbering
 from .outcome import TankOutcome
 from .panels import panels
 from .quantities import QUANTITIES
-from .run import rows_of, run_of
-from .stepping import TIGHT, TOLERANCE, dropped
+from .stepper import ExplicitElements
 from .tank_run import TankRun
 
 ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
@@ -91,9 +90,8 @@ TANK_DROP = register(
         title="Drop onto a tank",
         design=TankDrop,
         scenario=TankDropScenario,
-        system=no_hybrid_system,
-        stepping=Stepping(dropped, run_of, rows_of, TOLERANCE, TIGHT),
         quantities=QUANTITIES,
+        stepper=ExplicitElements(),
         outcomes=TankOutcome,
         time_is_up="whole",
         success="whole",
