@@ -59,5 +59,5 @@ def computed(
 def kept(found: Any, done: int, count: int, folder: Any) -> None:
     """Say how many runs of an interrupted sweep or sample are in its folder, if it has one."""
     if folder is not None:
-        told = f"{done} of {count} {found.mechanism.run_name}s are kept"
+        told = f"{done} of {count} {found.mechanism.view.run_name}s are kept"
         note(f"{told}; the same command with --resume goes on in {folder}")

@@ -58,7 +58,7 @@ def sensitivity(
     check_choice("certify", certify, CERTIFICATES)
     options, mechanism = study.options, study.mechanism
     names = check_quantities(mechanism.quantities, of or mechanism.defaults.differentiated)
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.defaults.parameters, one)
     result = working(
         "differentiating",

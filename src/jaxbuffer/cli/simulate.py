@@ -41,13 +41,13 @@ def simulate(request: CommandLine, scenario_number: ScenarioNumber = None, trust
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
-    limits, name = study_constraints(study), study.mechanism.run_name
+    limits, name = study_constraints(study), study.mechanism.view.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
     run, closer = simulated(study, request.output is not None, asked_for(trust))
     if run.outcome.failed:
         return fail(run.outcome.reason)
-    if study.mechanism.chaotic:
+    if study.mechanism.view.chaotic:
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))

@@ -108,7 +108,7 @@ class Sample(RunTable):
 def _summary(sample: Sample) -> list[str | Table]:
     """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
     points, mechanism, done = sample.grid, sample.mechanism, int(sample.done.sum())
-    title = f"Sample of {len(points)} {mechanism.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
+    title = f"Sample of {len(points)} {mechanism.view.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
         title += f", {points.count} rows of {len(points.axes) + 2} runs"
     parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]

@@ -1,8 +1,7 @@
-"""What a mechanism says of itself; everything else follows from that."""
+"""A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -10,14 +9,12 @@ from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..errors import InputError, inside
-from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, paths, unit
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
 from ..hybrid import Options
-from .drawing import Drawing, plain_drawing
 from .outcome import RunOutcome, Simulated
-from .picture import Meshed, Panel
 from .quantity import Catalogue
 from .system import ContactSystem
-from .validity import Limit
+from .view import View
 
 TOLERANCES = {"low": 1e-13, "high": 1e-2}
 LIMITS: dict[str, dict[str, Any]] = {
@@ -28,20 +25,6 @@ LIMITS: dict[str, dict[str, Any]] = {
 }
 Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
 Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
-
-
-@dataclasses.dataclass(frozen=True)
-class Names:
-    """What parts of a mechanism are called in tables and files, in the order of their numbers.
-
-    ``bodies``; ``contacts``: those that have impacts; ``multipliers`` of the joints' rows and ``others`` of the
-    history, each with its unit.
-    """
-
-    bodies: tuple[str, ...] = ()
-    contacts: tuple[str, ...] = ("contact",)
-    multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    others: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,6 +55,21 @@ class Floor:
 
     first_impact: Callable[[Any, Any], Any]
     softeners: tuple[str, ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class TuningRules:
+    """What tuning needs to know of a mechanism.
+
+    ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
+    problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``: what is
+    known of the first impact without simulating it.
+    """
+
+    always: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    check_problem: Callable[[Any], None] = lambda problem: None
+    margin: str | None = None
+    floor: Floor | None = None
 
 
 class Request(NamedTuple):
@@ -151,26 +149,14 @@ def no_smooth_law(design: Part) -> Part:
     raise InputError(f"{type(design).__name__} has no contact law without events, which diffrax.diffeqsolve needs")
 
 
-def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
-    """A scenario in a few words: its fields' values with their units."""
-    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
-
-
-def _shown(scenario: Part, name: str) -> str:
-    value, symbol = getattr(scenario, name), unit(scenario, name)
-    if symbol == "rad":
-        return f"{math.degrees(float(value)):.4g}°"
-    return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
-
-
 @jax.tree_util.register_static  # a compiled program is made for it, and takes no numbers from it
 @dataclasses.dataclass(frozen=True, eq=False)
 class Mechanism:
     """A mechanism: what can be simulated, swept, differentiated and tuned. It is equal to itself alone.
 
-    What every mechanism says:
+    What every mechanism has:
 
-    - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
+    - ``name``: as ``kind`` in TOML;
     - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
     - ``quantities``: its one catalogue;
     - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system; or else ``stepper``: how it
@@ -178,73 +164,34 @@ class Mechanism:
 
     What has a plain default:
 
-    - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
-      of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
-    - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
-      has impacts is called ("flank"); ``defaults``; ``chaotic``: whether small differences grow until later impacts
-      cannot be known, so that the command line tells how many of them are (`jb.horizon`);
+    - ``outcomes``: how runs end; ``success``: the outcome that a tuned design must have, None for any;
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
-    - ``run``: makes the `Run` of what was `Solved`, None for a plain one; ``summary`` of a run, None for the plain one
-      (`plain_summary`); ``label`` of a scenario among others;
-      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
-      ``meshes``: its elements at some times of a run, or at a few telling ones; ``drawing``: what a design looks like,
-      from it and its bodies' names; ``record``: tables of numbers that a run's record has besides, by name; ``notes``:
-      lines below a table of a run's sensitivities;
-    - ``leaves_out``: what the model leaves out, a line each, and where it is told;
-    - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
-      peak forces [N] and penetrations [m];
-    - ``diagnosis``: of a run that did not end in ``success``, what held it back, a text by heading;
+    - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
     - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
-    - for tuning ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError`
-      where a problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``:
-      what is known of the first impact without simulating it.
+    - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
     """
 
     name: str
-    title: str
     design: type[Part]
     scenario: type[Part]
     quantities: Catalogue
     system: Callable[..., ContactSystem] = no_equations
     stepper: Stepper | None = None
     outcomes: type[RunOutcome] = Simulated
-    ends: tuple[str, ...] = ("failed_penetration",)
-    time_is_up: str = "finished"
     success: str | None = None
-    run_name: str = "run"
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
-    summary: Callable[[Any], str] | None = None
-    label: Callable[..., str] = plain_label
-    approach: Callable[[Any], str] = plain_label
-    leaves_out: tuple[str, ...] = ()
-    warnings: Callable[[Any], list[str]] = lambda run: []
-    validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
-    notes: Callable[[Any], list[str]] = lambda run: []
-    diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
-    panels: Callable[[Any], list[Panel]] = lambda run: []
-    meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
-    drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
-    record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
-    names: Callable[[Any], Names] = lambda design: Names()
-    contact: str = "contact"
-    chaotic: bool = False
-    defaults: Defaults = Defaults()
-    always: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    check_problem: Callable[[Any], None] = lambda problem: None
     smooth: Callable[[Any], Any] = no_smooth_law
-    margin: str | None = None
-    floor: Floor | None = None
+    # No compiled program depends on these: see `programs.identity.label`.
+    defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
+    tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
+    view: View = dataclasses.field(default=View(), compare=False)
 
     @property
     def swept(self) -> tuple[str, ...]:
         """Quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
-
-    def contact_in_words(self, name: str) -> str:
-        """A contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
-        return name if name == self.contact else f"{name} {self.contact}"
 
     def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
         """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the

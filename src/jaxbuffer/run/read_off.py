@@ -33,7 +33,7 @@ def _read_off(request: Request, result: Result) -> Solved:
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     seen = survey(system, log)
     log = moving_events(log, seen)
-    code = outcome_code(mechanism.outcomes, mechanism.ends, mechanism.time_is_up, result.status)
+    code = outcome_code(mechanism.outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
     top, hits = maxima(system, log, start), impacts(system, log, seen)

@@ -92,7 +92,7 @@ def simulate(
     check_pair(mechanism, design, scenario)
     duration = mechanism.defaults.duration if duration is None else duration
     atol = rtol if atol is None else atol
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     for name, value, unit in (
         ("duration", duration, "s"),
         ("rtol", rtol, "-"),

@@ -69,7 +69,7 @@ def sensitivity(
     scenario = mechanism.scenario() if scenario is None else scenario
     check_pair(mechanism, design, scenario)
     names = check_quantities(catalogue, defaults.differentiated if quantities is None else quantities)
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     paths, values = check_numbers(design, scenario, defaults.parameters if wrt is None else wrt, one)
     duration = defaults.duration if duration is None else duration
     check_choice("certify", certify, CERTIFICATES)

@@ -138,7 +138,7 @@ def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str
         return np.where(solved, unknown, NO_VERDICT)
     changes = relative_changes(mechanism, here, there)
     error = SAFETY * np.max([*changes.values(), np.zeros(len(solved))], axis=0)
-    others = (f"peak_{mechanism.contact}", "impact_count")
+    others = (f"peak_{mechanism.view.contact}", "impact_count")
     differs = np.any([here[name] != there[name] for name in others], axis=0)
     found = verdicts(error, here["code"] != there["code"], differs)
     return np.where(solved, np.where(there["code"] < failed, found, unknown), NO_VERDICT)

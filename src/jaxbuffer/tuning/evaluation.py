@@ -185,7 +185,7 @@ def measure(
     mechanism, paths = readings.mechanism, readings.paths
     rest = [name for name in readings.measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
-    margin = [] if mechanism.margin is None else [mechanism.margin]
+    margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     if slopes:
         at = [float(get(design, p)) for p in paths]
         result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol)
@@ -284,7 +284,7 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
         array[lost] = 0.0
     run["margin"][lost] = LOST
     succeeded = ~lost if success is None else code == outcomes[success]
-    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
+    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.outcomes.time_is_up()])
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
     time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
     run["rest"][ended_otherwise, time] = problem.duration
