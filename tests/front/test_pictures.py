@@ -26,8 +26,8 @@ from jaxbuffer.mechanisms.drawing import (
     stations,
     with_stations,
 )
-from jaxbuffer.mechanisms.view import View
 from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.mechanisms.view import View
 from jaxbuffer.multibody.flexible import Bar, pinned_bar
 from jaxbuffer.output import animation
 from jaxbuffer.output.motion import draw, telling_times

@@ -106,13 +106,8 @@ class Stepper(Protocol):
     evaluated.
     """
 
-    @property
-    def difference_tolerance(self) -> float:
-        """Return the rtol of runs that differences are taken of [-]."""
-
-    @property
-    def tight(self) -> float:
-        """Return the rtol at which a tuned design is evaluated [-]."""
+    difference_tolerance: float
+    tight: float
 
     def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Any:
         """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails
@@ -120,9 +115,11 @@ class Stepper(Protocol):
 
     def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> Any:
         """Step the run ``make(values, others)`` with a tangent for each value; None where `differentiable` does it."""
+        return None
 
     def differentiable(self, request: Request, result: Any, values: list[Array]) -> Any:
-        """Return the result of `step_with_tangents`, with derivatives by the values."""
+        """Return the result of `step_with_tangents`, with derivatives by the values; without one, step the run."""
+        return self.step(request, unchecked=False, wanted=True)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return the function ``one`` of a run's numbers as a function of arrays of them."""

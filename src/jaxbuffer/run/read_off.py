@@ -11,6 +11,7 @@ from ..hybrid import Log, Result, Status
 from ..mechanisms.mechanism import Request
 from ..mechanisms.outcome import outcome_code
 from ..mechanisms.run import Maxima, Run, Solved, plain_run
+from ..mechanisms.system import ContactSystem
 from .conservation import balance
 from .history import history as history_of
 from .impacts import contact_time, impacts
@@ -21,14 +22,13 @@ from .survey import survey
 
 def read_off(request: Request, result: Result) -> Run:
     """The run, from the events that were located."""
-    solved = _read_off(request, result)
-    return (request.mechanism.run or plain_run)(request.system, solved)
+    system = request.system  # assembled once: that takes a while to trace
+    return (request.mechanism.run or plain_run)(system, _read_off(request, system, result))
 
 
-def _read_off(request: Request, result: Result) -> Solved:
+def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
     """All that every mechanism's runs have."""
     mechanism, parameters, duration, _, options = request
-    system = request.system
     start = system.first_posture()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     seen = survey(system, log)

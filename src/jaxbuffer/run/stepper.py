@@ -48,8 +48,8 @@ class Events:
         def assembled(values: list[Array], others: Any) -> HybridSystem:
             return make(values, others).system
 
-        options = with_tolerances(request)
-        return solve_with_tangents(assembled, values, others, request.duration, options, request.allowed)
+        allowed, options = request.allowed, with_tolerances(request)
+        return solve_with_tangents(assembled, values, others, request.duration, options, allowed)
 
     def differentiable(self, request: Request, result: Result, values: list[Array]) -> Result:
         """See `Stepper`."""

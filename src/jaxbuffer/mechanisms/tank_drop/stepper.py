@@ -8,14 +8,14 @@ import jax
 from jaxtyping import Array, Bool
 
 from ...hybrid import Tolerance
-from ..mechanism import Request
+from ..mechanism import Request, Stepper
 from .run import rows_of, run_of
 from .stepping import TIGHT, TOLERANCE, Dropped, dropped
 from .tank_run import TankRun
 
 
 @dataclasses.dataclass(frozen=True)
-class ExplicitElements:
+class ExplicitElements(Stepper):
     """The stepper of finite elements, in steps as long as they can be stable; it is differentiated as a whole."""
 
     difference_tolerance = TOLERANCE
@@ -26,13 +26,6 @@ class ExplicitElements:
         options = dataclasses.replace(request.options, tolerance=Tolerance(*request.tolerances))
         allowed = wanted & request.allowed
         return dropped(request.parameters, request.duration, options, allowed, backwards=unchecked)
-
-    def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> None:
-        """See `Stepper`."""
-
-    def differentiable(self, request: Request, result: None, values: list[Array]) -> Dropped:
-        """Step the run, whose derivatives are those of its steps."""
-        return self.step(request, unchecked=False, wanted=True)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return a function that takes runs one after the other: lanes of a loop over many nodes would wait for the
