@@ -23,10 +23,11 @@ import numpy as np
 
 import jaxbuffer as jb
 from jaxbuffer.fields import Part
+from jaxbuffer.mechanisms.mechanism import Request
 from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.progress import counted
-from jaxbuffer.run.read_off import run_of
-from jaxbuffer.run.request import options_of, request, stepped
+from jaxbuffer.run.request import options_of, request
+from jaxbuffer.run.stepper import run_of, stepped
 from jaxbuffer.run.trust import trust
 
 RUNS = 10_000
@@ -140,13 +141,12 @@ STUDIES = {
 
 
 @jax.jit
-def _measured(given: tuple[Any, ...]) -> tuple[Any, ...]:
+def _measured(given: Request) -> tuple[Any, ...]:
     """Of a run: outcome, touchdowns, accepted steps, reported maxima, the range of their observables, and the largest
     values at accepted steps."""
-    parameters, duration, _, options = given
-    result = stepped(*given)
-    run = run_of(parameters, duration, dataclasses.replace(options, keep=0), result)
-    system = run.mechanism.system(*parameters)
+    result = stepped(given)
+    run = run_of(given._replace(options=dataclasses.replace(given.options, keep=0)), result)
+    system = given.system
     steps = result.steps
     slots = jnp.arange(steps.time.shape[0] - 1)
 
@@ -165,7 +165,9 @@ def _measured(given: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def measured(design: Part, scenario: Part, duration: float, rtol: float = 1e-6) -> tuple[Any, ...]:
     """`_measured` as NumPy arrays; the names of the maxima are `names`."""
-    given = request(design, scenario, duration, None, (rtol, rtol), options=options_of(keep=STEPS))
+    given = request(
+        mechanism_of(design), design, scenario, duration, None, (rtol, rtol), options=options_of(keep=STEPS)
+    )
     return jax.tree.map(np.asarray, _measured(jax.tree.map(lambda x: np.asarray(x, float), given)))
 
 

@@ -69,7 +69,7 @@ def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
     }
     if not capture.outcome.failed:
         options = (8.0, ExplicitRungeKutta(), int(capture.code), course_of(capture))
-        solve = TightSolve(design, scenario, PARAMETERS, QUANTITIES, *options)
+        solve = TightSolve(PROBE_CONE, design, scenario, PARAMETERS, QUANTITIES, *options)
         tight = TightSolves(solve, found.values, np.abs(found.values), POOL)
         evidence = each(tight, found.elasticities, np.abs(found.results), np.zeros_like(found.elasticities))
         record |= {"off": evidence.by_differences.tolist(), "uncertainty": evidence.uncertainty.tolist()}

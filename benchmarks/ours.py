@@ -62,7 +62,7 @@ def elasticities(rtol: float) -> dict[str, float]:
     """Table 2's d ln peak_force / d ln p [-] by the reference's names, with the capture they belong to."""
     design = jb.table2()
     values = np.array([float(jb.get(design, path)) for path in PARAMETERS])
-    linear = jax.block_until_ready(gradients(design, jb.Scenario(), PARAMETERS, values, 8.0, rtol=rtol))
+    linear = jax.block_until_ready(gradients(PROBE_CONE, design, jb.Scenario(), PARAMETERS, values, 8.0, rtol=rtol))
     slopes = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
     return {path.split(".")[-1]: float(slope) for path, slope in zip(PARAMETERS, slopes, strict=True)}
 

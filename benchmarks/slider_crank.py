@@ -182,10 +182,11 @@ def exudyn_ratio(mine: list[Setting], exact: np.ndarray, notes: list[str]) -> li
 
 def own_slopes(design: jb.SliderCrank, rtol: float) -> np.ndarray:
     """Elasticities of the first three peaks by three parameters, with the run they belong to, shape (3, 3)."""
+    from jaxbuffer.mechanisms.slider_crank import SLIDER_CRANK
     from jaxbuffer.sensitivities.gradients import gradients
 
     values = np.array([float(jb.get(design, path)) for path in PARAMETERS])
-    found = gradients(design, jb.SliderCrankScenario(), tuple(PARAMETERS), values, SHORT, rtol=rtol)
+    found = gradients(SLIDER_CRANK, design, jb.SliderCrankScenario(), tuple(PARAMETERS), values, SHORT, rtol=rtol)
     return np.asarray(found.by_impact["peak_force"])[:3] * values / np.asarray(found.run.impacts.peak_force)[:3, None]
 
 

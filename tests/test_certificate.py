@@ -8,6 +8,7 @@ import jaxbuffer.sensitivities.sensitivity as module
 from front.made_up import made_up_capture
 from jaxbuffer import Outcome
 from jaxbuffer.mechanisms.impacts import Impacts
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sensitivities.certificate import FLOOR, HOPELESS, KINK, TRUSTED, Peaks, Verdict, judge, peak_report
 from jaxbuffer.sensitivities.evidence import Evidence, TightSolve, course_of, each, together
 
@@ -190,6 +191,6 @@ def test_a_flank_touched_and_left_at_once_is_no_landmark():
         return found
 
     run = capture([0, 1, 1, 0], [200.0, 1e-9, 250.0, 10.0])
-    tight = TightSolve(jb.table2(), jb.Scenario(), PATHS, NAMES, 8.0, None, int(run.code), course_of(run))
+    tight = TightSolve(PROBE_CONE, jb.table2(), jb.Scenario(), PATHS, NAMES, 8.0, None, int(run.code), course_of(run))
     assert tight.seen(capture([0, 1, 0], [200.0, 251.0, 260.0]))[0] == 251.0
     assert np.isnan(tight.seen(capture([0, 0, 1], [200.0, 20.0, 251.0]))[0])

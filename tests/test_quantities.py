@@ -61,7 +61,8 @@ def test_the_capture_margin_is_smooth_where_capture_happens_just_in_time():
     values = [jb.get(design, path) for path in PARAMETERS]
     end = float(jb.simulate(design, scenario, rtol=1e-9).end_time)
     late, early = (
-        gradients(design, scenario, PARAMETERS, values, end * (1.0 + share), rtol=1e-9) for share in (1e-7, -1e-7)
+        gradients(PROBE_CONE, design, scenario, PARAMETERS, values, end * (1.0 + share), rtol=1e-9)
+        for share in (1e-7, -1e-7)
     )
     assert [linear.run.outcome.name for linear in (late, early)] == ["captured", "timeout"]
     margins = [float(linear.run.capture_margin) for linear in (late, early)]

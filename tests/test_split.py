@@ -10,10 +10,12 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Options
+from jaxbuffer.mechanisms.mechanism import Request
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.cache import Static, _built, _run, after
 from jaxbuffer.programs.store import store_in
-from jaxbuffer.run.request import CHECKED
 from jaxbuffer.run.simulate import _simulate
+from jaxbuffer.run.stepper import CHECKED
 from jaxbuffer.sensitivities.gradients import _gradients
 from jaxbuffer.sweeps.chunk import solve_chunk
 
@@ -61,9 +63,12 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
     rtol, duration, gain = jnp.asarray(1e-6), jnp.asarray(8.0), jnp.asarray(20.0)
     runs = jax.tree.map(lambda x: jnp.full(2, x), (design, scenario, duration))
     arguments = {
-        _simulate: ((design, scenario, gain), duration, (rtol, rtol), Options(max_events=8), CHECKED),
-        _gradients: ((design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",)), None),
-        solve_chunk: (runs, jnp.array([True, False]), rtol, gain, None),
+        _simulate: (
+            Request(PROBE_CONE, (design, scenario, gain), duration, (rtol, rtol), Options(max_events=8)),
+            CHECKED,
+        ),
+        _gradients: (PROBE_CONE, (design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",)), None),
+        solve_chunk: (PROBE_CONE, runs, jnp.array([True, False]), rtol, gain, None),
     }[asked]
     arrays, rest = eqx.partition(arguments, eqx.is_array)
     whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731

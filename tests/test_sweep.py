@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps.chunk import runs, solve_chunk
 from jaxbuffer.sweeps.grid import Batch
 from jaxbuffer.sweeps.result import SweepInterrupted
@@ -54,7 +55,7 @@ def test_one_program_for_any_number_of_runs():
         np.testing.assert_array_equal(few.peak_force, all_runs.peak_force[-count:])
     assert len(solve_chunk.programs) == 1
     part = runs(Batch(None, jb.table2(), jb.Scenario(approach_speed=speeds)), 0.05, 16, 1, filled=True)
-    found = solve_chunk.first(*part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
+    found = solve_chunk.first(PROBE_CONE, *part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
     assert np.all((np.asarray(found.attempts) > 0) == (np.arange(16) < 3))
 
 

@@ -65,8 +65,8 @@ def test_a_run_that_fails_at_a_tenth_of_the_tolerance_only(bar, monkeypatch):
     part = runs(Batch(None, *bar), 0.22, 16, 1, filled=True)
     solve = chunks.solve_chunk
 
-    def failing(chunk, wanted, rtol, *others):
-        return solve(chunk, wanted & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
+    def failing(mechanism, chunk, wanted, rtol, *others):
+        return solve(mechanism, chunk, wanted & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
 
     monkeypatch.setattr(chunks, "solve_chunk", failing)
     *_, verdict = columns_of_chunk(*part.call(0), Settings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))

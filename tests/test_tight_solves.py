@@ -9,10 +9,10 @@ import jaxbuffer as jb
 import jaxbuffer.sensitivities.horizon as horizons
 from front.made_up import made_up_capture
 from jaxbuffer.mechanisms.impacts import Impacts
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.programs.threads import Pool
 from jaxbuffer.sensitivities import evidence
 from jaxbuffer.sensitivities.evidence import (
-    CHECK_TOLERANCE,
     FLOOR,
     NOISE,
     TightSolve,
@@ -81,7 +81,7 @@ def test_a_horizon_with_another_tolerance_and_change(monkeypatch):
 def solve(run, names=("stroke", "peak_force")):
     """A tight solve by two parameters."""
     paths = ("buffer.k_A", "buffer.c_A")
-    return TightSolve(jb.table2(), jb.Scenario(), paths, names, 8.0, None, int(run.code), course_of(run))
+    return TightSolve(PROBE_CONE, jb.table2(), jb.Scenario(), paths, names, 8.0, None, int(run.code), course_of(run))
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_solves_are_made_once_each_and_tightly(monkeypatch, pool):
     for moves in ((0.1, 0.1), (0.1, -0.1), (-0.1,)):
         found = tight.after([(np.array(along), move) for move in moves])
         np.testing.assert_allclose(found, [[0.0075, 240.0]] * len(moves))
-    assert asked == [(101.0, 2.05, 8.0, CHECK_TOLERANCE), (99.0, 1.95, 8.0, CHECK_TOLERANCE)]
+    assert asked == [(101.0, 2.05, 8.0, 1e-11), (99.0, 1.95, 8.0, 1e-11)]
     assert len(tight.known) == 2
 
 

@@ -1,6 +1,6 @@
 """The labelled drawing of the capture mechanism: `PYTHONPATH=src python docs/figures/make.py` writes capture.svg.
 
-Everything in it is drawn from the design of Table 2 by `Mechanism.drawing`, at the start of a capture with a
+Everything in it is drawn from the design of Table 2 by `View.drawing`, at the start of a capture with a
 misalignment large enough to be seen.
 """
 

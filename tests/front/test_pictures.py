@@ -26,8 +26,8 @@ from jaxbuffer.mechanisms.drawing import (
     stations,
     with_stations,
 )
-from jaxbuffer.mechanisms.mechanism import Mechanism
 from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.mechanisms.view import View
 from jaxbuffer.multibody.flexible import Bar, pinned_bar
 from jaxbuffer.output import animation
 from jaxbuffer.output.motion import draw, telling_times
@@ -116,8 +116,8 @@ def test_a_force_acts_at_the_foot_along_the_normal():
 @pytest.mark.parametrize("design", [jb.table2(), jb.BarDrop(), jb.SliderCrank()], ids=lambda d: type(d).__name__)
 def test_every_mechanism_says_where_its_forces_act(design):
     mechanism = mechanism_of(design)
-    names = mechanism.names(design)
-    drawing = mechanism.drawing(design, names.bodies)
+    names = mechanism.view.names(design)
+    drawing = mechanism.view.drawing(design, names.bodies)
     assert isinstance(drawing, Drawing)
     assert isinstance(drawing.detail, Detail)
     assert len(drawing.touches) == len(names.contacts)
@@ -126,7 +126,7 @@ def test_every_mechanism_says_where_its_forces_act(design):
 
 def test_contacts_are_drawn_where_gaps_are_computed(drop):
     """The drawing's own geometry leaves the history's gap between ball and plate."""
-    seen, drawing = drop.history, drop.mechanism.drawing(drop.design, ())
+    seen, drawing = drop.history, drop.mechanism.view.drawing(drop.design, ())
     frames = drawing.frames(seen)
     (touch,) = drawing.touches
     for k in range(0, len(seen.time), 9):
@@ -136,7 +136,7 @@ def test_contacts_are_drawn_where_gaps_are_computed(drop):
 
 
 def test_a_mechanism_without_a_drawing_shows_its_bodies():
-    assert Mechanism.drawing is plain_drawing
+    assert View.drawing is plain_drawing
     drawing = plain_drawing(jb.BarDrop(), ("bar", "plate"))
     assert [shape.part for shape in drawing.shapes] == ["bar", "", "plate", ""]
 

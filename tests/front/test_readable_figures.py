@@ -87,7 +87,7 @@ def test_a_vehicle_has_an_area_and_its_front_where_it_is(values):
 def test_energy_is_drawn_without_the_common_motion(captures, name):
     """At first that is ½ μ v² with the reduced mass (König's theorem), and no prefix makes a number long."""
     run, _, over_time = captures[name]
-    (panel,) = (panel for panel in run.mechanism.panels(run) if panel.stacked)
+    (panel,) = (panel for panel in run.mechanism.view.panels(run) if panel.stacked)
     many = {"[kJ]": 1e-3, "[J]": 1.0, "[mJ]": 1e3}[panel.axis.removeprefix("energy ")]
     design = run.design
     active = float(design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass)

@@ -6,15 +6,17 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Automatic, DiagonallyImplicit, ExplicitRungeKutta, Options
-from jaxbuffer.run.request import CHECKED
+from jaxbuffer.mechanisms.mechanism import Request
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.run.simulate import _simulate
+from jaxbuffer.run.stepper import CHECKED
 
 
 def compiled(solver):
     numbers = jax.tree.map(lambda x: jnp.asarray(x, float), (jb.table2(), jb.Scenario(), 20.0))
     options = jax.tree.map(lambda x: jnp.asarray(x, float), Options(solver=solver))
-    given = (numbers, jnp.asarray(8.0), (jnp.asarray(1e-6),) * 2, options)
-    return _simulate.jitted.lower(*given, CHECKED).compile().as_text()
+    given = Request(PROBE_CONE, numbers, jnp.asarray(8.0), (jnp.asarray(1e-6),) * 2, options)
+    return _simulate.jitted.lower(given, CHECKED).compile().as_text()
 
 
 @pytest.mark.parametrize("solver", [Automatic(), ExplicitRungeKutta(), DiagonallyImplicit()])

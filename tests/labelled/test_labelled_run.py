@@ -102,7 +102,7 @@ def test_a_batch_is_refused():
 def test_every_mechanism_has_labelled_runs(design, scenario, duration):
     run = jb.simulate(design(), scenario(), duration, history=True)
     data = run.to_xarray()
-    names = run.mechanism.names(run.design)
+    names = run.mechanism.view.names(run.design)
     assert tuple(data.body.values) == names.bodies and tuple(data.contact.values) == names.contacts
     assert data.sizes["impact"] == int(run.impact_count) > 0
     assert read_back(data).identical(data)

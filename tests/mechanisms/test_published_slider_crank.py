@@ -38,7 +38,7 @@ def test_it_runs_over_a_cycle(exponent):
     for k, component in enumerate((-along, along, -across, across)):  # the pin is on the rod here
         np.testing.assert_allclose(gap[:, k], 1.1e-3 - component, atol=1e-9)
     assert float(run.balance.drift) < 1e-8
-    assert any("exponent below 1" in line for line in run.mechanism.warnings(run))
+    assert any("exponent below 1" in line for line in run.mechanism.view.warnings(run))
 
 
 def test_the_onset_matters_little():

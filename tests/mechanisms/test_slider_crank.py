@@ -57,7 +57,7 @@ def test_four_impacts_of_independent_programs(name, rtol, evidence):
     impacts = DESIGNS[name]["impacts"]
     run = jb.simulate(design, scenario, 1.0001 * max(i["release_time"] for i in impacts), rtol=rtol)
     found = jax.tree.map(np.asarray, run.impacts)
-    pins = run.mechanism.names(design).contacts
+    pins = run.mechanism.view.names(design).contacts
     worst = 0.0
     for k, impact in enumerate(impacts):
         assert pins[found.contact[k]] == ("crank", "piston")[impact["contact"]]

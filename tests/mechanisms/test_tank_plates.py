@@ -160,7 +160,7 @@ def test_plates_of_a_composite_wall_are_of_its_plies():
     without = jb.replace(run.design, {"plates.kind": "none"})
     more = 2.0 * 0.7 * float(run.design.composite.density) * 0.004 * 0.29
     assert float(run.wall_mass) - float(wall_mass(without)) == pytest.approx(more, rel=1e-9)
-    assert sum("may be where a plate meets the wall" in line for line in run.mechanism.warnings(run)) == 1
+    assert sum("may be where a plate meets the wall" in line for line in run.mechanism.view.warnings(run)) == 1
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from jaxbuffer.run.conservation import balance
 from jaxbuffer.run.history import history
 from jaxbuffer.run.impacts import impacts
 from jaxbuffer.run.maxima import maxima
-from jaxbuffer.run.simulate import HISTORY_STEPS
+from jaxbuffer.run.stepper import HISTORY_STEPS
 from jaxbuffer.run.survey import survey
 
 RTOL = 1e-10

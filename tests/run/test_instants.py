@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
 from front.made_up import END, made_up_capture
-from jaxbuffer.mechanisms.registry import mechanism_of
+from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.history import seen_at
 from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _quintic, _straight, at_times
 
@@ -68,7 +68,7 @@ def test_between_the_steps_of_a_swinging_bar():
     """Positions by a quintic, speeds by a cubic: errors go at least with the sixth and the fourth power
     of a step."""
     parameters = (jb.BarDrop(), jb.BarDropScenario(height=0.194), jnp.asarray(20.0))
-    system = mechanism_of(parameters[0]).system(*parameters)
+    system = BAR_DROP.system(*parameters)
     posture, closed = system.first_posture()
     n, rate = system.coordinates, jax.jit(lambda time, state: system.derivative(time, state, closed))
     exact = solve_ivp(rate, (0.0, 0.2), posture.state, "DOP853", rtol=1e-12, atol=1e-14, dense_output=True).sol
@@ -77,7 +77,7 @@ def test_between_the_steps_of_a_swinging_bar():
         times = start + length * np.array([0.0, 0.2, 0.5, 0.7, 1.0])
         ends = exact(start), exact(start + length)
         each = [np.broadcast_to(x, (times.size, *np.shape(x))) for x in (closed, *ends)]
-        found = _instants(parameters, 0.0 * times + start, 0.0 * times + start + length, times, *each)
+        found = _instants(BAR_DROP, parameters, 0.0 * times + start, 0.0 * times + start + length, times, *each)
         there = exact(times).T
         off = np.abs(np.asarray(found.state) - there)
         errors.append([np.max(off[:, :n]), np.max(off[:, n : 2 * n])])

@@ -5,17 +5,17 @@ import jax.numpy as jnp
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import Kind, Log, Result, Status
-from jaxbuffer.mechanisms.registry import mechanism_of
-from jaxbuffer.run.read_off import run_of
-from jaxbuffer.run.request import options_of
+from jaxbuffer.mechanisms.bar_drop import BAR_DROP
+from jaxbuffer.run.request import request
+from jaxbuffer.run.stepper import run_of
 
 RATE = 2.0  # m/s, at which the ball's depth grows at the end
 
 
 def test_an_end_by_time_stays():
     """The bar, and its ball with it, is lowered by 1 m a unit: its depth would be reached 1/`RATE` earlier."""
-    parameters = jb.BarDrop(), jb.BarDropScenario(), 20.0
-    system = mechanism_of(parameters[0]).system(*parameters)
+    asked = request(BAR_DROP, jb.BarDrop(), jb.BarDropScenario(), 0.1)
+    system = asked.system
     row = system.first_posture()[0].state[None]
     contacts, observables = system.contact_count, len(system.observed)
     lower = jnp.zeros_like(row).at[0, 1].set(-1.0)
@@ -27,6 +27,6 @@ def test_an_end_by_time_stays():
         now = jnp.zeros(observables), jnp.asarray(RATE), jnp.zeros(contacts)
         log = log.append(*event, *now, row + p * lower, jnp.zeros_like(row), jnp.asarray(False))
         result = Result(jnp.asarray(int(Status.TIMEOUT)), log, None, jnp.asarray(1), jnp.asarray(1))
-        return run_of(parameters, 0.1, options_of(), result).end_time
+        return run_of(asked, result).end_time
 
     assert jax.jvp(end, (0.0,), (1.0,)) == (0.1, 0.0)

@@ -9,6 +9,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.hybrid import ExplicitRungeKutta
+from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sensitivities.gradients import gradients
 from verification.cases import CASES
 from verification.designs import PARAMETERS, random_case
@@ -42,7 +43,7 @@ def test_elasticities_over_random_designs(free_tip, count, capsys):
     for seed in range(count):
         design, scenario = random_case(seed, free_tip)
         values = [jb.get(design, path) for path in PARAMETERS]
-        linear = gradients(design, scenario, PARAMETERS, values, 8.0)
+        linear = gradients(PROBE_CONE, design, scenario, PARAMETERS, values, 8.0)
         found = np.asarray(linear.gradients[0]) * values / float(linear.results[0])
         expected, uncertainty = elasticities_by_differences(design, scenario)
         errors.append(np.abs(found - expected) / np.maximum(np.abs(expected), 1e-3))
@@ -71,6 +72,6 @@ def test_sensitivities_stop_no_run_and_hold_none_up(rtol):
     cases.append((*slide, jb.simulate(*slide, rtol=1e-8).outcome.name))
     for design, scenario, outcome in cases:
         values = [jb.get(design, path) for path in PARAMETERS]
-        capture = gradients(design, scenario, PARAMETERS, values, 8.0, rtol=rtol).run
+        capture = gradients(PROBE_CONE, design, scenario, PARAMETERS, values, 8.0, rtol=rtol).run
         assert capture.outcome.name == outcome
         assert int(capture.attempts) < 3 * int(jb.simulate(design, scenario, rtol=rtol).attempts)

@@ -7,7 +7,7 @@ import typer
 
 from ..errors import InputError
 from .exits import OK, fail
-from .request import Request, ScenarioNumber
+from .request import CommandLine, ScenarioNumber
 from .simulate import simulated
 
 Format = Annotated[
@@ -15,7 +15,7 @@ Format = Annotated[
 ]
 
 
-def animate(request: Request, scenario_number: ScenarioNumber = None, kind: Format = None) -> int:
+def animate(request: CommandLine, scenario_number: ScenarioNumber = None, kind: Format = None) -> int:
     """Simulate one run and draw it moving, in scale, with its contact forces as arrows.
 
     Time runs evenly, and slower around the three largest impacts; a clock says the time and how much slower.

@@ -14,7 +14,7 @@ def any_solved(runs: "RunTable") -> int:
     """The exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
     if runs.solved.any():
         return OK
-    return fail(f"none of the {int(runs.done.sum())} {runs.mechanism.run_name}s was solved; the outcomes say why")
+    return fail(f"none of the {int(runs.done.sum())} {runs.mechanism.view.run_name}s was solved; the outcomes say why")
 
 
 def fail(reason: object, code: int = FAILED) -> int:

@@ -24,5 +24,5 @@ def fields(
         show(described(mechanism_named(kind)))
         return OK
     for known in all_mechanisms():
-        show(f'kind = "{known.name}"  {known.title}')
+        show(f'kind = "{known.name}"  {known.view.title}')
     return OK

@@ -7,7 +7,7 @@ import typer
 
 from ..errors import check_number
 from .exits import OK
-from .request import Request
+from .request import CommandLine
 
 if TYPE_CHECKING:
     from ..mechanisms.probe_cone.comparison import Comparison
@@ -18,7 +18,7 @@ Speed = Annotated[str | None, typer.Option(metavar="M/S", help="Speed [m/s]; def
 
 
 def laws(
-    request: Request,
+    request: CommandLine,
     mass: Mass = None,
     speed: Speed = None,
 ) -> int:

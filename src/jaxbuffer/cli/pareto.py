@@ -7,7 +7,7 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
-from .request import Request, given
+from .request import CommandLine, given
 from .scheduler import Scheduler
 from .streams import note
 
@@ -20,7 +20,7 @@ Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in DI
 
 
 def pareto(
-    request: Request,
+    request: CommandLine,
     objectives: Objectives,
     points: Points = "9",
     iterations: Number = None,

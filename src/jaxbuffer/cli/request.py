@@ -39,7 +39,7 @@ ScenarioNumber = Annotated[
 
 
 @dataclasses.dataclass(frozen=True)
-class Request:
+class CommandLine:
     """One call of a command, options as typed. ``fields``: design and scenario fields by dotted path; ``words``: all
     that was typed after the program's name; ``begun``: when, of the clock `time.perf_counter` [s]."""
 
@@ -108,7 +108,7 @@ class Request:
 def verb(
     app: typer.Typer, summary: str, without: Collection[str] = (), epilog: str = FIELDS
 ) -> Callable[[Callable[..., int]], Any]:
-    """Make a function of a `Request` and options of its own a command of ``app``, which takes the shared options too.
+    """Make a function of a `CommandLine` and options of its own a command of ``app``, with the shared options.
 
     **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not;
     ``epilog``: what its help ends with.
@@ -130,7 +130,7 @@ def verb(
 
         def command(ctx: typer.Context, **options: Any) -> int:
             typed = ctx.find_root().obj or ()
-            request = Request(ctx.obj, words=typed, **{name: options.pop(name) for name in shared})
+            request = CommandLine(ctx.obj, words=typed, **{name: options.pop(name) for name in shared})
             return function(request, **options)
 
         first, *others = shared.values()

@@ -7,7 +7,7 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
-from .request import Request
+from .request import CommandLine
 from .scheduler import Scheduler, check, kept
 from .trust import Trust, asked_for
 
@@ -34,7 +34,7 @@ Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sample in
 
 
 def sample(
-    request: Request,
+    request: CommandLine,
     over: Over = None,
     count: Count = None,
     method: Method = None,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import InputError
-from .request import Request
+from .request import CommandLine
 from .streams import note
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ Scheduler = Annotated[
 ]
 
 
-def check(scheduler: str, request: Request) -> None:
+def check(scheduler: str, request: CommandLine) -> None:
     """Raise `InputError` where the extra's packages or a folder for the store are missing."""
     from ..cluster.connect import require
 
@@ -59,5 +59,5 @@ def computed(
 def kept(found: Any, done: int, count: int, folder: Any) -> None:
     """Say how many runs of an interrupted sweep or sample are in its folder, if it has one."""
     if folder is not None:
-        told = f"{done} of {count} {found.mechanism.run_name}s are kept"
+        told = f"{done} of {count} {found.mechanism.view.run_name}s are kept"
         note(f"{told}; the same command with --resume goes on in {folder}")

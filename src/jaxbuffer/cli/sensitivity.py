@@ -6,12 +6,12 @@ import typer
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import Request, ScenarioNumber, given
+from .request import CommandLine, ScenarioNumber, given
 from .scheduler import Scheduler
 
 
 def sensitivity(
-    request: Request,
+    request: CommandLine,
     wrt: Annotated[
         list[str] | None,
         typer.Option(metavar="FIELD", help="Differentiate by FIELD; repeatable; default: the buffer's."),
@@ -58,7 +58,7 @@ def sensitivity(
     check_choice("certify", certify, CERTIFICATES)
     options, mechanism = study.options, study.mechanism
     names = check_quantities(mechanism.quantities, of or mechanism.defaults.differentiated)
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.defaults.parameters, one)
     result = working(
         "differentiating",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import Request, ScenarioNumber
+from .request import CommandLine, ScenarioNumber
 from .streams import note
 from .trust import Trust, asked_for
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..study.config import Config
 
 
-def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Trust = "on") -> int:
+def simulate(request: CommandLine, scenario_number: ScenarioNumber = None, trust: Trust = "on") -> int:
     """Simulate one run (of the default mechanism: a capture) and print its peak forces, motion and energies.
 
     Of a capture that did not succeed it says what held it back: way and energy left, where the rest went, and the
@@ -41,17 +41,17 @@ def simulate(request: Request, scenario_number: ScenarioNumber = None, trust: Tr
     Example: jaxbuffer simulate --buffer.k_A 800 --output results
     """
     study = request.one_scenario(scenario_number)
-    limits, name = study_constraints(study), study.mechanism.run_name
+    limits, name = study_constraints(study), study.mechanism.view.run_name
     named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
     files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
     run, closer = simulated(study, request.output is not None, asked_for(trust))
     if run.outcome.failed:
         return fail(run.outcome.reason)
-    if study.mechanism.chaotic:
+    if study.mechanism.view.chaotic:
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
-    from ..run.simulate import HISTORY_STEPS
+    from ..run.stepper import HISTORY_STEPS
 
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")

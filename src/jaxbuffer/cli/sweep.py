@@ -8,7 +8,7 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, OK, any_solved
-from .request import Request
+from .request import CommandLine
 from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
 from .trust import Trust, asked_for
@@ -30,7 +30,7 @@ Resume = Annotated[bool, typer.Option("--resume", help="Go on with the sweep in 
 
 
 def sweep(
-    request: Request, over: Over = None, scheduler: Scheduler = None, resume: Resume = False, trust: Trust = "on"
+    request: CommandLine, over: Over = None, scheduler: Scheduler = None, resume: Resume = False, trust: Trust = "on"
 ) -> int:
     """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
 

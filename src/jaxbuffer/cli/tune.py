@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .exits import LIMITS_BROKEN, OK, fail
-from .request import Request, given
+from .request import CommandLine, given
 from .scheduler import Scheduler
 from .streams import note
 
@@ -14,7 +14,7 @@ RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `t
 
 
 def tune(
-    request: Request,
+    request: CommandLine,
     iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
     starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
     seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,

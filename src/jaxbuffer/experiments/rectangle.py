@@ -78,7 +78,7 @@ class SafeRectangle:
         runs, unsafe = int(inside.sum()), int((inside & ~self.safe).sum())
         if not runs:
             return None
-        count, reasons = f"{runs} {self.swept.mechanism.run_name}s", Counter(self.reasons[inside & ~self.safe])
+        count, reasons = f"{runs} {self.swept.mechanism.view.run_name}s", Counter(self.reasons[inside & ~self.safe])
         broken = ", ".join(f"{reason} ({many})" for reason, many in reasons.items())
         told = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
         return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {told}.")
@@ -108,7 +108,7 @@ def _summary(rectangle: SafeRectangle) -> str:
     mechanism = rectangle.swept.mechanism
     count = int(rectangle.safe.sum())
     between = [] if rectangle.between is None else [rectangle.between.words]
-    lines = [f"Safe ({rectangle.asked}): {count} of {rectangle.safe.size} {mechanism.run_name}s"]
+    lines = [f"Safe ({rectangle.asked}): {count} of {rectangle.safe.size} {mechanism.view.run_name}s"]
     if rectangle.first is None or rectangle.second is None:
         return text(*lines, "  no run is safe", *between)
     rows, columns = (
@@ -116,7 +116,7 @@ def _summary(rectangle: SafeRectangle) -> str:
         for values, part in zip(rectangle.values, (rectangle.first, rectangle.second), strict=True)
     )
     shape = f"{rows} × {columns}"
-    lines.append(f"largest rectangle of safe {mechanism.run_name}s, {rectangle.runs} of them ({shape}):")
+    lines.append(f"largest rectangle of safe {mechanism.view.run_name}s, {rectangle.runs} of them ({shape}):")
     lines += [
         f"  {axis.path:26} {_range_words(axis, part)}"
         for axis, part in zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)

@@ -14,7 +14,6 @@ from ..errors import InputError, suggest
 from ..fields import Part
 from ..hybrid import Solver
 from ..labelled.arrays import frame
-from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE
 from ..run.trust import SMALL
 from ..sweeps.columns import RunTable
@@ -109,7 +108,7 @@ class Sample(RunTable):
 def _summary(sample: Sample) -> list[str | Table]:
     """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
     points, mechanism, done = sample.grid, sample.mechanism, int(sample.done.sum())
-    title = f"Sample of {len(points)} {mechanism.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
+    title = f"Sample of {len(points)} {mechanism.view.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
         title += f", {points.count} rows of {len(points.axes) + 2} runs"
     parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]
@@ -173,9 +172,8 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
 
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
-    at_most = mechanism_of(design).defaults.duration if duration is None else duration
     try:
-        result = sweep(*points.applied(design, scenario), at_most, **options)
+        result = sweep(*points.applied(design, scenario), duration, **options)
     except SweepInterrupted as stop:
         raise SweepInterrupted(_sample(points, design, scenario, stop.found), stop.done) from None
     except StoredInterrupted as stop:

@@ -196,7 +196,7 @@ def response_surface(
     mechanism = sample.mechanism
     if known.size < max(folds, 2 * terms):
         raise InputError(
-            f"response surface of {quantity}: {known.size} {mechanism.run_name}s are left to fit, and a surface of"
+            f"response surface of {quantity}: {known.size} {mechanism.view.run_name}s are left to fit, and a surface of"
             f" {len(sample.grid.axes)} numbers needs {max(folds, 2 * terms)}; take a larger sample"
         )
     sample.check_varies(quantity, "response surface")
@@ -211,7 +211,7 @@ def response_surface(
         quantity=quantity,
         unit=mechanism.quantities[quantity].unit,
         shown=mechanism.quantities[quantity].in_figures,
-        run_name=mechanism.run_name,
+        run_name=mechanism.view.run_name,
         axes=sample.grid.axes,
         kind=chosen,
         errors=errors,

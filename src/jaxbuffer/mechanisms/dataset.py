@@ -10,7 +10,7 @@ from .mechanism import Mechanism
 def attributes(mechanism: Mechanism, design: Any, scenario: Any) -> dict[str, Any]:
     """What a dataset says of its origin: with it a file stands on its own."""
     return {
-        "title": mechanism.title,
+        "title": mechanism.view.title,
         "kind": mechanism.name,
         "design": json_record(design),
         "scenario": json_record(scenario),

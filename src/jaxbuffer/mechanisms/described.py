@@ -11,7 +11,7 @@ from .mechanism import Mechanism
 def described(mechanism: Mechanism) -> str:
     """Every field with unit, default, allowed range and meaning, and every quantity with unit and meaning."""
     fields = table(
-        f'{mechanism.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed", "meaning")
+        f'{mechanism.view.title}: kind = "{mechanism.name}"', left=("field", "unit", "default", "allowed", "meaning")
     )
     for prefix, part in (("", mechanism.design()), ("scenario.", mechanism.scenario())):
         for path in paths(part):

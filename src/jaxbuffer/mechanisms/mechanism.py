@@ -1,34 +1,30 @@
-"""What a mechanism says of itself; everything else follows from that."""
+"""A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
 
+import jax
 from jaxtyping import Array, Bool
 
-from ..errors import InputError
-from ..fields import Part, all_of, paths, unit
-from .drawing import Drawing, plain_drawing
+from .._types import Scalar
+from ..errors import InputError, inside
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
+from ..hybrid import Options
 from .outcome import RunOutcome, Simulated
-from .picture import Meshed, Panel
 from .quantity import Catalogue
 from .system import ContactSystem
-from .validity import Limit
+from .view import View
 
-
-@dataclasses.dataclass(frozen=True)
-class Names:
-    """What parts of a mechanism are called in tables and files, in the order of their numbers.
-
-    ``bodies``; ``contacts``: those that have impacts; ``multipliers`` of the joints' rows and ``others`` of the
-    history, each with its unit.
-    """
-
-    bodies: tuple[str, ...] = ()
-    contacts: tuple[str, ...] = ("contact",)
-    multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    others: Mapping[str, str] = dataclasses.field(default_factory=dict)
+TOLERANCES = {"low": 1e-13, "high": 1e-2}
+LIMITS: dict[str, dict[str, Any]] = {
+    "duration": POSITIVE,
+    "rtol": TOLERANCES,
+    "atol": TOLERANCES,
+    "stabilisation": NON_NEGATIVE,
+}
+Parameters = tuple[Any, Any, Scalar]  # design, scenario, Baumgarte's gain [1/s]
+Tolerances = tuple[Scalar, Scalar]  # rtol and atol [-]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,23 +58,80 @@ class Floor:
 
 
 @dataclasses.dataclass(frozen=True)
-class Stepping:
-    """How a mechanism is stepped through time that is no hybrid system.
+class TuningRules:
+    """What tuning needs to know of a mechanism.
 
-    ``step``: (parameters, duration [s], options, whether at all) → what it finds, with derivatives either way where
-    ``backwards`` is False, else backwards only; ``read``: (parameters, duration, what was found) → the `Run`;
-    ``rows``: how many rows of its history a run has filled; ``difference_tolerance``: rtol of the runs that differences
-    are taken of; ``tight``: rtol at which a tuned design is judged.
+    ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
+    problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``: what is
+    known of the first impact without simulating it.
     """
 
-    step: Callable[..., Any]
-    read: Callable[[Any, Any, Any], Any]
-    rows: Callable[[Any], int]
+    always: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    check_problem: Callable[[Any], None] = lambda problem: None
+    margin: str | None = None
+    floor: Floor | None = None
+
+
+class Request(NamedTuple):
+    """A request for one run: a tree of numbers, for one mechanism.
+
+    ``mechanism``; ``parameters``: design, scenario and Baumgarte's gain [1/s]; ``duration`` [s]; ``tolerances``: rtol
+    and atol [-]; ``options``: how it is stepped, without its tolerances.
+    """
+
+    mechanism: "Mechanism"
+    parameters: Parameters
+    duration: Scalar
+    tolerances: Tolerances
+    options: Options
+
+    @property
+    def system(self) -> ContactSystem:
+        """The equations of motion, ready to be stepped."""
+        return self.mechanism.system(*self.parameters)
+
+    @property
+    def allowed(self) -> Bool[Array, ""]:
+        """Whether all numbers are in range."""
+        design, scenario, stabilisation = self.parameters
+        numbers = (self.duration, *self.tolerances, stabilisation)
+        within = (inside(x, **limits) for x, limits in zip(numbers, LIMITS.values(), strict=True))
+        return self.mechanism.valid(design, scenario) & all_of(within)
+
+
+class Stepper(Protocol):
+    """How runs are stepped through time: from event to event (`run.stepper.Events`), or in steps of its own.
+
+    ``difference_tolerance``: rtol of the runs that differences are taken of; ``tight``: rtol at which a tuned design is
+    evaluated.
+    """
+
     difference_tolerance: float
     tight: float
 
+    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Any:
+        """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails
+        without a step, and need have derivatives backwards only."""
 
-def no_hybrid_system(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
+    def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> Any:
+        """Step the run ``make(values, others)`` with a tangent for each value; None where `differentiable` does it."""
+        return None
+
+    def differentiable(self, request: Request, result: Any, values: list[Array]) -> Any:
+        """Return the result of `step_with_tangents`, with derivatives by the values; without one, step the run."""
+        return self.step(request, unchecked=False, wanted=True)
+
+    def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the function ``one`` of a run's numbers as a function of arrays of them."""
+
+    def read(self, request: Request, result: Any) -> Any:
+        """Return the `Run` that was stepped."""
+
+    def rows(self, run: Any) -> int:
+        """Return how many rows of its history a run has filled."""
+
+
+def no_equations(design: Part, scenario: Part, stabilisation: Any = 0.0) -> ContactSystem:
     """Raise `InputError`: the mechanism is stepped otherwise."""
     raise InputError(f"{type(design).__name__} is not a system of equations of motion between events")
 
@@ -93,99 +146,49 @@ def no_smooth_law(design: Part) -> Part:
     raise InputError(f"{type(design).__name__} has no contact law without events, which diffrax.diffeqsolve needs")
 
 
-def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
-    """A scenario in a few words: its fields' values with their units."""
-    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
-
-
-def _shown(scenario: Part, name: str) -> str:
-    value, symbol = getattr(scenario, name), unit(scenario, name)
-    if symbol == "rad":
-        return f"{math.degrees(float(value)):.4g}°"
-    return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
-
-
-@dataclasses.dataclass(frozen=True)
+@jax.tree_util.register_static  # a compiled program is made for it, and takes no numbers from it
+@dataclasses.dataclass(frozen=True, eq=False)
 class Mechanism:
-    """A mechanism: what can be simulated, swept, differentiated and tuned.
+    """A mechanism: what can be simulated, swept, differentiated and tuned. It is equal to itself alone.
 
-    What every mechanism says:
+    What every mechanism has:
 
-    - ``name``: as ``kind`` in TOML; ``title`` of its summaries;
+    - ``name``: as ``kind`` in TOML;
     - ``design``, ``scenario``: classes of declared fields, whose defaults are used where nothing is said;
-    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system;
-    - ``quantities``: its one catalogue.
+    - ``quantities``: its one catalogue;
+    - ``system``: from a design, a scenario and Baumgarte's gain [1/s] to the hybrid system; or else ``stepper``: how it
+      is stepped through time.
 
     What has a plain default:
 
-    - ``stepping``: how it is stepped through time if it is no hybrid system (then ``system`` is `no_hybrid_system`);
-    - ``outcomes``: how runs end; ``ends``: the outcome of each guard of the run's end, in order; ``time_is_up``: that
-      of a run whose duration is over; ``success``: the one that a tuned design must have, None for any;
-    - ``run_name``: what a run is called ("capture"); ``names`` of a design's parts; ``contact``: what a contact that
-      has impacts is called ("flank"); ``defaults``; ``chaotic``: whether small differences grow until later impacts
-      cannot be known, so that the command line tells how many of them are (`jb.horizon`);
+    - ``outcomes``: how runs end; ``success``: the outcome that a tuned design must have, None for any;
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
-    - ``run``: makes the `Run` of what was `Solved`, None for a plain one; ``summary`` of a run, None for the plain one
-      (`plain_summary`); ``label`` of a scenario among others;
-      ``approach``: a scenario at the end of a figure's title; ``panels``: what to draw of a run;
-      ``meshes``: its elements at some times of a run, or at a few telling ones; ``drawing``: what a design looks like,
-      from it and its bodies' names; ``record``: tables of numbers that a run's record has besides, by name; ``notes``:
-      lines below a table of a run's sensitivities;
-    - ``leaves_out``: what the model leaves out, a line each, and where it is told;
-    - ``warnings``: what an answer lies beyond, a line each; ``validity``: the same limits for many runs, from design,
-      peak forces [N] and penetrations [m];
-    - ``diagnosis``: of a run that did not end in ``success``, what held it back, a text by heading;
+    - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
     - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
-    - for tuning ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError`
-      where a problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``:
-      what is known of the first impact without simulating it.
+    - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
     """
 
     name: str
-    title: str
     design: type[Part]
     scenario: type[Part]
-    system: Callable[..., ContactSystem]
     quantities: Catalogue
-    stepping: Stepping | None = None
+    system: Callable[..., ContactSystem] = no_equations
+    stepper: Stepper | None = None
     outcomes: type[RunOutcome] = Simulated
-    ends: tuple[str, ...] = ("failed_penetration",)
-    time_is_up: str = "finished"
     success: str | None = None
-    run_name: str = "run"
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
-    summary: Callable[[Any], str] | None = None
-    label: Callable[..., str] = plain_label
-    approach: Callable[[Any], str] = plain_label
-    leaves_out: tuple[str, ...] = ()
-    warnings: Callable[[Any], list[str]] = lambda run: []
-    validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
-    notes: Callable[[Any], list[str]] = lambda run: []
-    diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
-    panels: Callable[[Any], list[Panel]] = lambda run: []
-    meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
-    drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
-    record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
-    names: Callable[[Any], Names] = lambda design: Names()
-    contact: str = "contact"
-    chaotic: bool = False
-    defaults: Defaults = Defaults()
-    always: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    check_problem: Callable[[Any], None] = lambda problem: None
     smooth: Callable[[Any], Any] = no_smooth_law
-    margin: str | None = None
-    floor: Floor | None = None
+    # No compiled program depends on these: see `programs.identity.label`.
+    defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
+    tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
+    view: View = dataclasses.field(default=View(), compare=False)
 
     @property
     def swept(self) -> tuple[str, ...]:
         """Quantities that sweeps, records and summaries have."""
         return tuple(name for name, quantity in self.quantities.items() if quantity.swept)
-
-    def contact_in_words(self, name: str) -> str:
-        """A contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
-        return name if name == self.contact else f"{name} {self.contact}"
 
     def meant(self, value_at: Callable[[str], Any]) -> tuple[str, ...]:
         """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the

@@ -1,14 +1,12 @@
 """How a run ended: what every mechanism's outcomes have in common."""
 
 import enum
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
 from ..hybrid import Status
-
-O = TypeVar("O", bound="RunOutcome")  # noqa: E741 # an outcome
 
 STEPS = "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver"
 STEP_SIZE = "failed: the step size fell below 1e-14 s; the tolerance can't be met"
@@ -40,6 +38,16 @@ class RunOutcome(enum.IntEnum):
         member.reason = reason
         return member
 
+    @classmethod
+    def ends(cls) -> tuple[str, ...]:
+        """Return the outcome's name for each guard of the run's end, in order."""
+        return ("failed_penetration",)
+
+    @classmethod
+    def time_is_up(cls) -> str:
+        """Return the outcome's name of a run whose duration is over."""
+        return "finished"
+
     @property
     def failed(self) -> bool:
         """Whether the equations were not solved."""
@@ -58,13 +66,13 @@ class Simulated(RunOutcome):
     failed_input = 6, INPUT
 
 
-def outcome_code(outcomes: type[O], ends: tuple[str, ...], time_is_up: str, status: Int[Array, ""]) -> Int[Array, ""]:
+def outcome_code(outcomes: type[RunOutcome], status: Int[Array, ""]) -> Int[Array, ""]:
     """The code of a run's outcome.
 
-    **Arguments:** ``outcomes``: the mechanism's; ``ends``: the outcome's name for each guard of the run's end, in
-    order; ``time_is_up``: that for the duration being over; ``status``: a `Status` of the time stepping.
+    **Arguments:** ``outcomes``: the mechanism's; ``status``: a `Status` of the time stepping.
     """
-    names = dict(enumerate(ends)) | {int(Status.TIMEOUT): time_is_up} | {int(s): name for s, name in FAILURES.items()}
+    by_time = {int(Status.TIMEOUT): outcomes.time_is_up()}
+    names = dict(enumerate(outcomes.ends())) | by_time | {int(s): name for s, name in FAILURES.items()}
     code = jnp.asarray(int(outcomes["failed_not_finite"]))
     for value, name in names.items():
         code = jnp.where(status == value, int(outcomes[name]), code)

@@ -17,10 +17,11 @@ from .dataset import attributes
 from .energy import Balance, Energy
 from .history import History
 from .impacts import Impacts
-from .mechanism import Mechanism, Names
+from .mechanism import Mechanism
 from .outcome import RunOutcome
 from .quantity import IMPACT_UNITS, check_quantities, of_impact
 from .registry import mechanism_of
+from .view import Names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -123,7 +124,7 @@ class Run(Portable):
         """What held the run back, a line each; nothing of one that succeeded or failed."""
         mechanism, outcome = self.mechanism, self.outcome
         succeeded = mechanism.success is None or outcome.name == mechanism.success
-        if succeeded or outcome.failed or not (told := mechanism.diagnosis(self)):
+        if succeeded or outcome.failed or not (told := mechanism.view.diagnosis(self)):
             return []
         return [f"why it was not {mechanism.success}", *(f"  {heading:20} {text}" for heading, text in told.items())]
 
@@ -189,7 +190,7 @@ class Run(Portable):
     def __repr__(self) -> str:
         if self._many:
             return f"{type(self).__name__}(batch or traced, code={self.code})"
-        summary = self.mechanism.summary or plain_summary
+        summary = self.mechanism.view.summary or plain_summary
         return "\n".join([summary(self), *(f"  {line}" for line in self.diagnosis)])
 
     def _repr_html_(self) -> str:
@@ -249,12 +250,12 @@ def value_of(run: Run, name: str) -> float:
 
 def plain_summary(run: Run) -> str:
     """Outcome, the quantities that sweeps have, energy and what numerical error did; units included."""
-    mechanism, outcome = run.mechanism, run.outcome
+    mechanism, outcome, view = run.mechanism, run.outcome, run.mechanism.view
     if outcome.failed:
-        return f"{mechanism.title}: {outcome.reason} (after {int(run.attempts)} steps; {mechanism.label(run.scenario)})"
+        return f"{view.title}: {outcome.reason} (after {int(run.attempts)} steps; {view.label(run.scenario)})"
     lines = [
-        f"{mechanism.title}: {outcome.reason}",
-        f"  {'scenario':24} {mechanism.label(run.scenario)}",
+        f"{view.title}: {outcome.reason}",
+        f"  {'scenario':24} {view.label(run.scenario)}",
         f"  {'impacts':24} {int(run.impact_count)}",
     ]
     for name in mechanism.meant(lambda path: get(run.design, path)):
@@ -269,7 +270,7 @@ def plain_summary(run: Run) -> str:
         f"  {'numerical balance':24} energy {float(balance.energy):.1e}, constraint drift {float(balance.drift):.1e} m",
         f"  {'steps':24} {int(run.accepted)} accepted of {int(run.attempts)}",
     ]
-    return "\n".join([*lines, *(f"  {line}" for line in mechanism.warnings(run))])
+    return "\n".join([*lines, *(f"  {line}" for line in mechanism.view.warnings(run))])
 
 
 def history_columns(run: Run) -> dict[str, np.ndarray]:
@@ -280,7 +281,7 @@ def history_columns(run: Run) -> dict[str, np.ndarray]:
     if run.history is None:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
     seen: Any = jax.tree.map(np.asarray, run.history)
-    names = run.mechanism.names(run.design)
+    names = run.mechanism.view.names(run.design)
     columns: dict[str, Any] = {"time [s]": seen.time}
     for name, symbol in CONTACT_UNITS.items():
         value = getattr(seen, name)
@@ -301,7 +302,7 @@ def _dataset(run: Run) -> "xr.Dataset":
         raise InputError(
             "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
         )
-    mechanism, names = run.mechanism, run.mechanism.names(run.design)
+    mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     variables = {**_quantities(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)
     energy = jax.tree.map(np.asarray, run.energy)
@@ -316,7 +317,7 @@ def _dataset(run: Run) -> "xr.Dataset":
         variables |= _history(seen, names)
         coordinates |= {
             "time": Labelled(("step",), seen.time, "s", "time of an accepted step"),
-            "contact": Labelled(("contact",), list(names.contacts), "", mechanism.contact),
+            "contact": Labelled(("contact",), list(names.contacts), "", mechanism.view.contact),
             "body": Labelled(("body",), list(names.bodies), "", "body"),
         }
     return dataset(variables, coordinates, {**attributes(mechanism, run.design, run.scenario), **_ended(run)})
@@ -327,7 +328,7 @@ def _ended(run: Run) -> dict[str, Any]:
 
 
 def _warnings(run: Run) -> list[str]:
-    return [] if run.outcome.failed else run.mechanism.warnings(run)
+    return [] if run.outcome.failed else run.mechanism.view.warnings(run)
 
 
 def _quantities(run: Run, names: Names) -> dict[str, Labelled]:
@@ -344,7 +345,7 @@ def _quantities(run: Run, names: Names) -> dict[str, Labelled]:
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
         **found,
-        f"peak_{mechanism.contact}": Labelled((), largest, "", f"{mechanism.contact} with the largest force"),
+        f"peak_{mechanism.view.contact}": Labelled((), largest, "", f"{mechanism.view.contact} with the largest force"),
         **{name: Labelled((), int(count), "-", name.replace("_", " ")) for name, count in counts.items()},
     }
 
@@ -353,7 +354,7 @@ def _impacts(run: Run, names: Names) -> dict[str, Labelled]:
     """One entry for each impact that happened."""
     count, hits = int(run.impacts.count), run.impacts
     contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
-    found = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.contact)}
+    found = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
     for name, unit in IMPACT_UNITS.items():
         values = np.asarray(getattr(hits, name))[:count]
         found[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])

@@ -152,7 +152,7 @@ class Stage:
         self.at, detail = at, at.drawing.detail
         (wide, high) = at.views[0, 1] - at.views[0, 0]
         row = float(np.clip(5.2 * high / wide, 1.8, 3.4))  # inch
-        self.meshes = at.run.mechanism.meshes(at.run, at.times)
+        self.meshes = at.run.mechanism.view.meshes(at.run, at.times)
         width = (6.6 if detail is None else 6.7 + row) + (BAR if self.meshes else 0.0)
         tall = row + 2.9
         self.figure: Figure = Figure(figsize=(width, tall))
@@ -165,7 +165,9 @@ class Stage:
         if self.meshes:
             self._explain_colours(self.figure.add_axes((1.0 - 0.9 * BAR / width, low, 0.12 / width, top)))
         run = at.run
-        self.figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}", y=1.0 - 0.1 / tall)
+        self.figure.suptitle(
+            f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}", y=1.0 - 0.1 / tall
+        )
         self.cursor = _curves(self.force, run)
 
     def _explain_colours(self, axes: "Axes") -> None:
@@ -203,9 +205,9 @@ def _curves(axes: "Axes", run: Run) -> Any:
     """The contact forces over time; returns the cursor."""
     time = fine_times(run)
     force = np.asarray(at_times(run, time).contact_force)
-    names = run.mechanism.names(run.design).contacts
+    names = run.mechanism.view.names(run.design).contacts
     for k, name in enumerate(names):
-        label = run.mechanism.contact_in_words(name)
+        label = run.mechanism.view.contact_in_words(name)
         axes.plot(time, force[:, k], color=COLOURS[k], linewidth=0.9, label=label)
     if len(names) > 1:
         axes.legend(loc="upper left", ncols=len(names))

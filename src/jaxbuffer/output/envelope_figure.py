@@ -32,7 +32,7 @@ def envelope_figure(found: "SafeRectangle") -> "Figure":
     _reasons(axes, found, x * over, y * above)
     rows, columns = np.nonzero(found.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
-    runs = f"{found.swept.mechanism.run_name}s"
+    runs = f"{found.swept.mechanism.view.run_name}s"
     title = f"{int(found.safe.sum())} of {found.safe.size} {runs} are safe: {found.asked}"
     if found.first is not None and found.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((found.first, over), (found.second, above)))

@@ -26,7 +26,7 @@ MARGIN = 0.04  # of what is seen, about it
 
 def field_files(run: "Run") -> Contents:
     """fields.png and fields.svg; with meshio a .vtu of each instant. None of a mechanism without meshes."""
-    seen = [] if run.history is None else run.mechanism.meshes(run)
+    seen = [] if run.history is None else run.mechanism.view.meshes(run)
     if not seen:
         return {}
     drawn = both("fields", lambda: fields_figure(seen))

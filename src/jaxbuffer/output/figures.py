@@ -47,14 +47,16 @@ def run_figure(run: Run) -> "Figure":
     """
     run = between_steps(run)
     mechanism, end = run.mechanism, float(_history(run).time[-1])
-    others = mechanism.panels(run)
+    others = mechanism.view.panels(run)
     rows = math.ceil((2 + len(others)) / COLUMNS)
     figure, grid = panels(9.0, 3.0 * rows, rows, COLUMNS)
     force, zoom, *rest = grid.flat
     count = int(run.impact_count)
     impacts = "1 impact" if count == 1 else f"{count} impacts"
     start, until = first_contact(run), last_contact(run)
-    title = f"{run.outcome.name} after {in_words(float(run.end_time))}, {impacts}, {mechanism.approach(run.scenario)}"
+    title = (
+        f"{run.outcome.name} after {in_words(float(run.end_time))}, {impacts}, {mechanism.view.approach(run.scenario)}"
+    )
     cut = []
     if start > 0.0:
         cut.append(f"begin at {in_words(start)}, gap and energy excepted: nothing touches before")
@@ -83,12 +85,12 @@ def in_words(time: float) -> str:
 
 def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
     """The contact force over the run, and around its peak."""
-    seen, names = _history(run), run.mechanism.names(run.design)
+    seen, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
     (unit, factor), time = FORCES[peak >= 1e4], np.asarray(seen.time)
     shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
-        name = run.mechanism.contact_in_words(contact)
+        name = run.mechanism.view.contact_in_words(contact)
         force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
     force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
     force.locator_params(axis="x", nbins=6)

@@ -145,7 +145,7 @@ def _records(folder: Path) -> dict[str, Record]:
     """Every JSON record there is; a run's is named after what its mechanism calls it."""
     found = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
     for mechanism in all_mechanisms():
-        run = _record(folder / f"{mechanism.run_name}.json")
+        run = _record(folder / f"{mechanism.view.run_name}.json")
         if run is not None and run.get("kind") == mechanism.name:
             found["run"] = run
     return {name: record for name, record in found.items() if record is not None}
@@ -153,7 +153,7 @@ def _records(folder: Path) -> dict[str, Record]:
 
 def _run(folder: Path) -> "xr.Dataset | None":
     """The run in a folder, named after what its mechanism calls it."""
-    names = [f"{mechanism.run_name}{SUFFIX}" for mechanism in all_mechanisms()]
+    names = [f"{mechanism.view.run_name}{SUFFIX}" for mechanism in all_mechanisms()]
     files = [folder / name for name in dict.fromkeys(names) if (folder / name).is_file()]
     if len(files) > 1:
         raise InputError(f"{folder} holds several runs, {', '.join(it.name for it in files)}; keep one in a folder")

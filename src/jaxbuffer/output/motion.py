@@ -50,7 +50,7 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     check_type("run", run, Run, "a run, such as jb.simulate(jb.table2(), history=True)")
     instants = at_times(run, np.asarray(times, float))
     mechanism = run.mechanism
-    drawing = mechanism.drawing(run.design, mechanism.names(run.design).bodies)
+    drawing = mechanism.view.drawing(run.design, mechanism.view.names(run.design).bodies)
     frames = drawing.frames(instants)
     seen = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
     peak = float(np.max(np.hypot(seen, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
@@ -135,13 +135,13 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
             named = closer(grid[k, 1], at, k) | named
     legend_below(figure, list(named.values()), list(named))
     arrows = ". Arrows: contact force" if at.drawing.touches else ""
-    figure.suptitle(f"{run.mechanism.title}, {run.mechanism.approach(run.scenario)}{arrows}")
+    figure.suptitle(f"{run.mechanism.view.title}, {run.mechanism.view.approach(run.scenario)}{arrows}")
     return figure
 
 
 def said(at: Scene, k: int) -> str:
     """Time and contact force of a panel: "0.4881 s, 253 N on the upper flank"."""
-    names, kind = at.run.mechanism.names(at.run.design).contacts, at.run.mechanism.contact
+    names, kind = at.run.mechanism.view.names(at.run.design).contacts, at.run.mechanism.view.contact
     normal = np.asarray(at.instants.contact_force)[k]
     acting = [
         newtons(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")

@@ -28,7 +28,7 @@ def motion_record(run: Run) -> dict[str, Any]:
         "frames": _rounded(at.frames),
         "forces": [_forces(at, k) for k in range(len(at.times))],
         "largest": max(at.peak, 1e-12),
-        "contacts": [*run.mechanism.names(run.design).contacts],
+        "contacts": [*run.mechanism.view.names(run.design).contacts],
         "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),
         "shapes": _shapes(at.drawing.shapes, at.frames.shape[1]),
         "detail": None if at.drawing.detail is None else _detail(at.drawing.detail, at.frames.shape[1]),

@@ -30,7 +30,7 @@ Table = tuple[list[str], list[Sequence[Any]]]
 
 def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
     """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
-    mechanism, names = run.mechanism, run.mechanism.names(run.design)
+    mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
     return {
@@ -40,14 +40,14 @@ def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust
         **_constraints_record(run, constraints),
         "trust": None if trust is None else _trust_record(trust),
         "rising": rising(run),
-        "outside_validity": mechanism.warnings(run),
-        "diagnosis": dict(mechanism.diagnosis(run)) if run.diagnosis else {},
-        f"peak_{mechanism.contact}": names.contacts[int(run.peak_contact)],
+        "outside_validity": mechanism.view.warnings(run),
+        "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
+        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)],
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
             {
                 "number": k + 1,
-                mechanism.contact: names.contacts[int(hits.contact[k])],
+                mechanism.view.contact: names.contacts[int(hits.contact[k])],
                 "time [s]": _number(hits.time[k]),
                 "approach_speed [m/s]": _number(hits.approach_speed[k]),
                 "peak_force [N]": _number(hits.peak_force[k]),
@@ -62,7 +62,7 @@ def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust
             "angular_momentum [-]": _number(balance.angular_momentum),
             "constraint_drift [m]": _number(balance.drift),
         },
-        **{name: _numbers(values) for name, values in mechanism.record(run).items()},
+        **{name: _numbers(values) for name, values in mechanism.view.record(run).items()},
         "steps_accepted": int(run.accepted),
         "steps_attempted": int(run.attempts),
         "design": record(run.design),
@@ -123,7 +123,7 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
     """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
     certificate: Any = result.certificate
     peaks, mechanism = certificate.peaks, result.run.mechanism
-    names = mechanism.names(result.run.design)
+    names = mechanism.view.names(result.run.design)
     evidence = {
         name: {
             quantity: dict(zip(result.paths, map(_number, getattr(certificate, field)[k]), strict=True))
@@ -148,7 +148,7 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
         else {
             "force [N]": peaks.force,
             "time [s]": peaks.time,
-            mechanism.contact: names.contacts[peaks.contact],
+            mechanism.view.contact: names.contacts[peaks.contact],
             "impact": peaks.impact + 1,
         },
         "runner_up": None
@@ -259,7 +259,7 @@ def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
 
 def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
     problem = tuned.problem
-    units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.margin
+    units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
     return [
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
@@ -282,13 +282,13 @@ def tuned_comment(tuned: "Tuned") -> str:
     before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
     lines = [
         f"{headline(tuned.message, tuned.feasible)}.",
-        f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.run_name}s.",
+        f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
     ]
     for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
         peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
-        lines.append(f"  peak at {problem.mechanism.label(scenario, problem.scenarios_met)}: {peaks}")
+        lines.append(f"  peak at {problem.mechanism.view.label(scenario, problem.scenarios_met)}: {peaks}")
     return "\n".join(lines)
 
 

@@ -35,7 +35,7 @@ def run_files(
     from .records import run_history, run_record
     from .style import both
 
-    name, label = run.mechanism.run_name, run.mechanism.label(run.scenario)
+    name, label = run.mechanism.view.run_name, run.mechanism.view.label(run.scenario)
     return {
         f"{name}.json": lambda: json_text(_told(run_record(run, constraints, trust), made)),
         "force.json": lambda: compact_json(force_record({name: run}, label)),

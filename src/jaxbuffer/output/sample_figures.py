@@ -28,7 +28,9 @@ def sample_figure(sample: "Sample") -> "Figure":
     names = mechanism.defaults.mapped[:ROWS]
     figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
     columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.outcomes])
-    ends = sorted(set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.time_is_up))
+    ends = sorted(
+        set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.outcomes.time_is_up())
+    )
     marks = outcome_marks(mechanism)
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
         title, unit, factor = shown(mechanism.quantities[name])
@@ -51,7 +53,7 @@ def sample_figure(sample: "Sample") -> "Figure":
         row[0].set_ylabel(f"{title}\n[{unit}]")
     legend_below(figure, *grid[0, 0].get_legend_handles_labels())
     lost = int(np.sum(sample.done & ~sample.solved))
-    parts = [f"Sample of {len(sample.grid)} {mechanism.run_name}s, {_worded(sample.grid.method)}"]
+    parts = [f"Sample of {len(sample.grid)} {mechanism.view.run_name}s, {_worded(sample.grid.method)}"]
     parts += [f"{lost} failed"] if lost else []
     parts += [f"{len(drawn)} of {len(sample.grid.axes)} numbers"] if len(drawn) < len(sample.grid.axes) else []
     figure.suptitle(", ".join(parts))

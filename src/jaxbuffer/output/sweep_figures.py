@@ -213,7 +213,7 @@ def _name(axis: Axis) -> str:
 def _title(swept: Sweep) -> str:
     mechanism = swept.mechanism
     fixed = [_said(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
-    parts = [f"Sweep of {len(swept.grid)} {mechanism.run_name}s"]
+    parts = [f"Sweep of {len(swept.grid)} {mechanism.view.run_name}s"]
     if mechanism.success is not None:
         code = mechanism.outcomes[mechanism.success]
         parts.append(f"{int(np.sum(swept.done & (swept.code == code)))} {mechanism.success}")

@@ -152,7 +152,7 @@ class Row(NamedTuple):
 def _rows(tuned: "Tuned") -> list[Row]:
     """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
     problem, rows = tuned.problem, []
-    allowed = {**problem.mechanism.always, **problem.limits.at_most}
+    allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most}
     for k in _shown(tuned):
         name = problem.names[k]
         lowest = name in problem.limits.at_least and name not in allowed
@@ -192,7 +192,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
 def _shown(tuned: "Tuned") -> list[int]:
     """The quantities that are limited, or not zero throughout."""
     problem = tuned.problem
-    allowed = {**problem.mechanism.always, **problem.limits.at_most, **problem.limits.at_least}
+    allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most, **problem.limits.at_least}
     largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
     return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 

@@ -78,7 +78,7 @@ def scaled(axes: "Axes", which: str, scale: str, low: float, high: float) -> Non
 
 def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
     """Marker and colour of each outcome that is neither a failure nor what should be: the same in every figure."""
-    aim = mechanism.success or mechanism.time_is_up
+    aim = mechanism.success or mechanism.outcomes.time_is_up()
     ended = [outcome.name for outcome in mechanism.outcomes if not outcome.failed and outcome.name != aim]
     return {name: (MARKERS[k % len(MARKERS)], ENDED[k % len(ENDED)]) for k, name in enumerate(ended)}
 

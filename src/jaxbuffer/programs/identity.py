@@ -5,6 +5,7 @@ kept in memory only, by a `fingerprint` that differs where the code does. Packag
 which another process finds the program on disk.
 """
 
+import dataclasses
 import enum
 import functools
 import hashlib
@@ -79,7 +80,7 @@ def known(thing: Any) -> bool:
     return target is thing
 
 
-def label(thing: Any) -> Hashable:
+def label(thing: Any) -> Hashable:  # noqa: PLR0911 # a table of kinds
     """A description of a class, function or value that is the same in every process with the same packages.
 
     **Raises:** `UserCode` where the thing is or holds code that the packages do not pin down.
@@ -87,15 +88,24 @@ def label(thing: Any) -> Hashable:
     kind = type(thing)
     if kind in _PLAIN or isinstance(thing, np.dtype):
         return (kind.__name__, repr(thing))
-    if kind is tuple or kind is list:
-        return (kind.__name__, *map(label, thing))
+    if isinstance(thing, (tuple, list)):
+        return (label(kind), *map(label, thing))
+    if kind is dict:
+        return ("dict", *map(label, thing.items()))
     if isinstance(thing, enum.Enum):
         return (label(kind), thing.name)
     if isinstance(thing, eqx.Module):
         return (label(kind), *((name, label(value)) for name, value in vars(thing).items()))
-    if not known(thing):
-        raise UserCode(f"{thing!r} is no package's code")
-    return ("known", *_address(thing))
+    if known(thing):
+        return ("known", *_address(thing))
+    if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+        compared = (field.name for field in dataclasses.fields(thing) if field.compare)
+        return (label(kind), *((name, label(getattr(thing, name))) for name in compared))
+    if isinstance(thing, types.FunctionType) and "<" in thing.__qualname__ and _known_package(thing.__module__):
+        # A lambda, or a function made by another, has no address; its code and what it is closed over tell it apart.
+        around = (cell.cell_contents for cell in thing.__closure__ or ())
+        return ("made", thing.__module__, _code(thing.__code__), label(thing.__defaults__), *map(label, around))
+    raise UserCode(f"{thing!r} is no package's code")
 
 
 def lasts(thing: Any) -> bool:

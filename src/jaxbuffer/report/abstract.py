@@ -85,9 +85,9 @@ def _run(found: Results, every: Sequence[Results]) -> str:
     record, mechanism = found.records.get("run"), found.mechanism
     if record is None:
         return ""
-    values, label = by_name(record), mechanism.label(scenario_of(mechanism, record["scenario"]))
+    values, label = by_name(record), mechanism.view.label(scenario_of(mechanism, record["scenario"]))
     reason = mechanism.outcomes[record["outcome"]].reason
-    text = f"At {label} the {mechanism.run_name} ends after {values['end_time']:.4g} s: {reason}."
+    text = f"At {label} the {mechanism.view.run_name} ends after {values['end_time']:.4g} s: {reason}."
     if values.get("peak_force") is not None:
         text += f" Its largest contact force is {values['peak_force']:.4g} N."
     limits = standing(found, every) if found.tuned is None else None
@@ -164,8 +164,8 @@ def _front(found: Results, every: Sequence[Results]) -> str:
 
 def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
     """How many runs ended as they should."""
-    should, every = mechanism.success or mechanism.time_is_up, sum(counts.values())
-    text = f"{counts.get(should, 0)} of {every} {mechanism.run_name}s end {words(should)}"
+    should, every = mechanism.success or mechanism.outcomes.time_is_up(), sum(counts.values())
+    text = f"{counts.get(should, 0)} of {every} {mechanism.view.run_name}s end {words(should)}"
     return text + (f", {counts[OPEN]} are {OPEN}" if OPEN in counts else "")
 
 

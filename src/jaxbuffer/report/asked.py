@@ -27,7 +27,7 @@ def asked(first: Results, every: Sequence[Results]) -> Section | None:
         rows += _variables(mechanism, tuned["variables"])
     elif run is not None:
         rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
-    text = [f"What the model leaves out: {' '.join(mechanism.leaves_out)}"] if mechanism.leaves_out else []
+    text = [f"What the model leaves out: {' '.join(mechanism.view.leaves_out)}"] if mechanism.view.leaves_out else []
     if not rows and not text:
         return None
     return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
@@ -37,7 +37,7 @@ def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
     """How runs must end, and what is limited."""
     if asked is None:
         return []
-    rows = [] if mechanism.success is None else [["end", f"each {mechanism.run_name}", words(mechanism.success)]]
+    rows = [] if mechanism.success is None else [["end", f"each {mechanism.view.run_name}", words(mechanism.success)]]
     named = [*asked["limits"], *asked.get("lower_limits", {})]
     for limit in asked_limits(mechanism, asked, named):
         title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))

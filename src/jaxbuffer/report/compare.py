@@ -43,7 +43,9 @@ def comparison(every: Sequence[Results]) -> Page:
         parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
     if figures := [one for found in every for one in _figures(found)]:
         parts.append(Section("Figures", figures=figures))
-    return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)], abstract(every))
+    return Page(
+        f"{every[0].mechanism.view.title}: designs compared", names, told, [*parts, origin(every)], abstract(every)
+    )
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
@@ -74,7 +76,7 @@ def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
 
 
 def _figures(found: Results) -> list[Figure]:
-    run, tune = found.mechanism.run_name, "tune"
+    run, tune = found.mechanism.view.run_name, "tune"
     return figure(found, run, f"{found.folder}: {run}") + figure(found, tune, f"{found.folder}: the search")
 
 
@@ -105,7 +107,7 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     records = [found.records["run"] for found in every]
     met = [scenario_of(mechanism, record["scenario"]) for record in records]
     alike = all(scenario == met[0] for scenario in met)
-    ends: list[list[Any]] = [["scenario", *_marked([mechanism.label(scenario, met) for scenario in met])]]
+    ends: list[list[Any]] = [["scenario", *_marked([mechanism.view.label(scenario, met) for scenario in met])]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
     designs = [by_name(record["design"]) for record in records]

@@ -192,4 +192,4 @@ def _outcomes(mechanism: Mechanism, counts: Mapping[str, int]) -> Table:
     rows: list[list[str | Cell]] = [
         [Cell(OPEN, "unsure") if name == OPEN else ended(mechanism, name), str(count)] for name, count in counts.items()
     ]
-    return Table("How the runs ended", ("outcome", f"{mechanism.run_name}s"), rows)
+    return Table("How the runs ended", ("outcome", f"{mechanism.view.run_name}s"), rows)

@@ -42,7 +42,7 @@ def judged(found: Results, every: Sequence[Results] = (), side: str = "after") -
     name = "" if lender is found else str(lender.folder)
     if found.tuned is None:
         values = by_name(record) | record.get("limited", {})
-        said = found.mechanism.label(scenario_of(found.mechanism, record["scenario"]))
+        said = found.mechanism.view.label(scenario_of(found.mechanism, record["scenario"]))
         return Judged(
             asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])], [record.get("rising", ())]
         )
@@ -119,4 +119,4 @@ def case_labels(found: Results, among: Sequence[Any] = ()) -> list[str]:
 def _label(mechanism: Mechanism, scenario: Any, among: list[Any], record: Record) -> str:
     """The scenario in words, and where the built mechanism differs from the drawn one."""
     factors = record.get("factors", {}).items()
-    return mechanism.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)
+    return mechanism.view.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)

@@ -101,7 +101,7 @@ def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 def _missed(mechanism: Mechanism, held: Judged) -> list[int]:
     """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
     missed = [k for k, it in enumerate(held.outcomes) if mechanism.success is not None and it != mechanism.success]
-    margins = {k: float(held.values[k].get(mechanism.margin or "") or 0.0) for k in missed}
+    margins = {k: float(held.values[k].get(mechanism.tuning.margin or "") or 0.0) for k in missed}
     return sorted(missed, key=lambda k: margins[k])
 
 
@@ -116,14 +116,14 @@ def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 
 
 def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
-    always = [name for name in mechanism.always if name in held.values[0]]
+    always = [name for name in mechanism.tuning.always if name in held.values[0]]
     own = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
     return asked_limits(mechanism, held.asked, [*always, *own])
 
 
 def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> list[Limit]:
     """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some."""
-    upper = [Limit(name, limit) for name, limit in {**mechanism.always, **asked["limits"]}.items()]
+    upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **asked["limits"]}.items()]
     lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
     return [limit for limit in (*upper, *lower) if limit.name in among]
 

@@ -38,7 +38,7 @@ def _results(found: Results) -> Iterator[tuple[str, Record]]:
     """Every record that says which version made it."""
     for name, record in found.records.items():
         if "jaxbuffer" in record or MADE in record:
-            yield f"{found.mechanism.run_name}.json" if name == "run" else FILES[name], record
+            yield f"{found.mechanism.view.run_name}.json" if name == "run" else FILES[name], record
 
 
 def differing(results: Sequence[tuple[str, Record]]) -> list[str]:

@@ -32,11 +32,11 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     made += [(found, sensitivity(found, first, every)) for found in every]
     made += [(found, make(found)) for make in (search, sweep, sample, front) for found in every]
     parts = distinct([(found, section) for found, section in made if section is not None])
-    subtitle = f"{first.mechanism.title} · {', '.join(str(found.folder) for found in every)}"
+    subtitle = f"{first.mechanism.view.title} · {', '.join(str(found.folder) for found in every)}"
     if first.tuned is None or first.tuned["feasible"]:
-        title = title or f"{first.mechanism.title}: design review"
+        title = title or f"{first.mechanism.view.title}: design review"
     else:
-        title = f"{title or f'{first.mechanism.title}, design review'}: {INFEASIBLE}"
+        title = f"{title or f'{first.mechanism.view.title}, design review'}: {INFEASIBLE}"
     return Page(title, subtitle, badges(every, every), [*parts, origin(every), verification()], abstract(every))
 
 

@@ -35,14 +35,14 @@ def run(found: Results, first: Results) -> Section | None:
             )
         )
     scenario = scenario_of(mechanism, record["scenario"])
-    text = [f"{words(record['outcome']).capitalize()}; {mechanism.label(scenario)}."]
+    text = [f"{words(record['outcome']).capitalize()}; {mechanism.view.label(scenario)}."]
     return Section(
-        mechanism.run_name.capitalize(),
+        mechanism.view.run_name.capitalize(),
         [*text, *other_design(found, first, record), *elsewhere(first, record["scenario"])],
-        figure(found, mechanism.run_name, f"The {mechanism.run_name} over time"),
+        figure(found, mechanism.view.run_name, f"The {mechanism.view.run_name} over time"),
         tables,
         found.records.get("motion"),
-        forces(found, f"Contact force, {mechanism.label(scenario)}"),
+        forces(found, f"Contact force, {mechanism.view.label(scenario)}"),
         [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]],
     )
 

@@ -43,7 +43,7 @@ def _by_quantity(record: Record) -> dict[str, list[Record]]:
 def _text(found: Results, first: Results, record: Record) -> list[str]:
     """Where they were computed, how sure they are, and which other impact may become the peak."""
     mechanism, certificate = found.mechanism, record["certificate"]
-    text = [f"At {mechanism.label(scenario_of(mechanism, record['scenario']))}; {words(record['outcome'])}."]
+    text = [f"At {mechanism.view.label(scenario_of(mechanism, record['scenario']))}; {words(record['outcome'])}."]
     text += [*other_design(found, first, record), *elsewhere(first, record["scenario"])]
     if certificate is None:
         return text

@@ -63,7 +63,7 @@ def search(found: Results) -> Section | None:
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
-        f"{tuned['captures']} {found.mechanism.run_name}s; {100.0 * residual:.2g} % of the objective left to gain"
+        f"{tuned['captures']} {found.mechanism.view.run_name}s; {100.0 * residual:.2g} % of the objective left to gain"
         f" by small changes (checked at rtol 1e-9), the search's slopes right to"
         f" {100.0 * error:.2g} %.",
     ]

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..errors import InputError, concrete, shown
 from ..mechanisms.history import History
-from ..mechanisms.registry import mechanism_of
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
 from ..programs.cache import stored
 from .history import seen_at
@@ -57,7 +57,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     first = np.where(on_end, after, first)
     given = (known[first], known[after], times, closed[first], state[first], state[after])
     parameters = (run.design, run.scenario, run.stabilisation)
-    found = [_instants(parameters, *block) for block in _blocks(given, len(times))]
+    found = [_instants(run.mechanism, parameters, *block) for block in _blocks(given, len(times))]
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *found)
 
 
@@ -83,6 +83,7 @@ def _blocks(given: tuple[np.ndarray, ...], count: int) -> list[tuple[np.ndarray,
 
 @stored
 def _instants(
+    mechanism: Mechanism,
     parameters: tuple[Any, Any, Array],
     start: Float[Array, " instants"],
     end: Float[Array, " instants"],
@@ -92,7 +93,7 @@ def _instants(
     after: Float[Array, "instants state"],
 ) -> History:
     """The history at times between steps from ``start`` to ``end``, whose states are ``before`` and ``after``."""
-    system = mechanism_of(parameters[0]).system(*parameters)
+    system = mechanism.system(*parameters)
 
     def at(start: Array, end: Array, time: Array, closed: Array, before: Array, after: Array) -> History:
         length = end - start

@@ -7,11 +7,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from .._types import Scalar
-from ..hybrid import Log, Options, Result, Status
-from ..mechanisms.mechanism import Mechanism
+from ..hybrid import Log, Result, Status
+from ..mechanisms.mechanism import Request
 from ..mechanisms.outcome import outcome_code
-from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Maxima, Run, Solved, plain_run
 from ..mechanisms.system import ContactSystem
 from .conservation import balance
@@ -19,34 +17,23 @@ from .history import history as history_of
 from .impacts import contact_time, impacts
 from .maxima import maxima
 from .moving import moving_end, moving_events
-from .request import Parameters
 from .survey import survey
 
 
-def run_of(parameters: Parameters, duration: Scalar, options: Options, result: Any) -> Run:
-    """The run, from what time stepping found."""
-    mechanism = mechanism_of(parameters[0])
-    if mechanism.stepping is not None:
-        return mechanism.stepping.read(parameters, duration, result)
-    system = mechanism.system(*parameters)
-    make = mechanism.run or plain_run
-    return make(system, _read_off(mechanism, system, parameters, duration, result, options))
+def read_off(request: Request, result: Result) -> Run:
+    """The run, from the events that were located."""
+    system = request.system  # assembled once: that takes a while to trace
+    return (request.mechanism.run or plain_run)(system, _read_off(request, system, result))
 
 
-def _read_off(
-    mechanism: Mechanism,
-    system: ContactSystem,
-    parameters: Parameters,
-    duration: Scalar,
-    result: Result,
-    options: Options,
-) -> Solved:
+def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved:
     """All that every mechanism's runs have."""
+    mechanism, parameters, duration, _, options = request
     start = system.first_posture()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     seen = survey(system, log)
     log = moving_events(log, seen)
-    code = outcome_code(mechanism.outcomes, mechanism.ends, mechanism.time_is_up, result.status)
+    code = outcome_code(mechanism.outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
     top, hits = maxima(system, log, start), impacts(system, log, seen)

@@ -10,27 +10,14 @@ import numpy as np
 from .._types import Scalar
 from ..errors import InputError, check_flag, check_single, check_whole
 from ..fields import Part
-from ..hybrid import Options, Result, Solver, solver_named
+from ..hybrid import Result, Solver, solver_named
+from ..mechanisms.mechanism import LIMITS, Request
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import DesignOf, R, Run
 from ..programs.cache import Static, after
 from .history import trimmed
-from .read_off import run_of
-from .request import (
-    CHECKED,
-    DEFAULT_TOLERANCE,
-    LIMITS,
-    ONE_RUN,
-    UNCHECKED,
-    Parameters,
-    Tolerances,
-    check_pair,
-    options_of,
-    request,
-    stepped,
-)
-
-HISTORY_STEPS = 20_000
+from .request import DEFAULT_TOLERANCE, ONE_RUN, check_pair, options_of, request
+from .stepper import CHECKED, HISTORY_STEPS, UNCHECKED, run_of, stepped, stepper_of
 
 
 @overload
@@ -105,7 +92,7 @@ def simulate(
     check_pair(mechanism, design, scenario)
     duration = mechanism.defaults.duration if duration is None else duration
     atol = rtol if atol is None else atol
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     for name, value, unit in (
         ("duration", duration, "s"),
         ("rtol", rtol, "-"),
@@ -118,17 +105,16 @@ def simulate(
     check_whole("max_events", max_events, 1)
     options = options_of(max_steps, max_events, HISTORY_STEPS if history else 0)
     solver = None if solver is None else solver_named(solver)
-    given = request(design, scenario, duration, solver, (rtol, atol), stabilisation, options)
+    given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False
     if not all(type(leaf) is float for leaf in leaves):
         traced = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
         given = jax.tree.map(_array, given)
-        if any(map(np.ndim, jax.tree.leaves(given[0]))):
+        if any(map(np.ndim, jax.tree.leaves(given.parameters))):
             _refuse_arrays(design, scenario, one)
-    run = _simulate(*given, UNCHECKED if traced else CHECKED)
+    run = _simulate(given, UNCHECKED if traced else CHECKED)
     if run.history is not None and not isinstance(run.code, jax.core.Tracer):
-        stepping = mechanism.stepping
-        rows = stepping.rows(run) if stepping is not None else min(int(run.accepted), HISTORY_STEPS)
+        rows = stepper_of(mechanism).rows(run)
         run = eqx.tree_at(lambda r: r.history, run, trimmed(run.history, rows))
     return run
 
@@ -146,12 +132,5 @@ def _array(value: Any) -> Any:
 
 
 @after(stepped)
-def _simulate(
-    parameters: Parameters,
-    duration: Scalar,
-    tolerances: Tolerances,
-    options: Options,
-    unchecked: Static,
-    result: Result,
-) -> Run:
-    return run_of(parameters, duration, options, result)
+def _simulate(request: Request, unchecked: Static, result: Result) -> Run:
+    return run_of(request, result)

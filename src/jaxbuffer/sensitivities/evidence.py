@@ -11,15 +11,15 @@ from ..cluster.pool import ClusterPool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
-from ..mechanisms.registry import mechanism_of
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run, value_of
 from ..programs.threads import Pool
 from ..run.request import check_pair
 from ..run.simulate import simulate
+from ..run.stepper import Events, stepper_of
 from .differences import Difference, balanced_direction, difference, side_by_side
 
-CHECK_TOLERANCE = 1e-11  # of the solves that are differenced
-NOISE = 10.0 * CHECK_TOLERANCE  # relative error that such a solve leaves in a quantity
+NOISE = 10.0 * Events.difference_tolerance  # relative error that a solve which is differenced leaves in a quantity
 FLOOR = 1e-3  # elasticities below count as this large when an error is made relative
 FAINT = 1e-6  # of the largest peak: impacts below are no landmarks
 SETTLED = 3e-4  # relative uncertainty of a difference that is small enough
@@ -40,11 +40,12 @@ class Evidence(NamedTuple):
 class TightSolve(NamedTuple):
     """A tight solve at any values of the parameters, small enough to be sent to another process.
 
-    ``design`` and ``scenario``, in which the parameters at ``paths`` are changed; ``names``: the quantities;
-    ``duration`` [s] and ``solver`` as for `simulate`; ``code``: the outcome of the run in question; ``course``:
-    contacts of its impacts, up to the one with the peak.
+    ``design`` and ``scenario`` of the ``mechanism``, in which the parameters at ``paths`` are changed; ``names``: the
+    quantities; ``duration`` [s] and ``solver`` as for `simulate`; ``code``: the outcome of the run in question;
+    ``course``: contacts of its impacts, up to the one with the peak.
     """
 
+    mechanism: Mechanism
     design: Part
     scenario: Part
     paths: tuple[str, ...]
@@ -64,8 +65,7 @@ class TightSolve(NamedTuple):
         The peak force is that of the same impact throughout, so that a swap of peaks is no part of a difference; where
         the impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
         """
-        stepping = mechanism_of(self.design).stepping
-        rtol = CHECK_TOLERANCE if stepping is None else stepping.difference_tolerance
+        rtol = stepper_of(self.mechanism).difference_tolerance
         return self.seen(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
 
     def seen(self, run: Run) -> np.ndarray:
@@ -101,7 +101,7 @@ class TightSolves:
         """Whether all parameters are in range after a relative move of that length along a direction."""
         try:
             moved = self.solve.inputs(self._moved(direction, move))
-            check_pair(mechanism_of(moved[0]), *moved)
+            check_pair(self.solve.mechanism, *moved)
         except InputError:
             return False
         return True

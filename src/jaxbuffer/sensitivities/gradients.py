@@ -11,13 +11,13 @@ from jaxtyping import Array, Float
 
 from .._types import Scalar
 from ..fields import Part, with_values
-from ..hybrid import HybridSystem, Result, Solver, differentiable, solve_with_tangents
+from ..hybrid import Solver
+from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.quantity import IMPACT_UNITS, of_impact
-from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import Run
 from ..programs.cache import Static, after
-from ..run.read_off import run_of
-from ..run.request import CHECKED, DEFAULT_TOLERANCE, Request, allowed_of, request, stepped, with_tolerances
+from ..run.request import DEFAULT_TOLERANCE, request
+from ..run.stepper import run_of, stepper_of
 
 
 class Gradients(eqx.Module):
@@ -43,6 +43,7 @@ class Gradients(eqx.Module):
 
 
 def gradients(
+    mechanism: Mechanism,
     design: Part,
     scenario: Part,
     addresses: Sequence[str],
@@ -57,46 +58,45 @@ def gradients(
     One compiled program serves all designs, scenarios, durations, tolerances and quantities of a mechanism.
     """
     inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
-    return _gradients(inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
+    return _gradients(mechanism, inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
 
 
 Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [-]
 
 
-def _moved(inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
+def _moved(mechanism: Mechanism, inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
     """The run with the asked addresses at ``values``."""
     design, scenario, duration, rtol = inputs
     moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
-    return request(*moved, duration, solver, (rtol, rtol))
+    return request(mechanism, *moved, duration, solver, (rtol, rtol))
 
 
-def _stepped(inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None) -> Result | None:
-    """What time stepping finds, with a tangent for each address; nothing of a mechanism with its own `Stepping`, which
-    is differentiated as a whole."""
-    if mechanism_of(inputs[0]).stepping is not None:
-        return None
+def _stepped(
+    mechanism: Mechanism, inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None
+) -> Any:
+    """Step the run with a tangent for each address."""
     separate = [values[k] for k in range(len(asked.value))]
-    parameters, duration, tolerances, options = _moved(inputs, separate, asked, solver)
-    mechanism = mechanism_of(inputs[0])
-    allowed = allowed_of(mechanism, parameters, duration, tolerances)
-    options = with_tolerances(options, parameters, tolerances)
 
-    def assembled(values: list[Array], inputs: Inputs) -> HybridSystem:
-        return mechanism.system(*_moved(inputs, values, asked, solver)[0])
+    def make(values: list[Array], inputs: Inputs) -> Request:
+        return _moved(mechanism, inputs, values, asked, solver)
 
-    return solve_with_tangents(assembled, separate, inputs, duration, options, allowed)
+    return stepper_of(mechanism).step_with_tangents(make, separate, inputs)
 
 
 @after(_stepped, seconds=20.0)
 def _gradients(
-    inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None, result: Result | None
+    mechanism: Mechanism,
+    inputs: Inputs,
+    values: Float[Array, " addresses"],
+    asked: Static,
+    solver: Solver | None,
+    result: Any,
 ) -> Gradients:
-    catalogue = mechanism_of(inputs[0]).quantities
+    catalogue = mechanism.quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        parameters, duration, _, options = given = _moved(inputs, values, asked, solver)
-        found = stepped(*given, CHECKED) if result is None else differentiable(result, values)
-        run = run_of(parameters, duration, options, found)
+        given = _moved(mechanism, inputs, values, asked, solver)
+        run = run_of(given, stepper_of(mechanism).differentiable(given, result, values))
         results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
         return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
 

@@ -108,14 +108,14 @@ def _tables(result: Sensitivity) -> list[str | Table]:
         gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope(0, k), error)
     tables = ([] if all(signed) else [elastic]) + ([derivatives] if any(signed) else [])
     parts: list[str | Table] = [
-        f"Sensitivity at {mechanism.label(run.scenario)}; {run.outcome.reason}",
+        f"Sensitivity at {mechanism.view.label(run.scenario)}; {run.outcome.reason}",
         *tables,
         gradient,
     ]
     if certificate is not None:
         parts.append(_certificate_lines(certificate, result.quantities, mechanism, result.run.design))
     if not run.outcome.failed:
-        parts += mechanism.notes(run)
+        parts += mechanism.view.notes(run)
     if lines := advice(result):
         parts.append("\n".join(lines))
     return parts
@@ -140,9 +140,10 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
     if less and len(less) < len(quantities):
         lines.append(f"  not all trusted      {', '.join(less)}; the others are")
     if (peaks := certificate.peaks) is not None:
+        view, contacts = mechanism.view, mechanism.view.names(design).contacts
         lines.append(
             f"  active peak          {peaks.force:.6g} N at {peaks.time:.6g} s,"
-            f" {mechanism.contact_in_words(mechanism.names(design).contacts[peaks.contact])}, impact {peaks.impact + 1}"
+            f" {view.contact_in_words(contacts[peaks.contact])}, impact {peaks.impact + 1}"
         )
         if peaks.runner_up_impact < 0:
             lines.append("  runner-up            none: no other impact")
@@ -171,7 +172,7 @@ def advice(result: Sensitivity) -> list[str]:
     The change is -margin / (d margin / d ln parameter); the margin of a successful run is positive.
     """
     run, mechanism = result.run, result.run.mechanism
-    name = mechanism.margin
+    name = mechanism.tuning.margin
     if name is None or name not in result.quantities or run.outcome.failed or run.outcome.name == mechanism.success:
         return []
     i = result.quantities.index(name)

@@ -12,6 +12,7 @@ from ..cluster.pool import ClusterPool, pool_of
 from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import check_quantities, is_signed
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import value_of
@@ -68,7 +69,7 @@ def sensitivity(
     scenario = mechanism.scenario() if scenario is None else scenario
     check_pair(mechanism, design, scenario)
     names = check_quantities(catalogue, defaults.differentiated if quantities is None else quantities)
-    one = ONE_RUN.format(mechanism.run_name)
+    one = ONE_RUN.format(mechanism.view.run_name)
     paths, values = check_numbers(design, scenario, defaults.parameters if wrt is None else wrt, one)
     duration = defaults.duration if duration is None else duration
     check_choice("certify", certify, CERTIFICATES)
@@ -76,7 +77,7 @@ def sensitivity(
     check_single("rtol", rtol, "-", one, **TOLERANCES)
     solver = None if solver is None else solver_named(solver)
     sent = solver if client is None else name_of(solver)
-    task = _Differentiation(design, scenario, paths, values, names, duration, sent)
+    task = _Differentiation(mechanism, design, scenario, paths, values, names, duration, sent)
     with contextlib.closing(pool_of(client)) as pool:
         if certify == "none":
             (solved,) = pool.map(task.gradients_at, [rtol])
@@ -90,6 +91,7 @@ def sensitivity(
 class _Differentiation(NamedTuple):
     """What is differentiated: as in `sensitivity`, checked; small enough to be sent to another process."""
 
+    mechanism: Mechanism
     design: Part
     scenario: Part
     paths: tuple[str, ...]
@@ -101,7 +103,8 @@ class _Differentiation(NamedTuple):
     def gradients_at(self, rtol: float) -> Gradients:
         """The run and all its gradients at a tolerance."""
         solver = None if self.solver is None else solver_named(self.solver)
-        return gradients(self.design, self.scenario, self.paths, self.values, self.duration, rtol=rtol, solver=solver)
+        at = (self.design, self.scenario, self.paths, self.values, self.duration)
+        return gradients(self.mechanism, *at, rtol=rtol, solver=solver)
 
     def slopes(self, solved: Gradients) -> np.ndarray:
         """The gradients asked for (quantities, paths)."""
@@ -139,7 +142,7 @@ def _certificate(
     claimed, evidence = found.gradients * moves / sizes[:, None], None
     if not run.outcome.failed:
         changes = np.abs(found.gradients - task.slopes(again)) * moves / sizes[:, None]
-        inputs = (task.design, task.scenario, task.paths, names, task.duration, task.solver)
+        inputs = (task.mechanism, task.design, task.scenario, task.paths, names, task.duration, task.solver)
         tight = TightSolves(TightSolve(*inputs, int(run.code), course_of(run)), values, moves, pool)
         evidence = (each if thorough else together)(tight, claimed, sizes, changes)
     peaks = peak_report(run, np.asarray(solved.by_impact["peak_force"]) * moves, task.paths)

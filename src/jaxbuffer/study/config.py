@@ -98,7 +98,7 @@ class Config:
             try:
                 check_pair(mechanism, self.design, scenario)
             except InputError as error:
-                raise error.between(f"[[scenarios]] number {i} ({mechanism.label(scenario)}): ") from None
+                raise error.between(f"[[scenarios]] number {i} ({mechanism.view.label(scenario)}): ") from None
         if not self.scenarios:
             object.__setattr__(self, "scenarios", (self.scenario,))
 
@@ -203,10 +203,8 @@ def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
     if count == 1:
         return config, ""
     which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
-    return (
-        config,
-        f"running {which}, {config.mechanism.label(config.scenario)}; --scenario-number N takes another, 1 to {count}",
-    )
+    label = config.mechanism.view.label(config.scenario)
+    return config, f"running {which}, {label}; --scenario-number N takes another, 1 to {count}"
 
 
 def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "") -> str:

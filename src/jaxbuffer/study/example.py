@@ -23,7 +23,8 @@ def example_toml(mechanism: Mechanism) -> str:
     design, scenario = mechanism.design(), mechanism.scenario()
     lines = [
         f"#:schema ./{SCHEMA}",
-        f"# A study of {mechanism.title}; 'jaxbuffer check FILE' says what it holds and what the commands would do.",
+        f"# A study of {mechanism.view.title};"
+        " 'jaxbuffer check FILE' says what it holds and what the commands would do.",
         "# A line that begins with # shows a default: take the # away to set the field.",
         '# Numbers are in the unit of their comment; text with another unit is fine: "0.5 kN/m", "3 deg", "20 cm/s".',
         "# Editors complete and check this file with the schema of the first line, which is written by",

@@ -27,9 +27,9 @@ def explained(study: Config, name: str) -> str:
         problem = dataclasses.replace(study, table={**study.table, "variables": kept}).problem()
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
-        "mechanism": [f'{mechanism.title}, kind = "{mechanism.name}"'],
+        "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
-        "scenario": [mechanism.label(study.scenario)],
+        "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
@@ -75,7 +75,7 @@ def _beside_default(part: Part, default: Part, path: str) -> str:
 
 
 def _scenarios(study: Config) -> list[str]:
-    label, all_of_them = study.mechanism.label, study.scenarios
+    label, all_of_them = study.mechanism.view.label, study.scenarios
     listed = [f"{k}: {label(scenario, all_of_them)}" for k, scenario in enumerate(all_of_them[:SHOWN], 1)]
     left = len(all_of_them) - len(listed)
     return [*listed, f"and {left} more"] if left else listed
@@ -111,7 +111,9 @@ def _own(problem: Problem) -> list[str]:
 def _limits(problem: Problem) -> list[str]:
     limits, mechanism = problem.limits, problem.mechanism
     lines = limits.lines(problem.catalogue)
-    lines += [f"{name} ≤ {limit:g}, always" for name, limit in mechanism.always.items() if name not in limits.at_most]
+    lines += [
+        f"{name} ≤ {limit:g}, always" for name, limit in mechanism.tuning.always.items() if name not in limits.at_most
+    ]
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     return [*lines, f"every case must end {mechanism.success}"] if limits.captured and mechanism.success else lines
@@ -120,11 +122,11 @@ def _limits(problem: Problem) -> list[str]:
 def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
     """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism, defaults = study.mechanism, study.mechanism.defaults
-    run = mechanism.run_name
+    run = mechanism.view.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
     of, by = ", ".join(defaults.differentiated), ", ".join(defaults.parameters)
     told = [
-        f"jaxbuffer simulate {name}     one {run}: {mechanism.label(study.scenario)}",
+        f"jaxbuffer simulate {name}     one {run}: {mechanism.view.label(study.scenario)}",
         f"jaxbuffer sensitivity {name}  {of}",
         f"{'':{len(name) + 23}} by {by}",
         f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",

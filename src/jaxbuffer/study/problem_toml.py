@@ -53,7 +53,7 @@ def read_problem(
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     symbols = _units(table, mechanism)
-    variables = _variables_of(table, design)
+    variables = _variables_of(table, mechanism, design)
     _check_start(design, variables, "variables" in table, units)
     try:
         return Problem(
@@ -82,7 +82,7 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     _known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    _variables_of(table, design)
+    _variables_of(table, mechanism, design)
     if (scatter := _scatter(table, design, base)) is not None:
         scatter.cases(_scenarios(table, base, ()), design)
     else:
@@ -100,9 +100,9 @@ def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
-def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
+def _variables_of(table: Mapping[str, Any], mechanism: Mechanism, design: Part) -> tuple[Variable, ...]:
     """The variables of a [problem], by default the mechanism's."""
-    asked = _table(table, "variables", mechanism_of(design).defaults.variables)
+    asked = _table(table, "variables", mechanism.defaults.variables)
     if not asked:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
     by_name = by_path(asked, where="problem.variables")

@@ -27,7 +27,7 @@ def study_schema(mechanism: Mechanism) -> Schema:
     fields |= {f"scenario.{path}": metadata(scenario, path) for path in paths(scenario)}
     parts = {name: _part(getattr(design, name)) for name in sections(mechanism)}
     properties = {
-        "kind": {"const": mechanism.name, "description": f"the mechanism: {mechanism.title}"},
+        "kind": {"const": mechanism.name, "description": f"the mechanism: {mechanism.view.title}"},
         **parts,
         "scenario": _part(scenario),
         "scenarios": {"type": "array", "items": _part(scenario), "minItems": 1},

@@ -11,12 +11,12 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..errors import InputError, as_number
-from ..hybrid import Result, Solver, name_of, solver_named
-from ..mechanisms.mechanism import Mechanism
+from ..hybrid import Solver, name_of, solver_named
+from ..mechanisms.mechanism import Mechanism, Request
 from ..mechanisms.registry import mechanism_of
 from ..programs.cache import after
-from ..run.read_off import run_of
-from ..run.request import Request, request, stepped, tenth
+from ..run.request import request, tenth
+from ..run.stepper import run_of, stepped, stepper_of
 from ..run.trust import SAFETY, VERDICTS, relative_changes, verdicts
 from .columns import NO_VERDICT, column_names
 from .grid import Batch
@@ -78,33 +78,37 @@ Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number a
 Wanted = Bool[Array, " runs"]  # which of them are wanted: the others fill up the chunk
 
 
-def _request(chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
-    return request(*chunk, solver, (rtol, rtol), stabilisation)
+def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
+    return request(mechanism, *chunk, solver, (rtol, rtol), stabilisation)
 
 
-def _stepped(chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None) -> Result:
+def _stepped(
+    mechanism: Mechanism, chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None
+) -> Any:
     """What time stepping finds of each run."""
 
-    def one(chunk: Chunk, wanted: Array) -> Result:
-        return stepped(*_request(chunk, rtol, stabilisation, solver), wanted=wanted)
+    def one(chunk: Chunk, wanted: Array) -> Any:
+        return stepped(_request(mechanism, chunk, rtol, stabilisation, solver), wanted=wanted)
 
-    if mechanism_of(chunk[0]).stepping is not None:  # lanes of a loop over many nodes would wait for the slowest
-        return jax.lax.map(lambda run: one(*run), (chunk, wanted))
-    return jax.vmap(one)(chunk, wanted)
+    return stepper_of(mechanism).many(one)(chunk, wanted)
 
 
 @after(_stepped)
 def solve_chunk(
-    chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None, result: Result
+    mechanism: Mechanism,
+    chunk: Chunk,
+    wanted: Wanted,
+    rtol: Any,
+    stabilisation: Any,
+    solver: Solver | None,
+    result: Any,
 ) -> tuple:
     """The columns of a sweep (`column_names`) but the last, each an array with an entry for each run of the
     chunk."""
-    catalogue, swept = mechanism_of(chunk[0]).quantities, mechanism_of(chunk[0]).swept
 
-    def numbers(chunk: Chunk, result: Result) -> tuple:
-        parameters, duration, _, options = _request(chunk, rtol, stabilisation, solver)
-        run = run_of(parameters, duration, options, result)
-        own = (catalogue[name].of(run) for name in swept)
+    def numbers(chunk: Chunk, result: Any) -> tuple:
+        run = run_of(_request(mechanism, chunk, rtol, stabilisation, solver), result)
+        own = (mechanism.quantities[name].of(run) for name in mechanism.swept)
         return (run.code, *own, run.peak_contact, run.impact_count, run.attempts)
 
     return jax.vmap(numbers)(chunk, result)
@@ -116,7 +120,7 @@ def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.n
     mechanism = mechanism_of(chunk[0])
 
     def at(rtol: Any) -> dict[str, np.ndarray]:
-        values = map(np.asarray, solve_chunk(chunk, wanted, rtol, settings.stabilisation, settings.solver))
+        values = map(np.asarray, solve_chunk(mechanism, chunk, wanted, rtol, settings.stabilisation, settings.solver))
         return dict(zip(column_names(mechanism), values, strict=False))
 
     found = at(settings.rtol)
@@ -134,7 +138,7 @@ def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str
         return np.where(solved, unknown, NO_VERDICT)
     changes = relative_changes(mechanism, here, there)
     error = SAFETY * np.max([*changes.values(), np.zeros(len(solved))], axis=0)
-    others = (f"peak_{mechanism.contact}", "impact_count")
+    others = (f"peak_{mechanism.view.contact}", "impact_count")
     differs = np.any([here[name] != there[name] for name in others], axis=0)
     found = verdicts(error, here["code"] != there["code"], differs)
     return np.where(solved, np.where(there["code"] < failed, found, unknown), NO_VERDICT)

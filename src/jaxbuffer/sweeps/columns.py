@@ -68,13 +68,13 @@ class RunTable:
     def contacts(self) -> tuple[str, ...]:
         """The names of the contacts, by their numbers."""
         design = self.mechanism.design() if self.design is None else self.design
-        return self.mechanism.names(design).contacts
+        return self.mechanism.view.names(design).contacts
 
 
 def doubts(mechanism: Mechanism, runs: int, verdicts: Mapping[int, int], where: str) -> list[str]:
     """How many of so many ``runs`` are not trusted, in words; ``verdicts``: how often each was given, by its index;
     ``where`` they are marked."""
-    of_all, lines = f"of {runs} {mechanism.run_name}s", []
+    of_all, lines = f"of {runs} {mechanism.view.run_name}s", []
     if count := verdicts.get(VERDICTS.index("ill-conditioned")):
         lines.append(f"{count} {of_all} are ill-conditioned: little decides what happens, no number is sure")
     if count := verdicts.get(VERDICTS.index("check")):
@@ -97,7 +97,7 @@ def column_names(mechanism: Mechanism) -> tuple[str, ...]:
 
 def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
     """Those of `column_names` that are whole numbers."""
-    return ("code", f"peak_{mechanism.contact}", "impact_count", "attempts", "trust")
+    return ("code", f"peak_{mechanism.view.contact}", "impact_count", "attempts", "trust")
 
 
 def empty_columns(mechanism: Mechanism, count: int) -> dict[str, np.ndarray]:

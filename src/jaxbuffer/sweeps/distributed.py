@@ -170,7 +170,7 @@ def _solved(
     except KeyboardInterrupt:
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
-        name = mechanism_of(sweep.template.design).run_name
+        name = mechanism_of(sweep.template.design).view.run_name
         there = f"{done} of {count} {name}s are known to be in {store}; resuming goes on with them"
         if error.errno is None:
             raise ConnectionError(f"{error}; {there}") from None

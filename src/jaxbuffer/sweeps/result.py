@@ -103,7 +103,7 @@ class SweepInterrupted(KeyboardInterrupt):
     (n,): which runs those are."""
 
     def __init__(self, found: Any, done: np.ndarray) -> None:
-        super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.run_name}s done")
+        super().__init__(f"{int(done.sum())} of {done.size} {found.mechanism.view.run_name}s done")
         self.found, self.done = found, done
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -68,7 +68,7 @@ class StoredSweep:
         return Sweep(self.mechanism, columns, template.design, template.scenario, self.asked.grid)
 
     def __repr__(self) -> str:
-        name = self.mechanism.run_name
+        name = self.mechanism.view.run_name
         ended = ", ".join(f"{count} {outcome}" for outcome, count in self.outcomes.items())
         head = f"Sweep of {self.count} {name}s" + ("" if self.done == self.count else f"; {self.done} of them done")
         doubtful = doubts(self.mechanism, self.done, self.verdicts, "see trust in the store")
@@ -80,7 +80,9 @@ class StoredInterrupted(KeyboardInterrupt):
     """Ctrl-C during a sweep over a scheduler; ``found`` says where it is stored."""
 
     def __init__(self, found: StoredSweep) -> None:
-        super().__init__(f"{found.done} of {found.count} {found.mechanism.run_name}s done; they are in {found.store}")
+        super().__init__(
+            f"{found.done} of {found.count} {found.mechanism.view.run_name}s done; they are in {found.store}"
+        )
         self.found = found
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -18,7 +18,9 @@ def sweep_parts(sweep: RunTable) -> list[str | Table]:
     if not isinstance(sweep.grid, Grid):
         return [sweep_table(sweep)]
     mechanism, axes, done = sweep.mechanism, sweep.grid.axes, int(sweep.done.sum())
-    title = f"Sweep of {len(sweep)} {mechanism.run_name}s: " + " × ".join(f"{len(axis)} {axis.name}" for axis in axes)
+    title = f"Sweep of {len(sweep)} {mechanism.view.run_name}s: " + " × ".join(
+        f"{len(axis)} {axis.name}" for axis in axes
+    )
     parts: list[str | Table] = [title if done == len(sweep) else f"{title}; interrupted, {done} of them done"]
     parts += [f"  {axis.path:26} {_values(axis)}" for axis in axes]
     return [*parts, outcomes_table(sweep), *summary(sweep, "sweep.csv")]
@@ -30,7 +32,7 @@ def sweep_table(sweep: RunTable) -> Table:
     ends = ", ".join(
         f"{count} {sweep.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
     )
-    shown = table(f"Sweep of {len(sweep)} {sweep.mechanism.run_name}s: {ends}")
+    shown = table(f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: {ends}")
     for heading in ("quantity", "least", "median", "greatest"):
         shown.add_column(heading, justify="left" if heading == "quantity" else "right")
     for name in sweep.mechanism.swept:
@@ -46,7 +48,7 @@ def outcomes_table(sweep: RunTable) -> Table:
     """How many runs ended how."""
     mechanism = sweep.mechanism
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
-    outcomes = table("Outcomes", ("outcome",), (f"{mechanism.run_name}s", "share"))
+    outcomes = table("Outcomes", ("outcome",), (f"{mechanism.view.run_name}s", "share"))
     for code, count in zip(codes, counts, strict=True):
         share = f"{100.0 * count / int(sweep.done.sum()):.1f} %"
         outcomes.add_row(mechanism.outcomes(int(code)).reason, str(count), share)
@@ -76,7 +78,7 @@ def _rising(sweep: RunTable) -> list[str]:
     good = sweep.solved if mechanism.success is None else sweep.code == mechanism.outcomes[mechanism.success]
     for name, quantity in mechanism.quantities.items():
         if quantity.rising and (count := int(np.sum(good & (sweep.columns[quantity.rising] > 0.0)))):
-            runs = f"{count} of {int(good.sum())} {mechanism.run_name}s that ended {mechanism.success or 'solved'}"
+            runs = f"{count} of {int(good.sum())} {mechanism.view.run_name}s that ended {mechanism.success or 'solved'}"
             lines.append(f"{name} is still rising where the run ends, in {runs}: it is the largest up to there only")
     return lines
 
@@ -85,7 +87,7 @@ def _beyond_validity(sweep: RunTable) -> list[str]:
     """How many answers lie beyond each limit of validity, and the worst of them."""
     mechanism, shares = sweep.mechanism, dict[str, np.ndarray]()
     for places, design, _ in sweep.grid.batches(sweep.design, sweep.scenario):
-        for limit in mechanism.validity(design, sweep.peak_force[places], sweep.penetration[places]):
+        for limit in mechanism.view.validity(design, sweep.peak_force[places], sweep.penetration[places]):
             share = shares.setdefault(limit.beyond, np.full(len(sweep), -np.inf))
             share[places] = np.where(limit.passed & sweep.solved[places], limit.share, -np.inf)
     lines = []
@@ -93,14 +95,14 @@ def _beyond_validity(sweep: RunTable) -> list[str]:
         if count := int(np.sum(share > -np.inf)):
             worst = int(np.argmax(share))
             furthest = f"by a factor of {share[worst]:.3g} at {sweep.grid.point(worst)}"
-            lines.append(f"{beyond}, {count} {mechanism.run_name}s; {furthest}")
+            lines.append(f"{beyond}, {count} {mechanism.view.run_name}s; {furthest}")
     return lines
 
 
 def _spread(sweep: RunTable) -> Table:
     solved = sweep.solved
     mechanism = sweep.mechanism
-    what = f"Quantities of the {int(solved.sum())} {mechanism.run_name}s that were solved"
+    what = f"Quantities of the {int(solved.sum())} {mechanism.view.run_name}s that were solved"
     spread = table(what, ("quantity",), tuple(QUANTILES))
     moved = {axis.path for axis in sweep.grid.axes}
     for name in mechanism.meant(lambda path: path in moved or get(sweep.design, path)):
@@ -133,8 +135,8 @@ def _extremes(sweep: RunTable) -> list[str]:
 
 def _run(sweep: RunTable, index: int) -> str:
     mechanism, names = sweep.mechanism, sweep.contacts()
-    largest = int(sweep.columns[f"peak_{mechanism.contact}"][index])
-    contact = mechanism.contact_in_words(names[largest])
+    largest = int(sweep.columns[f"peak_{mechanism.view.contact}"][index])
+    contact = mechanism.view.contact_in_words(names[largest])
     return (
         f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {contact} after"
         f" {sweep.peak_time[index]:.4g} s, {int(sweep.impact_count[index])} impacts, {sweep.outcomes[index].name}"

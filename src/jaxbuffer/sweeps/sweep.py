@@ -149,7 +149,7 @@ def sweep(
             raise InputError("executor and client contradict; keep one")
     settings = Settings(np.asarray(rtol, float), np.asarray(stabilisation, float), solver, trust)
     where = Where(
-        executor if client is None else client, workers, counted(progress, mechanism.run_name), folder, resume
+        executor if client is None else client, workers, counted(progress, mechanism.view.run_name), folder, resume
     )
     if client is not None:
         return _over_cluster((design, scenarios, duration), over, settings, where)

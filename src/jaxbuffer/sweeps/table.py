@@ -27,7 +27,7 @@ def sweep_dataset(sweep: RunTable) -> "xr.Dataset":
         return dataset(_variables(sweep, tuple(axes), sweep.grid.shape), axes, about)
     runs = {"run": Labelled(("run",), np.arange(len(sweep)), "", "number of the run, from 0")}
     inputs = {path: Labelled(("run",), values, unit) for path, (unit, values) in _inputs(sweep).items()}
-    about = {"title": sweep.mechanism.title, "kind": sweep.mechanism.name, "jaxbuffer": version()}
+    about = {"title": sweep.mechanism.view.title, "kind": sweep.mechanism.name, "jaxbuffer": version()}
     return dataset(_variables(sweep, ("run",), (len(sweep),)), runs | inputs, about)
 
 
@@ -38,7 +38,7 @@ def sweep_rows(sweep: RunTable) -> Rows:
     else:
         values = sweep.grid.columns()
         inputs = {axis.heading: values[axis.path] for axis in sweep.grid.axes}
-    contact = f"peak_{sweep.mechanism.contact}"
+    contact = f"peak_{sweep.mechanism.view.contact}"
     numbers = [name for name in sweep.columns if name not in ("code", contact, "trust")]
     header = [*inputs, "outcome", *(heading(sweep, name) for name in numbers), contact, "trust"]
     return header, _rows(sweep, inputs, numbers)
@@ -60,7 +60,7 @@ def _inputs(sweep: RunTable) -> dict[str, tuple[str, np.ndarray]]:
 
 
 def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Labelled]:
-    mechanism, contact = sweep.mechanism, f"peak_{sweep.mechanism.contact}"
+    mechanism, contact = sweep.mechanism, f"peak_{sweep.mechanism.view.contact}"
 
     def labelled(values: Any, unit: str, description: str) -> Labelled:
         return Labelled(dims, np.asarray(values).reshape(shape), unit, description)
@@ -72,7 +72,7 @@ def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -
         variables[name] = labelled(sweep.columns[name], quantity.unit, quantity.description)
     names = sweep.contacts()
     where = [names[k] if solved else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)]
-    variables[contact] = labelled(np.array(where, str), "", f"{mechanism.contact} with the largest force")
+    variables[contact] = labelled(np.array(where, str), "", f"{mechanism.view.contact} with the largest force")
     trust = "how far the numbers can be trusted, empty for no verdict"
     variables["trust"] = labelled(np.array(sweep.verdicts, str), "", trust)
     for name in ("impact_count", "attempts"):
@@ -83,7 +83,7 @@ def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -
 
 def _rows(sweep: RunTable, inputs: Mapping[str, np.ndarray], numbers: Sequence[str]) -> Iterator[Sequence[Any]]:
     columns, solved, names = [sweep.columns[name] for name in numbers], sweep.solved, sweep.contacts()
-    largest, verdicts = sweep.columns[f"peak_{sweep.mechanism.contact}"], sweep.verdicts
+    largest, verdicts = sweep.columns[f"peak_{sweep.mechanism.view.contact}"], sweep.verdicts
     for i in np.flatnonzero(sweep.done):
         values = [None if math.isnan(value) else value for value in (column[i].item() for column in columns)]
         outcome = sweep.mechanism.outcomes(int(sweep.columns["code"][i])).name

@@ -58,9 +58,9 @@ class Case:
     def label(self, among: Sequence["Case"] = ()) -> str:
         """Return what people call the load case: "0.2 m/s, +3°, 1.1 buffer.k_A"."""
         factors = (f", {factor:.4g} {path}" for path, factor in self.factors)
-        return mechanism_of_scenario(self.scenario).label(self.scenario, [case.scenario for case in among]) + "".join(
-            factors
-        )
+        return mechanism_of_scenario(self.scenario).view.label(
+            self.scenario, [case.scenario for case in among]
+        ) + "".join(factors)
 
     def of(self, design: Part) -> Part:
         """Return the design as built."""

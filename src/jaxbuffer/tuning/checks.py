@@ -48,7 +48,7 @@ class Floor:
 
 def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | None:
     """Compute the floor at a design, and the lowest one within the bounds; None for a mechanism without one."""
-    known = problem.mechanism.floor
+    known = problem.mechanism.tuning.floor
     if known is None:
         return None
     simulated = _without_buffer(problem, scaled)[0]
@@ -94,7 +94,7 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
 
     They are NaN where there is none.
     """
-    known, values = problem.mechanism.floor, problem.values(scaled)
+    known, values = problem.mechanism.tuning.floor, problem.values(scaled)
     assert known is not None
     peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):

@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 from ..cluster.pool import pool_of
 from ..errors import InputError
 from ..fields import Part, get
-from ..mechanisms.registry import mechanism_of
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run, rising
 from ..run.request import check_pair
 from ..run.simulate import simulate
@@ -168,25 +168,27 @@ class Measurement(NamedTuple):
 class Readings(NamedTuple):
     """The names of what is read off each run: quantities, the peak force first, and the paths to differentiate by."""
 
+    mechanism: Mechanism
     measured: tuple[str, ...]
     paths: tuple[str, ...]
 
     @staticmethod
     def of(problem: Problem) -> "Readings":
         """Return those of a problem."""
-        return Readings(problem.measured, problem.paths)
+        return Readings(problem.mechanism, problem.measured, problem.paths)
 
 
 def measure(
     readings: Readings, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
 ) -> Measurement:
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero."""
-    mechanism, paths = mechanism_of(design), readings.paths
+    mechanism, paths = readings.mechanism, readings.paths
     rest = [name for name in readings.measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
-    margin = [] if mechanism.margin is None else [mechanism.margin]
+    margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     if slopes:
-        result = gradients(design, scenario, paths, [float(get(design, p)) for p in paths], duration, rtol=rtol)
+        at = [float(get(design, p)) for p in paths]
+        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol)
         run = result.run
         of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
         top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
@@ -282,7 +284,7 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
         array[lost] = 0.0
     run["margin"][lost] = LOST
     succeeded = ~lost if success is None else code == outcomes[success]
-    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.time_is_up])
+    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.outcomes.time_is_up()])
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
     time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
     run["rest"][ended_otherwise, time] = problem.duration

@@ -96,14 +96,14 @@ class Goal:
         A lower limit has a minus sign: then ``value / limit`` stays at most the limit's sign.
         """
         limits = self.problem.limits
-        most, least = {**self.problem.mechanism.always, **limits.at_most}, limits.at_least
+        most, least = {**self.problem.mechanism.tuning.always, **limits.at_most}, limits.at_least
         signed = [*most.items(), *((name, -limit) for name, limit in least.items())]
         return [(self.problem.names.index(name), float(limit)) for name, limit in signed]
 
     @property
     def must_succeed(self) -> bool:
         """Whether each load case must end as the mechanism's runs should, and a margin says how near it is to that."""
-        return self.problem.limits.captured and self.problem.mechanism.margin is not None
+        return self.problem.limits.captured and self.problem.mechanism.tuning.margin is not None
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
@@ -180,13 +180,13 @@ class Goal:
         """Return what fails in one load case."""
         lines, margin, mechanism = [], evaluation.margin[k], self.problem.mechanism
         limits = self.problem.limits
-        limits = dataclasses.replace(limits, at_most={**mechanism.always, **limits.at_most})
+        limits = dataclasses.replace(limits, at_most={**mechanism.tuning.always, **limits.at_most})
         outcome = mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
             own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""
             lines.append(f"the simulation failed{own}")
         elif self.must_succeed and margin < 0.0:
-            lines.append(f"not {mechanism.success} ({mechanism.margin} {margin:.3g})")
+            lines.append(f"not {mechanism.success} ({mechanism.tuning.margin} {margin:.3g})")
         if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
             lines.append(outcome.reason)
         values = dict(zip(self.problem.names, evaluation.quantities[k].tolist(), strict=True))

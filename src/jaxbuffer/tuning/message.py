@@ -169,10 +169,12 @@ def _of_quantity(
 def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
     """Describe load cases that do not end as they must, by the mechanism's margin."""
     mechanism, k = goal.problem.mechanism, int(np.argmax(excess))
-    assert mechanism.margin is not None
-    quantity = mechanism.quantities[mechanism.margin]
-    margin = f"{mechanism.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
-    heading = f"{_heading(goal, str(mechanism.success), excess, margin)} ({mechanism.margin}: {quantity.description})"
+    assert mechanism.tuning.margin is not None
+    quantity = mechanism.quantities[mechanism.tuning.margin]
+    margin = f"{mechanism.tuning.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
+    heading = (
+        f"{_heading(goal, str(mechanism.success), excess, margin)} ({mechanism.tuning.margin}: {quantity.description})"
+    )
     worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
     return _broken(goal, point, excess, heading, worst)
 

@@ -113,7 +113,7 @@ class Problem:
     units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        mechanism = mechanism_of(self.design)
+        mechanism = self.mechanism
         object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
         if self.duration is None:
             object.__setattr__(self, "duration", mechanism.defaults.duration)
@@ -132,7 +132,7 @@ class Problem:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
                 raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
-        mechanism.check_problem(self)
+        mechanism.tuning.check_problem(self)
 
     def _check_parts(self, mechanism: Mechanism) -> None:
         for name, values, example in (
@@ -160,7 +160,7 @@ class Problem:
             for name in names:
                 if name not in self.names:
                     raise InputError(f"{where}.{name} is unknown{suggest(name, self.names)}")
-        for name, high in mechanism.always.items():
+        for name, high in mechanism.tuning.always.items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 

@@ -179,13 +179,13 @@ def check_starts(problem: Problem, points: list[Evaluation]) -> None:
     )
     if not any(np.any(point.solved) for point in points):
         raise InputError(
-            f"every {problem.mechanism.run_name} of the start fails ({reasons}): there is no slope to climb"
+            f"every {problem.mechanism.view.run_name} of the start fails ({reasons}): there is no slope to climb"
         )
-    margin = problem.mechanism.margin
+    margin = problem.mechanism.tuning.margin
     if margin and problem.limits.captured and not any(np.any(p.succeeded) or np.any(p.margin_slope) for p in points):
         raise InputError(
-            f"no {problem.mechanism.run_name} of the start succeeds ({reasons}), and no variable changes that to first "
-            "order: start from another design or tune other variables"
+            f"no {problem.mechanism.view.run_name} of the start succeeds ({reasons}), and no variable changes that to"
+            " first order: start from another design or tune other variables"
         )
 
 

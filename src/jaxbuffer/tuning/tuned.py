@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ..fields import Part, get, unit
 from ..mechanisms.energy import energy_text
+from ..run.stepper import stepper_of
 from ..tables import html, table, text
 from .checks import Corners, Floor, corners, floor
 from .evaluation import Evaluation, Evaluator
@@ -22,7 +23,6 @@ from .store import Record
 if TYPE_CHECKING:
     import pandas as pd  # takes half a second to import; only `Tuned.to_pandas` needs it
 
-TIGHT = 1e-9  # rtol at which the result is evaluated, where the mechanism does not say otherwise
 SHOWN = 12  # scenarios in a table
 OWN = 3  # own quantities in that table, in place of the usual ones
 
@@ -149,8 +149,7 @@ def assess(
     ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
-    stepping = problem.mechanism.stepping
-    tight = TIGHT if stepping is None else stepping.tight
+    tight = stepper_of(problem.mechanism).tight
     before, after = evaluator([first, scaled], rtol=tight)
     # Before the count of captures below: the corners are runs, too.
     in_corners = corners(goal, evaluator, scaled, tight)
@@ -193,7 +192,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
         f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes;"
         f" the search's slopes are right to"
         f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
-        f" {problem.mechanism.run_name}s, {tuned.screened} of them without derivatives",
+        f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
     lines += tuned_warnings(tuned)
@@ -232,12 +231,12 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
     problem = tuned.problem
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
-        for limit in problem.mechanism.validity(case.of(tuned.design), peak):
+        for limit in problem.mechanism.view.validity(case.of(tuned.design), peak):
             count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
     lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
     for name, rising in zip(problem.mechanism.tuned, tuned.after.rising.T, strict=True):
         if n := int(np.sum(rising)):
-            where = f"where the {problem.mechanism.run_name} ends, in {n} of {len(problem.cases)} scenarios"
+            where = f"where the {problem.mechanism.view.run_name} ends, in {n} of {len(problem.cases)} scenarios"
             lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
     for path in tuned.without_effect:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")

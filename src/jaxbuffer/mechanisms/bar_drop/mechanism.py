@@ -1,58 +1,14 @@
 """The bar dropped on a plate, as everything else knows it."""
 
-from typing import Any
-
-import numpy as np
-
 from ...contact.laws import LAWS, HystereticLaw
 from ...errors import InputError
-from ..energy import energy_unit
-from ..mechanism import Defaults, Mechanism, Names
-from ..picture import Curve, Level, Panel
+from ..mechanism import Defaults, Mechanism
 from ..registry import register
-from ..run import plain_summary
-from ..validity import BEYOND_LAW, Limit
-from .bending import limits, told
 from .design import BarDrop, BarDropScenario, check_fit, valid
-from .drawing import drawing
 from .quantities import QUANTITIES
-from .run import BarDropRun, dropped
+from .run import dropped
 from .system import bar_drop
-
-DEEP = 0.1  # of the ball's radius: up to here the contact counts as small against the ball
-
-
-def label(scenario: BarDropScenario, among: Any = ()) -> str:
-    """What people call a drop: "from 194 mm"."""
-    return f"from {1e3 * float(scenario.height):.4g} mm"
-
-
-def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
-    """How near the deepest penetrations [m] come to what the contact law is good for, and modes to being too few."""
-    if penetration is None:
-        return []
-    share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
-    deep = Limit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
-    return [deep, *limits(design, peak_force, penetration)]
-
-
-def warnings(run: BarDropRun) -> list[str]:
-    """The same of one run."""
-    deep, *few = validity(run.design, run.peak_force, run.maxima["penetration"])
-    lines = [deep.beyond] if deep.passed else []
-    return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
-
-
-def summary(run: BarDropRun) -> str:
-    """What every run tells, and below the peak the number of modes it was computed with."""
-    lines = plain_summary(run).splitlines()
-    below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
-    return "\n".join([*lines[:below], *told(run), *lines[below:]])
-
-
-def record(run: BarDropRun) -> dict[str, dict[str, Any]]:
-    """The numbers of modes behind a peak."""
-    return {"modes": {"plate": run.design.plate.modes, "bar": run.design.bar.modes}}
+from .view import VIEW
 
 
 def smooth(design: BarDrop) -> BarDrop:
@@ -65,75 +21,18 @@ def smooth(design: BarDrop) -> BarDrop:
     return design
 
 
-def panels(run: BarDropRun) -> list[Panel]:
-    """Gap, penetration, energy, deflections, of a run with a history."""
-    seen = run.history
-    assert seen is not None
-    energy = {name: np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
-    energy["lost"] = np.asarray(seen.energy.dissipated)
-    unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
-    deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
-    return [
-        Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),), whole=True),
-        Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
-        Panel(
-            "Energy",
-            f"energy [{unit}]",
-            tuple(Curve(name, many * values) for name, values in energy.items()),
-            whole=True,
-        ),
-        *(bent(run, body) for body in ("plate", "bar") if getattr(run.design, body).modes),
-    ]
-
-
-def bent(run: BarDropRun, body: str) -> Panel:
-    """The deflection of one body, with its number of modes."""
-    seen, name = run.history, f"{body}_deflection"
-    assert seen is not None
-    largest, modes = float(run.maxima[name]), getattr(run.design, body).modes
-    unit, factor = ("mm", 1e3) if largest > 1e-3 else ("µm", 1e6)
-    title = f"Deflection of the {body}, largest {factor * largest:.4g} {unit} ({modes} modes)"
-    return Panel(title, f"deflection [{unit}]", (Curve("", factor * np.asarray(seen.others[name])),))
-
-
-def names(design: BarDrop) -> Names:
-    """What the parts of a design are called."""
-    supports = {"plate x": "N", "plate y": "N", "plate moment": "N m"} if design.plate.modes else {}
-    return Names(
-        bodies=("bar",),
-        contacts=("plate",),
-        multipliers={"hinge x": "N", "hinge y": "N", **supports},
-        others={"penetration": "m", "plate_deflection": "m", "bar_deflection": "m"},
-    )
-
-
 BAR_DROP = register(
     Mechanism(
         name="bar_drop",
-        title="Bar drop",
         design=BarDrop,
         scenario=BarDropScenario,
-        system=bar_drop,
         quantities=QUANTITIES,
-        run_name="drop",
+        system=bar_drop,
         check_fit=check_fit,
         valid=valid,
         run=dropped,
-        label=label,
-        approach=lambda scenario: f"dropped {label(scenario)}",
-        validity=validity,
         smooth=smooth,
-        leaves_out=(
-            "The motion is planar: nothing moves or turns out of the plane.",
-            "The forces have not been compared with a measurement: docs/verification.md.",
-        ),
-        warnings=warnings,
-        summary=summary,
-        record=record,
-        panels=panels,
-        drawing=drawing,
-        names=names,
-        contact="plate",
+        view=VIEW,
         defaults=Defaults(
             duration=0.3,
             parameters=("impact.stiffness", "impact.damping", "impact.ramp_depth", "impact.exponent", "bar.density"),

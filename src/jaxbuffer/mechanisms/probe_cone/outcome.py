@@ -29,3 +29,13 @@ class Outcome(RunOutcome):
         "failed: the tip went deeper into a flank than its radius; the contact is too soft for this speed",
     )
     failed_input = 8, INPUT
+
+    @classmethod
+    def ends(cls) -> tuple[str, ...]:
+        """See `RunOutcome`."""
+        return ("captured", "escaped", "bottomed", "failed_penetration")
+
+    @classmethod
+    def time_is_up(cls) -> str:
+        """See `RunOutcome`."""
+        return "timeout"

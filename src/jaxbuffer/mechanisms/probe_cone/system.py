@@ -17,7 +17,6 @@ from .linearisation import linearisation
 from .posture import Posture, ProbeInCone
 
 CONTACTS = ("lower", "upper")  # flanks
-ENDS = ("captured", "escaped", "bottomed", "failed_penetration")  # outcomes of the guards of the run's end, in order
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction
 ROUNDED_LENGTH = 1e-13  # m, rad
 DEEPEST = 0.99  # of the tip's radius: near 1, where the tip's centre meets the flank, the contact's normal turns over
@@ -98,7 +97,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         return self.pair.law.jumps or self.stop is not None
 
     def terminals_at(self, at: Posture) -> Float[Array, " 4"]:
-        """Captured, escaped, bottomed, and as deep in a flank as the tip's radius: see `ENDS`."""
+        """Captured, escaped, bottomed, and as deep in a flank as the tip's radius: see `Outcome.ends`."""
         design = self.design
         before = self.throat(at.kin, at.tip)[0]
         retreat = 2.0 * design.cone.length - design.probe.tip_radius * jnp.sin(design.cone.half_angle)

@@ -1,121 +1,26 @@
 """The drop onto a tank, as everything else knows it."""
 
-from typing import Any
-
-import numpy as np
-
 from ...structures.contact import SOLID
-from ..mechanism import Defaults, Mechanism, Names, Stepping, no_hybrid_system
+from ..mechanism import Defaults, Mechanism
 from ..registry import register
-from ..validity import Limit
 from .design import ZONES, TankDrop, TankDropScenario, check_fit, valid
-from .drawing import drawing
-from .meshes import meshes
-from .numbering import Numbering
 from .outcome import TankOutcome
-from .panels import panels
 from .quantities import QUANTITIES
-from .run import rows_of, run_of
-from .stepping import TIGHT, TOLERANCE, dropped
-from .tank_run import TankRun
-
-ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
-
-
-def label(scenario: TankDropScenario, among: Any = ()) -> str:
-    """What people call a drop: "from 2.04 m, filled to 80 %"."""
-    return f"from {float(scenario.height):.4g} m, filled to {100.0 * float(scenario.fill):.4g} %"
-
-
-def warnings(run: TankRun) -> list[str]:
-    """What a run's numbers lie beyond."""
-    design = run.design
-    lines = []
-    yields = design.material.kind == "plastic" and float(run.reserve) < 1.0
-    if yields and design.mesh.refinement == 1:
-        lines.append(
-            "the wall yields: with one element across it a wall bent until it yields carries up to 16 % too much;"
-            " compare with mesh.refinement = 2"
-        )
-    layered = design.material.kind == "composite"  # the ply with the least reserve is not told
-    if design.plates.kind != "none" and (layered or Numbering.of(design).at_a_joint(int(run.stress_element))):
-        lines.append(
-            f"the largest stress {'may be' if layered else 'is'} where a plate meets the wall, in a corner without a"
-            " fillet: it grows with a finer mesh, and the reserve falls; compare with mesh.refinement = 2"
-        )
-    if float(run.compression) > 1.0:
-        lines.append(
-            f"the cushion is pressed together by {100.0 * float(run.compression):.3g} % of its thickness: the slider is"
-            " inside the wall, and no number is sure; take a stiffer or thicker cushion"
-        )
-    elif float(run.compression) > SOLID:
-        lines.append(f"the cushion is solid: {100.0 * float(run.compression):.3g} % of its thickness are used up")
-    if design.contents.kind == "liquid":
-        if float(run.lowest_pressure) < -ATMOSPHERE:
-            lines.append(
-                f"the liquid would be torn: its pressure falls to {1e-3 * float(run.lowest_pressure):.4g} kPa over the"
-                " atmosphere's, and no cavities are computed"
-            )
-        air = (1.0 - float(run.scenario.fill)) * (
-            float(design.tank.height) - float(design.wall.bottom) - float(design.wall.top)
-        )
-        if float(run.deflection) > air:
-            lines.append(
-                f"the top comes down by {1e3 * float(run.deflection):.4g} mm, further than the air is high"
-                f" ({1e3 * air:.4g} mm): it would strike the liquid, which is not computed"
-            )
-    if float(run.deflection) > 0.5 * float(design.tank.height):
-        lines.append("the tank is crushed: its top comes down by more than half of its height, and walls do not touch")
-    return lines
-
-
-def names(design: TankDrop) -> Names:
-    """What the parts of a design are called."""
-    others = {"deflection": "m", "support_force": "N", "peak_stress": "Pa", "peak_plastic_strain": "-"}
-    if design.contents.kind == "liquid":
-        others |= {"highest_pressure": "Pa", "lowest_pressure": "Pa"}
-    return Names(bodies=("slider",), contacts=("cushion",), others=others)
-
-
-def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
-    """How near cushions come to being solid."""
-    if penetration is None:
-        return []
-    used = np.asarray(penetration) / (SOLID * np.asarray(design.cushion.thickness))
-    return [Limit("the cushion is solid: more than 80 % of its thickness are used up", used)]
-
+from .stepper import ExplicitElements
+from .view import VIEW
 
 TANK_DROP = register(
     Mechanism(
         name="tank_drop",
-        title="Drop onto a tank",
         design=TankDrop,
         scenario=TankDropScenario,
-        system=no_hybrid_system,
-        stepping=Stepping(dropped, run_of, rows_of, TOLERANCE, TIGHT),
         quantities=QUANTITIES,
+        stepper=ExplicitElements(),
         outcomes=TankOutcome,
-        time_is_up="whole",
         success="whole",
-        run_name="drop",
         check_fit=check_fit,
         valid=valid,
-        label=label,
-        approach=label,
-        leaves_out=(
-            "The tank is infinitely long: its ends, and ribs across it, are left out (plane strain).",
-            "The liquid is a linear acoustic medium on the mesh it has at rest; it neither splashes nor is torn, and"
-            " baffle plates do not hinder it.",
-            "Walls do not touch each other, nor the liquid beyond its level; a wall with a hole does not leak.",
-            "Nothing has been compared with a measurement: the paper prints no value of any result.",
-        ),
-        warnings=warnings,
-        validity=validity,
-        panels=panels,
-        meshes=meshes,
-        drawing=drawing,
-        names=names,
-        contact="cushion",
+        view=VIEW,
         defaults=Defaults(
             duration=0.08,
             parameters=(*(f"wall.{zone}" for zone in ZONES), "cushion.stiffness", "cushion.damping"),

@@ -16,3 +16,8 @@ class TankOutcome(RunOutcome):
     failed_not_finite = 5, NOT_FINITE
     failed_penetration = 6, PENETRATION
     failed_input = 7, INPUT
+
+    @classmethod
+    def time_is_up(cls) -> str:
+        """See `RunOutcome`."""
+        return "whole"

@@ -1,0 +1,55 @@
+"""What is told of a capture and drawn of it."""
+
+from ..view import Names, View
+from .design import Design
+from .diagnosis import diagnosis
+from .drawing import drawing
+from .label import scenario_label
+from .law_validity import limits, warnings
+from .panels import panels
+from .summary import first_impact_line, first_impact_record, summary
+from .system import CONTACTS
+
+
+def names(design: Design) -> Names:
+    """What the parts of a design are called; a hinge with play has no rows."""
+    hinge = {} if design.hinge.play is not None else {"hinge x": "N", "hinge y": "N"}
+    return Names(
+        bodies=("active", "cylinder", "probe", "passive"),
+        contacts=CONTACTS,
+        multipliers={**hinge, "prismatic moment": "N m", "prismatic force": "N"},
+        others={
+            "tip_spin": "rad/s",
+            "hinge_force": "N",
+            "buffer_force": "N",
+            "stop_force": "N",
+            "stroke": "m",
+            "hinge_angle": "rad",
+            "throat_distance": "m",
+            "hinge_gap": "m",
+            "bending": "m",
+        },
+    )
+
+
+VIEW = View(
+    title="Capture",
+    run_name="capture",
+    contact="flank",
+    names=names,
+    label=scenario_label,
+    approach=lambda scenario: f"approach at {scenario_label(scenario)}",
+    summary=summary,
+    record=lambda run: {"first_impact": first_impact_record(run)},
+    notes=lambda run: [first_impact_line(run)],
+    diagnosis=diagnosis,
+    leaves_out=(
+        "The motion is planar: nothing moves or turns out of the plane.",
+        "The run ends at capture: what the parts do afterwards is not simulated.",
+        "The forces have not been compared with a test of hardware: docs/verification.md.",
+    ),
+    warnings=warnings,
+    validity=limits,
+    panels=panels,
+    drawing=drawing,
+)

@@ -1,0 +1,43 @@
+"""What is told of a slider-crank and drawn of its runs."""
+
+from ..view import Names, View
+from .design import SliderCrank
+from .drawing import drawing
+from .picture import panels
+from .summary import label, summary, validity, warnings
+
+SIDES = ("right of piston", "left of piston", "above piston", "below piston")
+OTHERS = {"drive_torque": "N m", "braking_torque": "N m", "slider_acceleration": "m/s²"}
+
+
+def names(design: SliderCrank) -> Names:
+    """What the contacts of a design are called, in order, and its observables."""
+    contacts: tuple[str, ...] = ()
+    if design.piston_pin.joint == "clearance":
+        contacts += SIDES if design.piston_pin.by_components else ("piston",)
+    if design.crank_pin.joint == "clearance":
+        contacts += ("crank",)
+    pins = [pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance"]
+    places = {f"{pin.section}_{axis}": "m" for pin in pins for axis in ("x", "y")}
+    depth = {"penetration": "m"} if design.piston_pin.by_components else {}
+    bending = {"rod_deflection": "m", "rod_stress": "Pa"} if design.rod.modes else {}
+    return Names(bodies=("crank", "rod", "slider"), contacts=contacts, others=OTHERS | depth | bending | places)
+
+
+VIEW = View(
+    title="Slider-crank",
+    contact="pin",
+    names=names,
+    label=label,
+    approach=label,
+    summary=summary,
+    leaves_out=(
+        "The motion is planar: nothing moves or turns out of the plane.",
+        "The forces have not been compared with a measurement: docs/verification.md.",
+    ),
+    warnings=warnings,
+    validity=validity,
+    chaotic=True,
+    panels=panels,
+    drawing=drawing,
+)

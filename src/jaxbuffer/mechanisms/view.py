@@ -1,0 +1,79 @@
+"""What is told of a mechanism and drawn of its runs, beside its physics."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ..fields import Part, paths, unit
+from .drawing import Drawing, plain_drawing
+from .picture import Meshed, Panel
+from .validity import Limit
+
+
+@dataclasses.dataclass(frozen=True)
+class Names:
+    """What parts of a mechanism are called in tables and files, in the order of their numbers.
+
+    ``bodies``; ``contacts``: those that have impacts; ``multipliers`` of the joints' rows and ``others`` of the
+    history, each with its unit.
+    """
+
+    bodies: tuple[str, ...] = ()
+    contacts: tuple[str, ...] = ("contact",)
+    multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    others: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+
+def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
+    """A scenario in a few words: its fields' values with their units."""
+    return ", ".join(f"{name.replace('_', ' ')} {_shown(scenario, name)}" for name in paths(scenario))
+
+
+def _shown(scenario: Part, name: str) -> str:
+    value, symbol = getattr(scenario, name), unit(scenario, name)
+    if symbol == "rad":
+        return f"{math.degrees(float(value)):.4g}°"
+    return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
+
+
+@dataclasses.dataclass(frozen=True)
+class View:
+    """What is told and drawn of a mechanism; all of it has a plain default.
+
+    - ``title`` of its summaries; ``run_name``: what a run is called ("capture"); ``contact``: what a contact that has
+      impacts is called ("flank"); ``names`` of a design's parts;
+    - ``label`` of a scenario among others; ``approach``: a scenario at the end of a figure's title;
+    - ``summary`` of a run, None for the plain one (`plain_summary`); ``record``: tables of numbers that a run's record
+      has besides, by name; ``notes``: lines below a table of a run's sensitivities; ``diagnosis``: of a run that did
+      not end in ``success``, what held it back, a text by heading;
+    - ``leaves_out``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
+      that a run exceeds; ``validity``: the same limits for many runs, from design, peak forces [N] and penetrations
+      [m];
+    - ``chaotic``: whether small differences grow until later impacts cannot be known, so that the command line tells
+      how many of them are (`jb.horizon`);
+    - ``panels``: what to draw of a run; ``meshes``: its elements at some times of a run, or at a few telling ones;
+      ``drawing``: what a design looks like, from it and its bodies' names.
+    """
+
+    title: str = "Run"
+    run_name: str = "run"
+    contact: str = "contact"
+    names: Callable[[Any], Names] = lambda design: Names()
+    label: Callable[..., str] = plain_label
+    approach: Callable[[Any], str] = plain_label
+    summary: Callable[[Any], str] | None = None
+    record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
+    notes: Callable[[Any], list[str]] = lambda run: []
+    diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
+    leaves_out: tuple[str, ...] = ()
+    warnings: Callable[[Any], list[str]] = lambda run: []
+    validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
+    chaotic: bool = False
+    panels: Callable[[Any], list[Panel]] = lambda run: []
+    meshes: Callable[..., list[Meshed]] = lambda run, times=None: []
+    drawing: Callable[[Any, tuple[str, ...]], Drawing] = plain_drawing
+
+    def contact_in_words(self, name: str) -> str:
+        """A contact by its name and what it is: "upper flank"; "cushion" where that is its name."""
+        return name if name == self.contact else f"{name} {self.contact}"

@@ -1,0 +1,103 @@
+"""A run stepped through time and read off: from event to event, unless its mechanism has a stepper of its own."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+from jaxtyping import Array, Bool
+
+from .._types import Scalar
+from ..hybrid import (
+    HybridSystem,
+    Options,
+    Result,
+    Tolerance,
+    differentiable,
+    solve_at_fixed_times,
+    solve_with_tangents,
+)
+from ..mechanisms.mechanism import Mechanism, Request, Stepper
+from ..mechanisms.run import Run
+from ..mechanisms.system import ContactSystem
+from ..programs.cache import Static
+from .read_off import read_off
+
+CHECKED, UNCHECKED = Static(False), Static(True)
+HISTORY_STEPS = 20_000
+
+
+class Events:
+    """The stepper of hybrid systems, which locates events."""
+
+    difference_tolerance = 1e-11
+    tight = 1e-9
+
+    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Result:
+        """See `Stepper`."""
+        allowed = wanted & request.allowed if unchecked else None
+        build, options = request.mechanism.system, with_tolerances(request)
+        return solve_at_fixed_times(build, request.parameters, request.duration, options, allowed)
+
+    def step_with_tangents(
+        self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any
+    ) -> Result:
+        """See `Stepper`."""
+        request = make(values, others)
+
+        def assembled(values: list[Array], others: Any) -> HybridSystem:
+            return make(values, others).system
+
+        allowed, options = request.allowed, with_tolerances(request)
+        return solve_with_tangents(assembled, values, others, request.duration, options, allowed)
+
+    def differentiable(self, request: Request, result: Result, values: list[Array]) -> Result:
+        """See `Stepper`."""
+        return differentiable(result, values)
+
+    def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function that steps runs one after the other, though it is mapped: see `solve_at_fixed_times`."""
+        return jax.vmap(one)
+
+    def read(self, request: Request, result: Result) -> Run:
+        """See `Stepper`."""
+        return read_off(request, result)
+
+    def rows(self, run: Run) -> int:
+        """See `Stepper`."""
+        return min(int(run.accepted), HISTORY_STEPS)
+
+
+EVENTS = Events()
+
+
+def stepper_of(mechanism: Mechanism) -> Stepper:
+    """Return the mechanism's own stepper, or that of hybrid systems."""
+    return mechanism.stepper or EVENTS
+
+
+def stepped(request: Request, unchecked: Static = UNCHECKED, wanted: Bool[Array, ""] | bool = True) -> Any:
+    """Step a run through time, with arguments as of `Stepper.step`: a program's first part; `run_of` is the second."""
+    return stepper_of(request.mechanism).step(request, unchecked.value, wanted)
+
+
+def run_of(request: Request, result: Any) -> Run:
+    """Return the run that was `stepped`."""
+    return stepper_of(request.mechanism).read(request, result)
+
+
+def with_tolerances(request: Request) -> Options:
+    """The options with a run's tolerances, and how closely its events are located at these."""
+    system, (rtol, atol) = request.system, request.tolerances
+    event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, rtol))
+    return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
+
+
+def _event_time(system: ContactSystem, start: Array, rtol: Scalar) -> Scalar:
+    """How closely steps of a run from ``start`` end on events [s].
+
+    A force that begins τ late with the 3/2 power of time gives an impact of duration T the fraction (τ/T)^{5/2} less
+    impulse, which is held to a hundredth of the tolerance; one that begins with a jump τ/T.
+    """
+    duration = 15.0 * system.impact_step(start)
+    return duration * (rtol if system.jumps else (0.01 * rtol) ** 0.4)
