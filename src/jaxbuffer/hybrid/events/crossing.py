@@ -75,7 +75,8 @@ def _first_crossing(
     far_value = jnp.concatenate([signed(after, active).value[: far.shape[0]], value_there])[guard]
     exists = jnp.isfinite(fraction)
     alone = jnp.sum(jnp.isfinite(fractions)) == 1
-    return Crossing(jnp.where(exists, guard, -1), jnp.where(exists, fraction, 1.0) * step, reach * step, far_value, alone)
+    guard, at = jnp.where(exists, guard, -1), jnp.where(exists, fraction, 1.0) * step
+    return Crossing(guard, at, reach * step, far_value, alone)
 
 
 def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[Array, Array]:
