@@ -42,6 +42,7 @@ def installed(tmp_path, monkeypatch):
         (about / "entry_points.txt").write_text(f"[jaxbuffer.mechanisms]\n{name} = {name}_mechanism\n")
         (tmp_path / f"{name}_mechanism.py").write_text(source)
 
+    all_mechanisms()  # modules register as they are imported, which happens once
     monkeypatch.syspath_prepend(tmp_path)
     before = dict(_BY_DESIGN)
     yield install
