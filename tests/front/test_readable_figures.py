@@ -14,7 +14,7 @@ from jaxbuffer.fields import with_values
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
 from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import run_figure
-from jaxbuffer.output.front_files import front_figure
+from jaxbuffer.output.front_figure import front_figure
 from jaxbuffer.output.motion import motion_figure
 from jaxbuffer.output.sample_figures import indices_figure, sample_figure, surfaces_figure
 from jaxbuffer.output.sweep_figures import sweep_figure

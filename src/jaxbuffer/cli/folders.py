@@ -10,40 +10,17 @@ from .streams import note
 if TYPE_CHECKING:
     from ..output.folder import Results
 
-MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
-BEGUN = {  # what a command keeps while it runs, and the files of its results
-    "tuning": ("log.jsonl", ("tuned.json",)),
-    "sweep or sample": ("sweep.chunks", ("sweep.npz", "sweep.nc", "sample.json")),
-    "front": ("least-*/log.jsonl", ("pareto.json",)),
-}
 HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 
 
 def loaded(folder: Path) -> "Results":
-    """What a folder holds; a note on stderr says what in it is not finished.
+    """Return what a folder holds; a note on stderr says what in it is not finished."""
+    from ..output.folder import load, unfinished
 
-    **Raises:** `InputError` for a folder without results, with what to do.
-    """
-    from ..output.folder import load
-
-    told = unfinished(folder)
-    try:
-        found = load(folder)
-    except InputError as error:
-        if "holds no results" not in str(error):
-            raise
-        raise InputError(told or f"{error}; {MAKE}") from None
-    if told:
-        note(told)
-    return found
-
-
-def unfinished(folder: Path) -> str:
-    """What is begun in a folder and not finished, and how it goes on; "" where nothing is."""
-    for what, (kept, results) in BEGUN.items():
-        if any(folder.glob(kept)) and not any((folder / name).exists() for name in results):
-            return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
-    return ""
+    results = load(folder)
+    if begun := unfinished(folder):
+        note(begun)
+    return results
 
 
 def check_comparable(every: "Sequence[Results]") -> None:

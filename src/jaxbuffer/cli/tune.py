@@ -58,7 +58,7 @@ def tune(
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         tuned = tuning(
-            lambda report: compute(problem, **settings, **keeping, report=report),
+            lambda report: compute(problem, **settings, **keeping, report=report, save=False),
             problem.mechanism.success,
             study.tuning.most_evaluations * (1 if problem.then is None else 2),
         )

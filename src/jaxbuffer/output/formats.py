@@ -7,8 +7,6 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-ARRAYS = "sweep.npz"
-ENVELOPE = ("envelope.png", "envelope.txt")
 Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), where that is known
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from ..fields import get
 from .figures import last_contact
-from .force_record import force_over_time
 from .layout import legend_below, with_line_breaks
+from .pulses import force_over_time
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
 from .words import newtons, seconds, shown
 

@@ -1,72 +1,24 @@
-"""A front as files: a table, a figure, and each point's design."""
+"""The figure of a front: the first objective over each other one."""
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..fields import get, unit
-from ..study.designs import tuned_toml
-from ..tuning.pareto import point_status
-from .formats import Contents, Made, csv_text, json_text, table_json
-from .records import tuned_comment
-from .style import BLUE, GREY, RED, both, label, panels, styled
+from ..tuning.pareto import Front
+from .style import BLUE, GREY, RED, label, panels, styled
 from .words import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..tuning.pareto import Front
-    from ..tuning.tuned import Tuned
-
 PANELS = 4  # pairs of objectives that are drawn
 NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 
-def front_files(front: "Front", made: Made = None) -> Contents:
-    """Of `jaxbuffer pareto`. ``made``: how it came about."""
-    from .experiment_records import front_record
-
-    files: dict[str, Callable[[], str | bytes]] = {
-        f"design-{k + 1}.toml": _design(point) for k, point in enumerate(front.points)
-    }
-    return files | {
-        "pareto.csv": lambda: csv_text(*front_rows(front)),
-        "pareto.json": lambda: json_text(front_record(front, front_rows(front), made)),
-        "pareto.txt": lambda: f"{front!r}\n",
-        **both("pareto", lambda: front_figure(front)),
-    }
-
-
-def front_json(front: "Front") -> str:
-    """The table as JSON, a record for each point."""
-    return table_json("points", *front_rows(front))
-
-
-def _design(point: "Tuned") -> Callable[[], str]:
-    return lambda: tuned_toml(point.design, point.problem, tuned_comment(point), point.worst_first)
-
-
-def front_rows(front: "Front") -> tuple[list[str], list[Sequence[Any]]]:
-    """A row for each point."""
-    problem, catalogue = front.problem, front.problem.catalogue
-    header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
-    header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
-    header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
-    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
-    rows: list[Sequence[Any]] = []
-    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
-        kept = [None if np.isinf(limit) else float(limit) for limit in limits]
-        told = [float(point.residual), float(point.gradient_error), point.converged, point_status(front, k)]
-        rows.append(
-            [k + 1, *map(float, values), *kept, *told, *(float(get(point.design, v.path)) for v in problem.variables)]
-        )
-    return header, rows
-
-
 @styled
-def front_figure(front: "Front") -> "Figure":
+def front_figure(front: Front) -> "Figure":
     """The first objective over each other one: the front, its points that did not converge, and those that another one
     is better than."""
     others = front.objectives[1 : PANELS + 1]
