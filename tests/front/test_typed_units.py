@@ -13,8 +13,8 @@ from jaxbuffer.fields import with_values
 from jaxbuffer.output.folder import Results
 from jaxbuffer.output.records import tuned_record
 from jaxbuffer.pages.abstract import abstract
-from jaxbuffer.pages.asked import asked
-from jaxbuffer.pages.tunings import search
+from jaxbuffer.pages.designs import asked
+from jaxbuffer.pages.runs import search
 from jaxbuffer.study.config import loads
 from jaxbuffer.study.explained import explained
 from jaxbuffer.sweeps.grid import grid

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..files import Lock
-from ..output.formats import Contents
-from ..output.writing import check_folder, check_free, write_all
+from ..output.formats import Contents, check_folder, check_free, write_all
 from .streams import note, show
 
 

@@ -25,11 +25,20 @@ from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
 from . import style
-from .envelope_figure import envelope_figure
 from .field_files import field_files
 from .figures import run_figure
-from .formats import Contents, Made, compact_json, csv_text, json_text, table_json
-from .front_figure import front_figure
+from .formats import (
+    Contents,
+    Made,
+    check_folder,
+    check_free,
+    compact_json,
+    csv_text,
+    is_figure,
+    json_text,
+    table_json,
+    write_all,
+)
 from .motion import motion_figure
 from .page_data import force_record, motion_record
 from .provenance import MADE, made_in_python
@@ -47,9 +56,8 @@ from .records import (
     tuned_record,
 )
 from .sample_figures import indices_figure, sample_figure, surfaces_figure
-from .sweep_figures import sweep_figure
-from .tune_figure import tune_figure, worst_case
-from .writing import check_folder, check_free, is_figure, write_all
+from .sweep_figures import envelope_figure, sweep_figure
+from .tune_figure import front_figure, tune_figure, worst_case
 
 Writers = dict[str, Callable[[], str | bytes]]
 OF_FIGURES = ("force.json", "motion.json")  # what a page draws itself, for which runs are evaluated again

@@ -1,12 +1,81 @@
-"""The design of a page: every number with its meaning, and where it comes from."""
+"""What is asked, the design with every number's meaning and source, and what the model leaves out."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import as_typed, get, meaning, paths, unit
+from ..fields import Part, as_typed, get, meaning, paths, unit
+from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .figures import figure
+from ..output.words import said
+from .limits import asked_limits, lender_of
 from .page import Cell, Section, Table, shown
-from .records import by_name, same, units_of
+from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
+
+TITLE = "What is asked"
+Rows = list[list[str]]
+
+
+def asked(first: Results, every: Sequence[Results]) -> Section | None:
+    """Of the page's tuning, or else of its run; limits from the first folder that has some."""
+    mechanism, tuned = first.mechanism, first.tuned
+    run = first.records.get("run")
+    rows = _limits(mechanism, lender_of([first, *every]))
+    if tuned is not None:
+        rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
+        rows += _scenarios(mechanism, tuned["scenarios"], units_of(first))
+        rows += _variables(mechanism, tuned["variables"])
+    elif run is not None:
+        rows += _scenarios(mechanism, [run["scenario"]], units_of(first))
+    text = [f"What the model leaves out: {' '.join(mechanism.leaves_out)}"] if mechanism.leaves_out else []
+    if not rows and not text:
+        return None
+    return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
+
+
+def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
+    """How runs must end, and what is limited."""
+    if asked is None:
+        return []
+    rows = [] if mechanism.success is None else [["end", f"each {mechanism.run_name}", words(mechanism.success)]]
+    named = [*asked["limits"], *asked.get("lower_limits", {})]
+    for limit in asked_limits(mechanism, asked, named):
+        title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
+        value = f"{shown(factor * limit.value)} {symbol}".rstrip(" -")
+        rows.append(["limit", title, f"{'≥' if limit.lowest else '≤'} {value}"])
+    if (most := asked.get("most_impacts")) is not None:
+        rows.append(["limit", "impacts", f"≤ {most}"])
+    return rows
+
+
+def _scenarios(mechanism: Mechanism, cases: Sequence[Record], units: Mapping[str, str]) -> Rows:
+    """How many there are, and the range of each field; ranges of what is built otherwise than drawn."""
+    met, usual = [scenario_of(mechanism, case) for case in cases], mechanism.scenario()
+    name = "scenario" if len(met) == 1 else f"{len(met)} scenarios"
+    rows = [[name, *_range(met, usual, path, units.get(f"scenario.{path}", ""))] for path in paths(usual)]
+    built = dict.fromkeys(path for case in cases for path in case.get("factors", {}))
+    for path in built:
+        factors = [case.get("factors", {}).get(path, 1.0) for case in cases]
+        rows.append(["as built, of the drawn", path, f"{min(factors):.4g} to {max(factors):.4g}"])
+    return rows
+
+
+def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
+    """A field's name, and its values from the lowest to the highest; ``typed``: the unit that they were typed in."""
+    values, symbol = [get(one, path) for one in met], unit(usual, path)
+    if not symbol or any(value is None for value in values):
+        return [field_name(path), ", ".join(dict.fromkeys(map(shown, values)))]
+    ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
+    low, high = (said(*end) for end in ends)
+    return [field_name(path), low if low == high else f"{low} to {high}"]
+
+
+def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
+    usual, rows = mechanism.design(), list[list[str]]()
+    for it in variables:
+        typed = it.get("shown_in", "")
+        (low, symbol), (high, _) = (as_typed(it[end], unit(usual, it["path"]), typed) for end in ("low", "high"))
+        rows.append(["variable", it["path"], f"{shown(low)} to {shown(high)} {symbol}".rstrip(" -")])
+    return rows
 
 
 def design(found: Results) -> Section | None:

@@ -8,9 +8,8 @@ import numpy as np
 from ..fields import as_typed
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import UNIT, ended, field_name, in_figures, units_of, words
+from .records import UNIT, ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")

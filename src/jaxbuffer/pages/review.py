@@ -7,18 +7,14 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..output.folder import Results, load
-from .abstract import abstract
-from .asked import asked
-from .badges import INFEASIBLE, badges
-from .designs import design
+from .abstract import INFEASIBLE, abstract, badges
+from .designs import asked, design
 from .experiments import front, sample, sweep
-from .judged import told_already
-from .limits import limits
+from .limits import limits, told_already
 from .origin import origin, verification
 from .page import Page, Section, write_page
-from .runs import diagnosis, run
+from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
-from .tunings import scenarios, search
 
 Parts = list[tuple[Results, Section]]
 

@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
 from .designs import other_design
-from .judged import elsewhere, lender_of
-from .limits import Limit, asked_limits, broken
+from .limits import Limit, asked_limits, broken, elsewhere, lender_of
 from .page import Cell, Section, Table, shown
 from .records import by_name, in_figures, scenario_of, words
 
