@@ -1,6 +1,5 @@
 """`jaxbuffer report` and `compare`: what folders of results hold, as text and as a page, without computing it again."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
     from ..pages.page import Page
 
 
-HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
 Html = Annotated[
     Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
@@ -30,28 +28,6 @@ def loaded(folder: Path) -> "Results":
     if begun := unfinished(folder):
         note(begun)
     return results
-
-
-def check_comparable(every: "Sequence[Results]") -> None:
-    """Raise `InputError` unless all folders hold a run, or all a tuning; it says what each holds, and what to run."""
-    if any(all(name in found.records for found in every) for name in ("run", "tuned")):
-        return
-    held = ", ".join(f"{found.folder} holds {_held(found)}" for found in every)
-    runs = [
-        f"jaxbuffer simulate {found.folder / 'design.toml' if found.tuned else 'STUDY.toml'} --output FOLDER"
-        for found in every
-        if "run" not in found.records
-    ]
-    raise InputError(
-        f"nothing to compare: {held}; compare runs with runs or tunings with tunings;"
-        f" a run is made by {' and '.join(dict.fromkeys(runs))}"
-    )
-
-
-def _held(found: "Results") -> str:
-    held = [words for name, words in HELD.items() if name in found.records]
-    held += ["a sweep"] if found.sweep is not None else []
-    return " and ".join(held) or "a design alone"
 
 
 def report(
@@ -92,8 +68,6 @@ def compare(folders: Folders, html: Html = None) -> int:
     if len(folders) < 2:
         raise InputError("compare needs two folders at least")
     every = [loaded(folder) for folder in folders]
-    if len({found.mechanism.name for found in every}) == 1:  # what differs otherwise, `comparison` says
-        check_comparable(every)
     page = comparison(every)
     file = _saved(html or folders[0] / "compare.html", page)
     for one in [*compared(every), *kept(every)]:

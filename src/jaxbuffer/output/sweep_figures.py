@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..experiments.rectangle import SafeRectangle
 from ..sweeps.grid import Axis
 from ..sweeps.result import Sweep
 from .layout import legend_below
@@ -15,9 +16,6 @@ from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from ..experiments.rectangle import SafeRectangle
-    from ..sweeps.grid import Axis
 
 
 FAILED, UNDONE = "failed", "not computed"
@@ -225,7 +223,7 @@ def _title(swept: Sweep) -> str:
 
 
 @styled
-def envelope_figure(found: "SafeRectangle") -> "Figure":
+def envelope_figure(found: SafeRectangle) -> "Figure":
     """A cell a run: safe ones blue, the others marked with what they break; angles in degrees."""
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = found.axes, found.values
@@ -270,7 +268,7 @@ def _border(axes: "Axes", safe: np.ndarray, right: np.ndarray, top: np.ndarray) 
                 name = ""
 
 
-def _reasons(axes: "Axes", found: "SafeRectangle", x: np.ndarray, y: np.ndarray) -> None:
+def _reasons(axes: "Axes", found: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
     reasons, marks = found.reasons, outcome_marks(found.swept.mechanism)
     free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]
@@ -285,7 +283,7 @@ def _reasons(axes: "Axes", found: "SafeRectangle", x: np.ndarray, y: np.ndarray)
         axes.scatter(x[rows], y[columns], s=size, marker=marker, color=colour, linewidths=0, label=reason)
 
 
-def _words(part: np.ndarray, unit: str, axis: "Axis") -> str:
+def _words(part: np.ndarray, unit: str, axis: Axis) -> str:
     if unit == "°":
         return f"{called(axis.name)} {signed(part[0])} to {signed(part[1])}"
     return f"{called(axis.name)} {part[0]:.4g} to {part[1]:.4g} {unit}".rstrip(" -")

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..fields import get
+from ..mechanisms.run import Run
 from ..tuning.pareto import Front
+from ..tuning.tuned import Tuned
 from .figures import last_contact
 from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time
@@ -16,9 +18,6 @@ from .words import newtons, seconds, shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from ..mechanisms.run import Run
-    from ..tuning.tuned import Tuned
 
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
@@ -31,7 +30,7 @@ NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 
 @styled
-def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
+def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> "Figure":
     """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
@@ -71,12 +70,12 @@ def _asked(problem: Any, objective: Any) -> str:
     return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
-def worst_case(tuned: "Tuned") -> int:
+def worst_case(tuned: Tuned) -> int:
     """Which scenario has the largest contact force with the tuned design."""
     return int(np.argmax(tuned.after.peak_force))
 
 
-def _cases(axes: "Axes", tuned: "Tuned") -> None:
+def _cases(axes: "Axes", tuned: Tuned) -> None:
     """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
@@ -105,7 +104,7 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
-def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
+def _force(axes: "Axes", tuned: Tuned, worst: Sequence[Run]) -> None:
     """Contact force over time in the worst scenario."""
     until = max(last_contact(run) for run in worst)
     unit, factor = seconds(until)
@@ -121,7 +120,7 @@ def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
     label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 
-def _variables(axes: "Axes", tuned: "Tuned") -> None:
+def _variables(axes: "Axes", tuned: Tuned) -> None:
     """Where each variable stands between its bounds, before and after, with its value."""
     variables = tuned.problem.variables
     row = np.arange(len(variables))
@@ -153,7 +152,7 @@ class Row(NamedTuple):
     text: str
 
 
-def _rows(tuned: "Tuned") -> list[Row]:
+def _rows(tuned: Tuned) -> list[Row]:
     """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
     problem, rows = tuned.problem, []
     allowed = {**problem.mechanism.always, **problem.limits.at_most}
@@ -172,7 +171,7 @@ def _rows(tuned: "Tuned") -> list[Row]:
     return rows
 
 
-def _limits(axes: "Axes", tuned: "Tuned") -> None:
+def _limits(axes: "Axes", tuned: Tuned) -> None:
     """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
@@ -193,7 +192,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     label(axes, "Worst over the scenarios, before → after", x, "", False)
 
 
-def _shown(tuned: "Tuned") -> list[int]:
+def _shown(tuned: Tuned) -> list[int]:
     """The quantities that are limited, or not zero throughout."""
     problem = tuned.problem
     allowed = {**problem.mechanism.always, **problem.limits.at_most, **problem.limits.at_least}
@@ -201,7 +200,7 @@ def _shown(tuned: "Tuned") -> list[int]:
     return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 
 
-def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
+def _search(axes: "Axes", tuned: Tuned, stage: int) -> None:
     """Every design tried in a stage, and the best so far among those within all limits."""
     records = [it for it in tuned.records if it["stage"] == stage]
     kinds: list[tuple[str, str, str, Any]] = [

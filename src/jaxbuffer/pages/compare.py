@@ -9,13 +9,14 @@ from ..fields import get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .abstract import abstract, badges
-from .limits import Limit, asked_limits, broken, case_labels, judged, keeping, limits
+from .limits import Limit, asked_limits, case_labels, judged, keeping, limits
 from .origin import origin
 from .page import Cell, Figure, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
 from .review import distinct
 from .runs import once
 
+HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
 Known = tuple[float | None, bool, bool]  # a value, whether it breaks its limit, whether its run keeps all limits
@@ -29,9 +30,8 @@ def comparison(every: Sequence[Results]) -> Page:
     kinds = {found.mechanism.name for found in every}
     if len(kinds) > 1:
         raise InputError(f"the folders hold results of different mechanisms: {', '.join(sorted(kinds))}")
+    _check_comparable(every)
     tables = compared(every)
-    if not tables:
-        raise InputError("nothing to compare: the folders need results of simulate or of tune, all of the same command")
     names = ", ".join(str(found.folder) for found in every)
     told = [Cell(f"{found.folder}: {badge.text}", badge.mark) for found in every for badge in badges([found], every)]
     parts = [Section(table.caption, tables=[table]) for table in tables]
@@ -45,6 +45,28 @@ def comparison(every: Sequence[Results]) -> Page:
     if figures := [one for found in every for one in _figures(found)]:
         parts.append(Section("Figures", figures=figures))
     return Page(f"{every[0].mechanism.title}: designs compared", names, told, [*parts, origin(every)], abstract(every))
+
+
+def _check_comparable(every: Sequence[Results]) -> None:
+    """Raise `InputError` unless all folders hold a run, or all a tuning; it says what each holds, and what to run."""
+    if any(all(name in found.records for found in every) for name in ("run", "tuned")):
+        return
+    held = ", ".join(f"{found.folder} holds {_held(found)}" for found in every)
+    runs = [
+        f"jaxbuffer simulate {found.folder / 'design.toml' if found.tuned else 'STUDY.toml'} --output FOLDER"
+        for found in every
+        if "run" not in found.records
+    ]
+    raise InputError(
+        f"nothing to compare: {held}; compare runs with runs or tunings with tunings;"
+        f" a run is made by {' and '.join(dict.fromkeys(runs))}"
+    )
+
+
+def _held(found: Results) -> str:
+    held = [words for name, words in HELD.items() if name in found.records]
+    held += ["a sweep"] if found.sweep is not None else []
+    return " and ".join(held) or "a design alone"
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
@@ -154,7 +176,8 @@ def differing(every: Sequence[Results]) -> list[str]:
     for key in dict.fromkeys(key for known in limits for key in known):
         if len({known.get(key) for known in limits}) > 1:
             title, symbol, factor = _shown(every, key[0])
-            said = [_in_words(known.get(key), symbol, factor) for known in limits]
+            asked = [known.get(key) for known in limits]
+            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in asked]
             sides = ", ".join(f"{found.folder} {text}" for found, text in zip(every, said, strict=True))
             told.append(f"{title}: {sides}")
     return told
@@ -165,14 +188,7 @@ def _asked_of(found: Results, every: Sequence[Results]) -> dict[tuple[str, bool]
     held = judged(found, every)
     if held is None:
         return {}
-    named = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
-    return {(it.name, it.lowest): it for it in asked_limits(found.mechanism, held.asked, named)}
-
-
-def _in_words(limit: Limit | None, symbol: str, factor: float) -> str:
-    if limit is None:
-        return "not limited"
-    return f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)} {symbol}".rstrip(" -")
+    return {(it.name, it.lowest): it for it in asked_limits(found.mechanism, held.asked)}
 
 
 def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
@@ -222,7 +238,7 @@ def _cells(found: Results, every: Sequence[Results], name: str) -> Mapping[str, 
     kept = [True] * len(cases) if held is None else keeping(found.mechanism, held)
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
     values = [by_name(case["after"]).get(name) for case in cases]
-    beyond = [any(broken(value, it.value, it.lowest) for it in sides) for value in values]
+    beyond = [any(it.broken_by(value) for it in sides) for value in values]
     names = [_case(found.mechanism, case) for case in cases]
     return dict(zip(names, zip(values, beyond, kept, strict=True), strict=True))
 

@@ -37,11 +37,9 @@ def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
     if asked is None:
         return []
     rows = [] if mechanism.success is None else [["end", f"each {mechanism.run_name}", words(mechanism.success)]]
-    named = [*asked["limits"], *asked.get("lower_limits", {})]
-    for limit in asked_limits(mechanism, asked, named):
+    for limit in asked_limits(mechanism, asked):
         title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
-        value = f"{shown(factor * limit.value)} {symbol}".rstrip(" -")
-        rows.append(["limit", title, f"{'≥' if limit.lowest else '≤'} {value}"])
+        rows.append(["limit", title, limit.text(factor, symbol)])
     if (most := asked.get("most_impacts")) is not None:
         rows.append(["limit", "impacts", f"≤ {most}"])
     return rows

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..fields import as_typed
+from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .page import Cell, Section, Table, shown
-from .records import UNIT, ended, field_name, figure, in_figures, units_of, words
+from .records import ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")
@@ -177,7 +178,7 @@ def front(found: Results) -> Section | None:
 def _front_column(found: Results, name: str) -> tuple[str, float]:
     """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
     or its limit, or of a variable."""
-    start, symbol = UNIT.match(name).groups() if UNIT.match(name) else (name, "")  # type: ignore[union-attr]
+    start, symbol = without_unit(name)
     quantity = found.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
     shown_in, factor = symbol, 1.0
     if quantity is not None:

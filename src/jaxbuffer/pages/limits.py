@@ -137,6 +137,14 @@ class Limit(NamedTuple):
     value: float
     lowest: bool = False
 
+    def text(self, factor: float = 1.0, symbol: str = "") -> str:
+        """Return "≤ 25 mm"; ``factor``: how many of the unit with this ``symbol`` the quantity's own unit is."""
+        return f"{'≥' if self.lowest else '≤'} {shown(factor * self.value)} {symbol}".rstrip(" -")
+
+    def broken_by(self, value: float | None) -> bool:
+        """Return whether a value is beyond the limit, rounding aside; one that is not known is."""
+        return broken(value, self.value, self.lowest)
+
 
 def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
     """What the study limits, of the tuning or of the run; None where nothing is limited.
@@ -199,7 +207,7 @@ def keeping(mechanism: Mechanism, held: Judged) -> list[bool]:
 
 
 def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
-    return limit.name in case and broken(case[limit.name], limit.value, limit.lowest)
+    return limit.name in case and limit.broken_by(case[limit.name])
 
 
 def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
@@ -232,12 +240,18 @@ def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 
 def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
     always = [name for name in mechanism.always if name in held.values[0]]
-    own = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
-    return asked_limits(mechanism, held.asked, [*always, *own])
+    return asked_limits(mechanism, held.asked, [*always, *limited(held.asked)])
 
 
-def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> list[Limit]:
-    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some."""
+def limited(asked: Record) -> list[str]:
+    """Return the quantities that a study limits."""
+    return [*asked["limits"], *asked.get("lower_limits", {})]
+
+
+def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str] | None = None) -> list[Limit]:
+    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
+    those that the study limits."""
+    among = limited(asked) if among is None else among
     upper = [Limit(name, limit) for name, limit in {**mechanism.always, **asked["limits"]}.items()]
     lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
     return [limit for limit in (*upper, *lower) if limit.name in among]
@@ -245,13 +259,12 @@ def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> 
 
 def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:
     title, symbol, factor = in_figures(mechanism, name, held.asked.get("quantities", {}))
-    asked = name in held.asked["limits"] or name in held.asked.get("lower_limits", {})
-    return (title if asked else f"{title} (always)"), symbol, factor
+    return (title if name in limited(held.asked) else f"{title} (always)"), symbol, factor
 
 
 def _row(title: tuple[str, str, float], held: Judged, limit: Limit) -> list[str | Cell]:
     name, symbol, factor = title
-    told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+    told = limit.text(factor)
     if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
         return [name, symbol, "–", "–", told, "–", UNKNOWN]
     values = [case[limit.name] for case in held.values]
@@ -290,7 +303,7 @@ def broken(value: float | None, limit: float | None, lowest: bool = False) -> bo
 
 
 def _verdict(value: float | None, limit: Limit) -> Cell:
-    if broken(value, limit.value, limit.lowest):
+    if limit.broken_by(value):
         return BROKEN
     share = _margin(value, limit)
     return AT_LIMIT if share is not None and share < CLOSE else KEPT
@@ -316,7 +329,7 @@ def _each_broken(mechanism: Mechanism, held: Judged) -> list[tuple[float, list[s
     ]
     for limit in asked:
         name, symbol, factor = ("impacts", "-", 1) if limit.name == "impacts" else _title(mechanism, held, limit.name)
-        told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+        told = limit.text(factor)
         for where, case in zip(held.labels, cases, strict=True):
             if _breaks(case, limit):
                 value = case[limit.name]

@@ -7,13 +7,13 @@ from types import MappingProxyType
 from typing import Any
 
 from ..fields import paths
+from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.provenance import MADE
 from ..output.words import called
 from .page import Cell, Figure, shown
 
-UNIT = re.compile(r"^(.*) \[(.*)\]$")
 NONE: Mapping[str, Any] = MappingProxyType({})
 ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
 ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECASE)  # what no figure of ours holds
@@ -21,7 +21,7 @@ ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECAS
 
 def by_name(record: Record) -> dict[str, Any]:
     """A record's values by names without units: "stroke [m]" is "stroke"."""
-    return {found[1] if (found := UNIT.match(name)) else name: value for name, value in record.items()}
+    return {without_unit(name)[0]: value for name, value in record.items()}
 
 
 def same(value: Any, other: Any) -> bool:
