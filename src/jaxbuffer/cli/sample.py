@@ -7,9 +7,8 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
-from .request import Request
+from .request import Request, Trust, asked_for
 from .scheduler import Scheduler, check, kept
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..experiments.points import Points

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import Request, ScenarioNumber
+from .request import Request, ScenarioNumber, Trust, asked_for
 from .streams import note
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..mechanisms.run import Run

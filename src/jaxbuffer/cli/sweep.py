@@ -8,10 +8,9 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, OK, any_solved
-from .request import Request
+from .request import Request, Trust, asked_for
 from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..study.config import Config
