@@ -94,7 +94,7 @@ class Results:
             steps = f"history of {self.run.sizes['step']} steps" if "step" in self.run.sizes else "no history"
             told["run"] = f"{self.run.title}: {self.run.outcome}; {self.run.sizes['impact']} impacts listed, {steps}"
         if self.sweep is not None:
-            sizes = " × ".join(f"{count} {name}" for name, count in self.sweep.sizes.items())
+            sizes = " × ".join(f"{n} {'runs' if name == 'run' else name}" for name, n in self.sweep.sizes.items())
             told["sweep"] = f"{self.sweep.title}: {sizes}"
         if self.tuned is not None:
             told["tuned"] = str(self.tuned.get("message", ""))

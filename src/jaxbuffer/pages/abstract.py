@@ -9,10 +9,10 @@ import numpy as np
 from ..fields import as_typed, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .experiments import ON_FRONT, OPEN, STANDING
+from .experiments import ON_FRONT, OPEN, STANDING, swept_fields
 from .limits import Standing, judged, keeping, standing
 from .page import Cell, shown
-from .records import by_name, ended, field_name, in_figures, same, scenario_of, words
+from .records import by_name, ended, in_figures, same, scenario_of, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -231,8 +231,9 @@ def _sweep(found: Results, every: Sequence[Results]) -> str:
     if found.sweep is None:
         return ""
     mechanism, names = found.mechanism, found.sweep.outcome.values.astype(str).ravel()
-    over = " and ".join(field_name(str(path)) for path in found.sweep.sizes)
-    text = f"{_ended(mechanism, Counter(names.tolist()))} in a sweep over {over}."
+    over = " and ".join(swept_fields(found))
+    over = f"over {over}" if over else "of runs given one by one"
+    text = f"{_ended(mechanism, Counter(names.tolist()))} in a sweep {over}."
     force = np.asarray(found.sweep["peak_force"].values, float) if "peak_force" in found.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."

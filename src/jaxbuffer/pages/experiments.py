@@ -21,7 +21,9 @@ def sweep(found: Results) -> Section | None:
     """What a sweep covers, how its runs ended, its maps, and where it is safe."""
     if found.sweep is None:
         return None
-    sizes = " × ".join(f"{count} values of {field_name(str(path))}" for path, count in found.sweep.sizes.items())
+    sizes = (
+        " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
+    )
     names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
     outcomes = dict(zip(map(str, names), map(int, counts), strict=True))
     record = found.records.get("sweep", {})
@@ -36,6 +38,12 @@ def sweep(found: Results) -> Section | None:
     warnings = [between["words"]] if between and between["unsafe_runs"] else []
     text += [between["words"]] if between and not between["unsafe_runs"] else []
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
+
+
+def swept_fields(found: Results) -> dict[str, int]:
+    """Return how many values each swept field has; of runs that were given one by one, nothing."""
+    sizes = {} if found.sweep is None else found.sweep.sizes
+    return {field_name(str(path)): count for path, count in sizes.items() if path != "run"}
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
