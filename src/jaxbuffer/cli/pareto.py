@@ -68,7 +68,7 @@ def pareto(
     files = request.files(
         "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
     )
-    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    settings = vars(study.tuning)
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         front = tuning(

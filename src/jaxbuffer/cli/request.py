@@ -148,6 +148,17 @@ def verb(
     return register
 
 
+def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], instead: str) -> dict[str, Any]:
+    """Return what several --over say, by field, each read by ``typed``. **Raises:** `InputError` for a field that is
+    given twice, with what to do ``instead``."""
+    asked = dict[str, Any]()
+    for path, values in map(typed, over):
+        if path in asked:
+            raise InputError(f"--over {path} is given more than once; {instead}")
+        asked[path] = values
+    return asked
+
+
 def given(**options: Any) -> dict[str, Any]:
     """Those options that were given."""
     return {name: value for name, value in options.items() if value is not None}

@@ -7,7 +7,7 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
-from .request import Request, Trust, asked_for
+from .request import Request, Trust, asked_for, each_once
 from .scheduler import Scheduler, check, kept
 
 if TYPE_CHECKING:
@@ -117,12 +117,7 @@ def _points(
     from ..experiments.ranges import ranges, typed
 
     section = dict(study.sample)
-    asked = dict(section.pop("ranges", {}))
-    typed_in = [typed(text) for text in over]
-    for path, values in typed_in:
-        if sum(path == other for other, _ in typed_in) > 1:
-            raise InputError(f"--over {path} is given more than once; keep one")
-        asked[path] = values
+    asked = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
     chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
     number = _whole("count", count) if count is not None else section.get("count", 256)
     start = _whole("seed", seed) if seed is not None else section.get("seed", 0)

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
 from .exits import INTERRUPTED, OK, any_solved
-from .request import Request, Trust, asked_for
+from .request import Request, Trust, asked_for, each_once
 from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
 
@@ -112,13 +111,7 @@ def _asked(study: "Config", over: list[str]) -> dict[str, Any]:
     """The values of each field: those of the study, with those of the command line added or in their place."""
     from ..sweeps.grid import typed
 
-    asked = dict(study.sweep)
-    typed_in = [typed(text) for text in over]
-    for path, values in typed_in:
-        if sum(path == other for other, _ in typed_in) > 1:
-            raise InputError(f"--over {path} is given more than once; put its values into one")
-        asked[path] = values
-    return asked or dict(study.mechanism.defaults.grid)
+    return {**study.sweep, **each_once(over, typed, "put its values into one")} or dict(study.mechanism.defaults.grid)
 
 
 def _limits(study: "Config", over: "Grid") -> "Limits | None":

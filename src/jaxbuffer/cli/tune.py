@@ -60,7 +60,7 @@ def tune(
     from ..tuning.tune import tune as compute
     from .progress import tuning
 
-    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    settings = vars(study.tuning)
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         tuned = tuning(
