@@ -110,6 +110,17 @@ def test_bad_calls_are_one_line_and_leave_nothing(call, message, tmp_path):
     assert "\n" not in str(error.value) and not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("place", [100, 500, -200])
+def test_a_flipped_bit_in_labelled_data_is_found(place, tmp_path):
+    swept().save(tmp_path, figures=False)
+    file = tmp_path / "sweep.nc"
+    content = bytearray(file.read_bytes())
+    content[place] ^= 1
+    file.write_bytes(content)
+    with pytest.raises(jb.InputError, match=r"sweep\.nc is damaged or no result of jaxbuffer: its checksum"):
+        jb.load(tmp_path)
+
+
 def test_a_page_replaces_no_other_file(tmp_path):
     made_up_sensitivity().save(tmp_path)
     (tmp_path / "mine.html").write_text("mine")
