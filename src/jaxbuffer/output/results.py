@@ -74,19 +74,17 @@ def run_files(
     name, label = run.mechanism.run_name, run.mechanism.label(run.scenario)
     files: Writers = {
         f"{name}.json": lambda: _json(run_record(run, constraints, trust), made),
-        f"{name}.txt": lambda: f"{run!r}\n",
-        f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
-    }
-    if run.history is None:
-        return files
-    return files | {
         "force.json": lambda: compact_json(force_record({name: run}, label)),
         "history.csv": lambda: csv_text(*run_history(run)),
         "motion.json": lambda: compact_json(motion_record(run)),
+        f"{name}.txt": lambda: f"{run!r}\n",
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
+        f"{name}{SUFFIX}": lambda: content(run.to_xarray()),
         **field_files(run),
     }
+    without_history = (f"{name}.json", f"{name}.txt", f"{name}{SUFFIX}")
+    return files if run.history is not None else {file: files[file] for file in without_history}
 
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
@@ -248,7 +246,7 @@ def save(
     >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     [path.name for path in jb.save(run, folder)], jb.load(folder).run.outcome
-    (['drop.json', 'drop.nc', 'drop.txt'], 'finished')
+    (['drop.json', 'drop.txt', 'drop.nc'], 'finished')
     """
     folder = Path(folder)
     contents = _contents(result, beside)
