@@ -8,7 +8,7 @@ import numpy as np
 
 from jaxbuffer import pareto
 from jaxbuffer.output.formats import csv_text
-from jaxbuffer.output.front_files import front_rows
+from jaxbuffer.output.records import front_rows
 
 from .study import config, figure, told, write
 

@@ -37,6 +37,13 @@ jb.replace(jb.table2(), {"buffer.k_A": "0.8 kN/m"})
 jb.BarDrop(heigth=3)  # type: ignore[call-arg]
 jb.Scenario(aproach_speed=0.1)  # type: ignore[call-arg]
 
+# Results in folders.
+jb.simulate(jb.table2()).save("run")
+jb.save(jb.sweep(jb.table2(), jb.Scenario(approach_speed=[0.1, 0.2])), "sweep", force=True)
+assert_type(jb.load("run"), jb.Results)
+jb.report("run", "sweep", to="page.html", title="Both").name
+jb.save(3.0, "run")  # type: ignore[arg-type]
+
 # Names that are not there.
 jb.BarDroop  # type: ignore[attr-defined]
 jb.simulte(jb.table2())  # type: ignore[attr-defined]

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from jaxbuffer.pages.verification import FILE
 from jaxbuffer.papers import PAPERS
-from jaxbuffer.report.verification import FILE
 
 from . import report, run
 from .breakages import BREAKAGES

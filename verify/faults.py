@@ -19,12 +19,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
+from jaxbuffer.labelled.netcdf import read
 
 from .cluster import OTHER_PROCESSOR, PATIENCE, Cluster, driver, enlarged, killed, small_disk
 from .run import ROOT
 
-ARRAYS, STORE = "sweep.npz", "sweep.zarr"
+ARRAYS, STORE = "sweep.nc", "sweep.zarr"
 GONE = ("the scheduler is gone", "no scheduler answers")  # what a driver says without its scheduler
 COLUMNS = 250  # spring rates of the grid
 
@@ -78,8 +78,9 @@ def undisturbed(setup: Setup) -> None:
 def same(setup: Setup, name: str) -> bool:
     """Whether every array of a sweep is that of the undisturbed one, bit by bit."""
     undisturbed(setup)
-    with np.load(setup.folder / "whole" / ARRAYS) as one, np.load(setup.folder / name / ARRAYS) as other:
-        return all(one[key].tobytes() == other[key].tobytes() for key in one.files) and one.files == other.files
+    one, other = (read(setup.folder / place / ARRAYS) for place in ("whole", name))
+    numbers = [name for name in one if one[name].dtype.kind in "if"]
+    return one.identical(other) and all(one[it].values.tobytes() == other[it].values.tobytes() for it in numbers)
 
 
 def kills(setup: Setup) -> str:

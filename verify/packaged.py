@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from jaxbuffer.report.verification import sources
+from jaxbuffer.pages.verification import sources
 from jaxbuffer.version import version
 
 Record = dict[str, Any]

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from jaxbuffer.pages.verification import sources
 from jaxbuffer.papers import PAPERS, paper_named
-from jaxbuffer.report.verification import sources
 
 from .breakages import BREAKAGES
 from .gaps import GAPS

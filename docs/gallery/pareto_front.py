@@ -5,7 +5,7 @@ limit on the penetration.
 """
 
 import jaxbuffer as jb
-from jaxbuffer.output.front_files import front_figure
+from jaxbuffer.output.tune_figure import front_figure
 
 jb.configure()
 variables = [jb.Variable("impact.stiffness", 1e10, 1e12)]  # N/m^e

@@ -59,6 +59,8 @@ from .output.folder import (
     load as load,
 )
 from .output.motion import draw as draw
+from .output.results import save as save
+from .pages.review import report as report
 from .run.instants import at_times as at_times
 from .run.simulate import simulate as simulate
 from .run.trust import (

@@ -17,7 +17,7 @@ COMMANDS = {
     "sweep": (
         ["--over", "scenario.approach_speed=0.1:0.2:500", "--duration", "1"],
         "sweep.chunks",
-        ("sweep.csv", "sweep.npz", "sweep.json"),
+        ("sweep.csv", "sweep.txt", "sweep.json"),
     ),
     "tune": (
         ["--duration", "1", "--iterations", "8", "--starts", "2"],

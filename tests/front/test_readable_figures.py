@@ -12,13 +12,11 @@ from made_up import made_up_capture, made_up_sweep, made_up_tuning
 import jaxbuffer as jb
 from jaxbuffer.fields import with_values
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
-from jaxbuffer.output.envelope_figure import envelope_figure
 from jaxbuffer.output.figures import run_figure
-from jaxbuffer.output.front_files import front_figure
 from jaxbuffer.output.motion import motion_figure
 from jaxbuffer.output.sample_figures import indices_figure, sample_figure, surfaces_figure
-from jaxbuffer.output.sweep_figures import sweep_figure
-from jaxbuffer.output.tune_figure import tune_figure
+from jaxbuffer.output.sweep_figures import envelope_figure, sweep_figure
+from jaxbuffer.output.tune_figure import front_figure, tune_figure
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.tuning.cases import Distribution, Scatter
 from jaxbuffer.tuning.cases import grid as cases_of

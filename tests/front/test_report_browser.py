@@ -9,9 +9,9 @@ from chromium import Browser, executable
 from report_folders import every_kind
 
 from jaxbuffer.output.folder import load
-from jaxbuffer.report.compare import comparison
-from jaxbuffer.report.page import Page, Section
-from jaxbuffer.report.review import review
+from jaxbuffer.pages.compare import comparison
+from jaxbuffer.pages.page import Page, Section
+from jaxbuffer.pages.review import review
 
 PATH = executable()
 pytestmark = [

@@ -21,11 +21,11 @@ from jaxbuffer.output.provenance import made
 from jaxbuffer.output.records import run_record
 from jaxbuffer.output.records import tuned_record as tuned_record_of
 from jaxbuffer.output.results import run_files, sensitivity_files, swept_files
-from jaxbuffer.report.compare import compared, comparison
-from jaxbuffer.report.page import Cell, Page, Section, Table, shown
-from jaxbuffer.report.records import field_name
-from jaxbuffer.report.review import review
-from jaxbuffer.report.verification import lines, sources, verified
+from jaxbuffer.pages.compare import compared, comparison
+from jaxbuffer.pages.page import Cell, Page, Section, Table, shown
+from jaxbuffer.pages.records import field_name
+from jaxbuffer.pages.review import review
+from jaxbuffer.pages.verification import lines, sources, verified
 from jaxbuffer.sweeps.grid import grid
 
 EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
@@ -295,8 +295,8 @@ def test_what_breaks_a_limit_between_the_scenarios_is_said(tmp_path, highest, un
     assert (envelope.between.runs, envelope.between.unsafe) == (6, unsafe)
     said = f"{unsafe} of 6 captures are not safe: peak force above its limit ({unsafe})" if unsafe else "all 6 captures"
     assert said in envelope.between.words and said in " ".join(repr(envelope).split())
-    for name, content in swept_files(swept, envelope).items():
-        if name in ("sweep.npz", "sweep.json"):
+    for name, content in swept_files(swept, envelope=envelope).items():
+        if name in ("sweep.nc", "sweep.json"):
             write(tmp_path / name, content())
     page = review([load(tmp_path)])
     section, _, _ = section_text(page, "Envelope")
@@ -405,7 +405,7 @@ def test_the_safe_rectangle_in_words(folders):
 def test_an_edge_that_was_not_found_is_told(folders, tmp_path):
     """Made up: the rectangle ends at the sweep's lowest speed, and nowhere else at the sweep's edge."""
     record = json.loads((folders["sweep"] / "sweep.json").read_text())
-    for name in ("sweep.npz", "sweep.json"):
+    for name in ("sweep.nc", "sweep.json"):
         (tmp_path / name).write_bytes((folders["sweep"] / name).read_bytes())
     speed, stiffness = ({**axis, "values": values} for axis, values in zip(record["axes"], EDGES, strict=True))
     parts = [{**axis, "low": low, "high": high} for axis, (low, high) in ((speed, (0.1, 0.2)), (stiffness, (20, 30)))]

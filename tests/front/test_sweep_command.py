@@ -3,9 +3,11 @@
 import csv
 import dataclasses
 import io
+import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from drawn import check_readable
 from made_up import made_up_sweep
 
@@ -15,7 +17,6 @@ from jaxbuffer.cli.entry import run
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.output.style import png
 from jaxbuffer.output.sweep_figures import sweep_figure
-from jaxbuffer.output.sweep_files import read
 from jaxbuffer.study.config import load
 from jaxbuffer.study.problem_toml import limits
 from jaxbuffer.sweeps.grid import grid
@@ -23,14 +24,13 @@ from jaxbuffer.sweeps.result import Sweep
 
 FILES = (
     "sweep.csv",
-    "sweep.npz",
+    "sweep.txt",
     "sweep.png",
     "sweep.svg",
     "sweep.nc",
     "sweep.json",
     "envelope.png",
     "envelope.svg",
-    "envelope.txt",
 )
 TWO = ["--over", "scenario.approach_speed=0.1:0.3:3", "--over", "buffer.k_A=100,1000"]
 
@@ -133,16 +133,16 @@ def test_files(computed, capsys, tmp_path):
     assert [float(row["buffer.k_A [N/m]"]) for row in rows] == [100.0, 1000.0] * 3
     assert [row["peak_force [N]"] for row in rows] == ["110.0", "200.0", "210.0", "300.0", "", "400.0"]
     assert (rows[0]["peak_flank"], rows[4]["peak_flank"], rows[0]["impact_count"]) == ("upper", "", "3")
-    with np.load(folder / "sweep.npz") as stored:
-        assert stored["peak_force [N]"].shape == (3, 2) and np.isnan(stored["peak_force [N]"][2, 0])
-        assert stored["peak_force [N]"][2, 1] == pytest.approx(400.0, rel=1e-15)
-        assert stored["buffer.k_A [N/m]"].tolist() == [100.0, 1000.0]
-    back = read(folder / "sweep.npz")
-    assert back.design.probe.tip_mass == 0.05 and back.grid.shape == (3, 2)
-    assert repr(back) in printed
+    found = jb.load(folder)
+    force = found.sweep.peak_force
+    assert force.shape == (3, 2) and np.isnan(force.values[2, 0]) and force.units == "N"
+    assert force.values[2, 1] == pytest.approx(400.0, rel=1e-15)
+    assert found.sweep["buffer.k_A"].values.tolist() == [100.0, 1000.0]
+    assert found.design.probe.tip_mass == 0.05
+    assert (folder / "sweep.txt").read_text() in printed
     assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
     assert run(["sweep", *TWO, "--output", "out"]) == 2
-    assert "envelope.png and 8 more exist; --force overwrites, another --output keeps them" in capsys.readouterr().err
+    assert "envelope.png and 7 more exist; --force overwrites, another --output keeps them" in capsys.readouterr().err
     assert run(["sweep", "--output", "out", "--force"]) == 0
     assert len(table((folder / "sweep.csv").read_text())) == 121
 
@@ -154,7 +154,8 @@ def test_ctrl_c_keeps_what_was_done(computed, capsys, tmp_path):
     assert "interrupted, 4 of them done" in shown.out and "wrote out" in shown.out
     assert shown.err.endswith("interrupted\n")
     assert len(table((tmp_path / "out" / "sweep.csv").read_text())) == 4
-    assert read(tmp_path / "out" / "sweep.npz").done.tolist() == [True] * 4 + [False] * 2
+    outcomes = jb.load(tmp_path / "out").sweep.outcome.values.ravel().tolist()
+    assert outcomes == ["captured"] * 4 + ["not computed"] * 2
 
 
 @pytest.mark.parametrize(
@@ -208,7 +209,7 @@ def test_a_tuned_design_keeps_its_limits(computed, capsys, tmp_path):
 def test_a_map_of_an_interrupted_sweep(computed, capsys, tmp_path):
     computed.interrupt_after, computed.outcomes = 3, dict.fromkeys(range(3, 6), -1)
     assert run(["sweep", *TWO, "--output", "out"]) == 130
-    assert {"sweep.csv", "sweep.png", "envelope.txt"} <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"sweep.csv", "sweep.png", "envelope.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
     assert "Safe (captured): 3 of 6 captures" in capsys.readouterr().out
 
 
@@ -216,7 +217,7 @@ def test_help_teaches(computed, capsys):
     assert run(["sweep", "--help"]) == 0
     shown = capsys.readouterr().out
     for part in (
-        *(file for file in FILES if not file.endswith((".svg", "envelope.txt"))),
+        *(file for file in FILES if not file.endswith(".svg")),
         "--over scenario.approach_speed=0.05:0.3:20",
         '{from = 100, to = 2000, count = 8, scale = "log"}',
     ):
@@ -299,10 +300,16 @@ def test_report_without_results(capsys, tmp_path):
     assert "holds no results of simulate, sensitivity, sweep, tune, sample or pareto" in capsys.readouterr().err
     (tmp_path / "sweep.npz").write_bytes(b"not one")
     assert run(["report", str(tmp_path)]) == 2
-    assert "sweep.npz is not a sweep's result" in capsys.readouterr().err
+    assert "sweep.npz was written by an earlier version, or is damaged; sweep again" in capsys.readouterr().err
 
 
-def test_arrays_of_something_else_are_refused(tmp_path):
-    np.savez(tmp_path / "sweep.npz", x=1.0)
-    with pytest.raises(InputError, match="is not a sweep's result"):
-        read(tmp_path / "sweep.npz")
+def test_arrays_of_an_earlier_version_are_refused_by_its_name(tmp_path):
+    np.savez(tmp_path / "sweep.npz", sweep=np.array(json.dumps({"jaxbuffer": "0.0.9"})))
+    with pytest.raises(InputError, match=r"sweep\.npz was written by jaxbuffer 0\.0\.9.*; sweep again"):
+        jb.load(tmp_path)
+
+
+def test_data_of_something_else_are_refused(tmp_path):
+    xr.Dataset({"x": 1.0}).to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match=r"sweep\.nc is damaged or no result of jaxbuffer"):
+        jb.load(tmp_path)

@@ -12,9 +12,9 @@ from jaxbuffer.errors import OutOfRange
 from jaxbuffer.fields import with_values
 from jaxbuffer.output.folder import Results
 from jaxbuffer.output.records import tuned_record
-from jaxbuffer.report.abstract import abstract
-from jaxbuffer.report.asked import asked
-from jaxbuffer.report.tunings import search
+from jaxbuffer.pages.abstract import abstract
+from jaxbuffer.pages.designs import asked
+from jaxbuffer.pages.runs import search
 from jaxbuffer.study.config import loads
 from jaxbuffer.study.explained import explained
 from jaxbuffer.sweeps.grid import grid

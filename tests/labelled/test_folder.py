@@ -46,7 +46,6 @@ def test_nothing_there(tmp_path):
         ("drop.nc", b"not one"),
         ("drop.nc", None),  # cut in half
         ("sweep.nc", b"\x89HDF\r\n\x1a\n"),
-        ("sweep.npz", b"not one"),
         ("tuned.json", b"{"),
         ("sensitivity.json", b"\xff\xfe"),
         ("sensitivity.json", b"[]"),

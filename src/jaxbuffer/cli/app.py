@@ -7,7 +7,6 @@ import typer
 import jaxbuffer
 
 from .animate import animate
-from .fields import fields
 from .laws import laws
 from .overrides import WITH_QUANTITIES, Plain
 from .pareto import pareto
@@ -17,7 +16,7 @@ from .request import verb
 from .sample import sample
 from .sensitivity import sensitivity
 from .simulate import simulate
-from .study import check, init, schema
+from .study import check, fields, init, schema
 from .sweep import sweep
 from .tune import tune
 

@@ -68,11 +68,13 @@ def pareto(
     files = request.files(
         "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
     )
-    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    settings = vars(study.tuning)
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         front = tuning(
-            lambda report: compute(problem, names, number, **settings, **keeping, report=report, finished=_said),
+            lambda report: compute(
+                problem, names, number, **settings, **keeping, save=False, report=report, finished=_said
+            ),
             problem.mechanism.success,
         )
     except KeyboardInterrupt:
@@ -81,10 +83,12 @@ def pareto(
             kept = f"the points so far are kept; the same command with --resume goes on in {request.output}"
         note(kept)
         return INTERRUPTED
-    from ..output.front_files import front_files, front_json
+    from ..output.formats import table_json
+    from ..output.records import front_rows
+    from ..output.results import front_files
 
     made = request.made(study, resume)
-    files.save_and_show(lambda: front_files(front, made), front, lambda: front_json(front))
+    files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
     return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
 
 

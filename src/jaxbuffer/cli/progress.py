@@ -1,10 +1,12 @@
 """Work that takes seconds: shown while it runs, and ended at once by Ctrl-C."""
 
 import concurrent.futures
+import contextlib
+import functools
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, TypeVar
 
@@ -13,6 +15,7 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     SpinnerColumn,
     TaskID,
     TextColumn,
@@ -33,15 +36,10 @@ COMPILING = "compiling for about {:.0f} s (first run only)…"
 
 def working(text: str, work: Callable[[], T]) -> T:
     """Run ``work`` with a spinner on a terminal, after one plain line elsewhere."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        print(text, file=sys.stderr, flush=True)
-        with _compiling_said():
-            return _interruptible(work)
-    with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task(text, total=None)
-        with _compiling_shown(progress, task):
-            return _interruptible(work)
+    with _bar(text, None, TEXT, CLOCK) as update:
+        if update is None:
+            _line(text)
+        return _interruptible(work)
 
 
 def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None = None, most: int | None = None) -> T:
@@ -61,30 +59,18 @@ def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None 
             return
         said = now
         minutes, seconds = divmod(int(now - begin), 60)
-        print(f"{minutes}:{seconds:02d}, {in_words(it, success, most)}", file=sys.stderr, flush=True)
+        _line(f"{minutes}:{seconds:02d}, {in_words(it, success, most)}")
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        with _compiling_said():
-            return _interruptible(lambda: work(line))
-    with Progress(SPINNER, TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task("tuning", total=None)
-        with _compiling_shown(progress, task):
-            return _interruptible(
-                lambda: work(lambda it: progress.update(task, description=in_words(it, success, most)))
-            )
+    with _bar("tuning", None, TEXT, CLOCK) as update:
+        report = line if update is None else lambda it: update(description=in_words(it, success, most))
+        return _interruptible(lambda: work(report))
 
 
 def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
     """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        with _compiling_said():
-            return _interruptible(lambda: work(lambda text: print(text, file=sys.stderr, flush=True)))
-    with Progress(SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, console=console, transient=True) as progress:
-        task = progress.add_task("", total=total)
-        with _compiling_shown(progress, task):
-            return _interruptible(lambda: work(lambda text: progress.update(task, advance=1, description=text)))
+    with _bar("", total, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK) as update:
+        report = _line if update is None else lambda text: update(advance=1, description=text)
+        return _interruptible(lambda: work(report))
 
 
 def sweeping(
@@ -92,9 +78,8 @@ def sweeping(
 ) -> T:
     """Run ``work``, which reports ``what`` it has done of ``count``: a bar with their rate on a terminal, a plain line
     every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""
-    console = Console(stderr=True)
     begin = None  # the first report comes after the compilation, which is no part of the rate
-    first = 0
+    first, due = 0, time.monotonic() + PERIOD
 
     def rate(done: int) -> str:
         nonlocal begin, first
@@ -106,28 +91,36 @@ def sweeping(
         per_second = (done - first) / seconds
         return f"{per_second:.{0 if per_second >= 10.0 else 2}f} {what}/s"
 
-    if not console.is_terminal:
-        print(f"{doing} {count} {what}", file=sys.stderr, flush=True)
-        due = time.monotonic() + PERIOD
+    def line(done: int, count: int) -> None:
+        nonlocal due
+        text = rate(done)
+        if done == count or time.monotonic() >= due:
+            due = time.monotonic() + PERIOD
+            _line(", ".join(filter(None, (f"{done} of {count} done", text))))
 
-        def line(done: int, count: int) -> None:
-            nonlocal due
-            text = rate(done)
-            if done == count or time.monotonic() >= due:
-                due = time.monotonic() + PERIOD
-                print(", ".join(filter(None, (f"{done} of {count} done", text))), file=sys.stderr, flush=True)
-
-        with _compiling_said():
+    with _bar("", count, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, TimeRemainingColumn()) as update:
+        if update is None:
+            _line(f"{doing} {count} {what}")
             return work(line)
-    columns = (SPINNER, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK, TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("", total=count)
+        return work(lambda done, count: update(completed=done, description=rate(done)))
 
-        def advance(done: int, count: int) -> None:
-            progress.update(task, completed=done, description=rate(done))
 
+def _line(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+@contextlib.contextmanager
+def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Callable[..., None] | None]:
+    """Show a spinner and ``columns`` on a terminal, and yield what updates them; None elsewhere."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        with _compiling_said():
+            yield None
+        return
+    with Progress(SPINNER, *columns, console=console, transient=True) as progress:
+        task = progress.add_task(text, total=total)
         with _compiling_shown(progress, task):
-            return work(advance)
+            yield functools.partial(progress.update, task)
 
 
 def _compiling_said() -> AbstractContextManager[None]:
@@ -140,7 +133,7 @@ def _compiling_said() -> AbstractContextManager[None]:
         nonlocal said
         if expected is not None and not said:
             said = True
-            print(COMPILING.format(expected), file=sys.stderr, flush=True)
+            _line(COMPILING.format(expected))
 
     return watched(watcher)
 

@@ -1,22 +1,33 @@
 """`jaxbuffer report` and `compare`: what folders of results hold, as text and as a page, without computing it again."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..errors import InputError
-from ..files import write
-from ..output.formats import ARRAYS
-from ..report.page import GENERATOR
 from .exits import OK
-from .folders import check_comparable, loaded
 from .streams import note, show
+
+if TYPE_CHECKING:
+    from ..output.folder import Results
+    from ..pages.page import Page
+
 
 Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
 Html = Annotated[
     Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
 ]
+
+
+def loaded(folder: Path) -> "Results":
+    """Return what a folder holds; a note on stderr says what in it is not finished."""
+    from ..output.folder import load, unfinished
+
+    results = load(folder)
+    if begun := unfinished(folder):
+        note(begun)
+    return results
 
 
 def report(
@@ -35,10 +46,10 @@ def report(
       jaxbuffer report results/table2
       jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
     """
-    from ..report.review import review
+    from ..pages.review import review
 
     page = review([loaded(folder) for folder in folders], title)
-    file = _saved(html or folders[0] / "report.html", page.html())
+    file = _saved(html or folders[0] / "report.html", page)
     for folder in folders:
         _print(folder)
     show(f"wrote {file}")
@@ -52,36 +63,29 @@ def compare(folders: Folders, html: Html = None) -> int:
     \b
     Example: jaxbuffer compare results/before results/after
     """
-    from ..report.compare import compared, comparison, kept
+    from ..pages.compare import compared, comparison, kept
 
     if len(folders) < 2:
         raise InputError("compare needs two folders at least")
     every = [loaded(folder) for folder in folders]
-    if len({found.mechanism.name for found in every}) == 1:  # what differs otherwise, `comparison` says
-        check_comparable(every)
     page = comparison(every)
-    file = _saved(html or folders[0] / "compare.html", page.html())
+    file = _saved(html or folders[0] / "compare.html", page)
     for one in [*compared(every), *kept(every)]:
         show(one.as_text())
     show(f"wrote {file}")
     return OK
 
 
-def _saved(file: Path, content: str) -> Path:
+def _saved(file: Path, page: "Page") -> Path:
     """Write a page; another one of ours may be replaced, and a note says so, nothing else."""
-    if file.exists():
-        if GENERATOR not in file.read_text(encoding="utf-8", errors="replace")[:1000]:
-            raise InputError(f"{file} exists and is no page of jaxbuffer's; choose another --html FILE")
+    from ..pages.page import write_page  # jinja2 takes a tenth of a second to import
+
+    if write_page(page, file, "--html FILE"):
         note(f"the page {file} is made anew")
-    write(file, content)
     return file
 
 
 def _print(folder: Path) -> None:
-    if (folder / ARRAYS).is_file():
-        from ..output.sweep_files import read
-
-        show(read(folder / ARRAYS))
     for file in sorted(file for file in folder.glob("*.txt") if file.is_file()):
         show(_text(file))
     for figure in sorted(folder.glob("*.png")):

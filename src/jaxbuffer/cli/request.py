@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
+from ..errors import InputError, check_choice
 from .overrides import FIELDS, Command
 
 if TYPE_CHECKING:
@@ -35,6 +35,10 @@ SHARED = {
 
 ScenarioNumber = Annotated[
     str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
+]
+
+Trust = Annotated[
+    str, typer.Option(metavar="WHEN", help="Whether to run again at a tenth of the tolerance: on or off.")
 ]
 
 
@@ -144,6 +148,23 @@ def verb(
     return register
 
 
+def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], instead: str) -> dict[str, Any]:
+    """Return what several --over say, by field, each read by ``typed``. **Raises:** `InputError` for a field that is
+    given twice, with what to do ``instead``."""
+    asked = dict[str, Any]()
+    for path, values in map(typed, over):
+        if path in asked:
+            raise InputError(f"--over {path} is given more than once; {instead}")
+        asked[path] = values
+    return asked
+
+
 def given(**options: Any) -> dict[str, Any]:
     """Those options that were given."""
     return {name: value for name, value in options.items() if value is not None}
+
+
+def asked_for(trust: str) -> bool:
+    """Whether it is on."""
+    check_choice("trust", trust, ("on", "off"))
+    return trust == "on"

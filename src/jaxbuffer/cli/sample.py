@@ -7,9 +7,8 @@ import typer
 
 from ..errors import InputError
 from .exits import INTERRUPTED, any_solved
-from .request import CommandLine
+from .request import CommandLine, Trust, asked_for, each_once
 from .scheduler import Scheduler, check, kept
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..experiments.points import Points
@@ -83,8 +82,7 @@ def sample(
       jaxbuffer sample --over buffer.k_A=200:2000 --over scenario.misalignment=-0.05:0.05 --indices --output results/doe
     """
     from ..mechanisms.quantity import check_quantities
-    from ..output.results import swept_json
-    from ..output.sample_files import INDICES, SAMPLE, SURFACE, sample_files
+    from ..output.results import sample_files, swept_json
     from ..sweeps.grid import check_swept_once
     from ..sweeps.store import STORE, ZARR
 
@@ -93,11 +91,13 @@ def sample(
         check(scheduler, request)
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
+    parts = {"indices": indices, "surface": surface}
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults.mapped[:1])
     for name in names:
         if name not in study.mechanism.swept:
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
-    wanted = [*SAMPLE, *(INDICES if indices else ()), *(SURFACE if surface else ())]
+    wanted = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
+    wanted += [f"{name}.{kind}" for name, asked in parts.items() if asked for kind in ("csv", "png")]
     files = request.files(*wanted, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
     options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
     found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
@@ -105,7 +105,7 @@ def sample(
         return INTERRUPTED
     made = request.made(study, resume)
     if interrupted:
-        files.save_and_show(lambda: sample_files(found, made=made), found, lambda: swept_json(found))
+        files.save_and_show(lambda: sample_files(found, made), found, lambda: swept_json(found))
         return INTERRUPTED
     return _told(found, names, (indices, surface), files, made)
 
@@ -117,12 +117,7 @@ def _points(
     from ..experiments.ranges import ranges, typed
 
     section = dict(study.sample)
-    asked = dict(section.pop("ranges", {}))
-    typed_in = [typed(text) for text in over]
-    for path, values in typed_in:
-        if sum(path == other for other, _ in typed_in) > 1:
-            raise InputError(f"--over {path} is given more than once; keep one")
-        asked[path] = values
+    asked = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
     chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
     number = _whole("count", count) if count is not None else section.get("count", 256)
     start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
@@ -157,12 +152,13 @@ def _told(
 ) -> int:
     """Indices and surfaces, if ``asked`` for, saved and printed; where one cannot be had, the sample is saved and it is
     said why."""
-    from ..output.results import swept_json
-    from ..output.sample_files import Told, sample_files
+    from ..experiments.indices import sobol_indices
+    from ..experiments.surface import response_surface
+    from ..output.results import sample_files, sample_text, swept_json
     from .progress import working
 
-    (indices, surface), told, refused = asked, Told(), None
-    varying = list[str]()
+    (indices, surface), refused = asked, None
+    found_indices, surfaces, varying = None, list[Any](), list[str]()
     for name in names if indices or surface else ():
         try:
             found.check_varies(name, "indices and response surface")
@@ -171,19 +167,13 @@ def _told(
             refused = error
     try:
         if surface:
-            from ..experiments.surface import response_surface
-
-            told.surfaces = working(
-                "fitting response surfaces", lambda: [response_surface(found, name) for name in varying]
-            )
+            surfaces = working("fitting response surfaces", lambda: [response_surface(found, name) for name in varying])
         if indices and varying:
-            from ..experiments.indices import sobol_indices
-
-            told.indices = working("resampling", lambda: sobol_indices(found, varying))
+            found_indices = working("resampling", lambda: sobol_indices(found, varying))
     except InputError as error:
         refused = error
-    shown = "\n\n".join(map(repr, [found, *([told.indices] if told.indices else []), *told.surfaces]))
-    files.save_and_show(lambda: sample_files(found, told, shown, made), shown, lambda: swept_json(found))
+    shown = sample_text(found, found_indices, surfaces)
+    files.save_and_show(lambda: sample_files(found, made, found_indices, surfaces), shown, lambda: swept_json(found))
     if refused is not None:
         raise refused
     return any_solved(found)

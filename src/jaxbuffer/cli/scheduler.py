@@ -44,7 +44,7 @@ def computed(
     from .progress import sweeping
 
     given = study.options
-    settings = {"over": asked, "solver": given.stepper(), "rtol": given.rtol, **options}
+    settings = {"over": asked, "solver": given.stepper(), "rtol": given.rtol, "save": False, **options}
     swept = study.design, study.scenario, given.duration
     try:
         return sweeping(count, lambda report: compute(*swept, progress=report, **settings)), False

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING
 
 from .exits import fail
 from .limits import keeps_limits, study_constraints
-from .request import CommandLine, ScenarioNumber
+from .request import CommandLine, ScenarioNumber, Trust, asked_for
 from .streams import note
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..mechanisms.run import Run
@@ -51,7 +50,7 @@ def simulate(request: CommandLine, scenario_number: ScenarioNumber = None, trust
         from ..sensitivities.horizon import horizon
 
         note(str(horizon(run)))
-    from ..run.stepper import HISTORY_STEPS
+    from ..run.simulate import HISTORY_STEPS
 
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")

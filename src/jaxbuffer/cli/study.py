@@ -1,4 +1,4 @@
-"""`jaxbuffer init`, `check` and `schema`: a study to begin with, what one says, and what editors know of studies."""
+"""`jaxbuffer init`, `check`, `schema` and `fields`: a study to begin with, what one says, what studies are made of."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +11,7 @@ from .streams import show
 
 if TYPE_CHECKING:
     from ..mechanisms.mechanism import Mechanism
+
 
 Kind = Annotated[str, typer.Option("--kind", metavar="NAME", help="The mechanism; 'jaxbuffer fields' lists them.")]
 STUDY = Path("study.toml")
@@ -81,3 +82,23 @@ def _mechanism(kind: str) -> "Mechanism":
     from ..study.config import DEFAULT_KIND
 
     return mechanism_named(kind or DEFAULT_KIND)
+
+
+def fields(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.")] = "",
+) -> int:
+    """List a mechanism's fields with units, defaults and ranges, and the quantities of its runs; without KIND, the
+    mechanisms there are.
+
+    \b
+    Example: jaxbuffer fields
+    """
+    from ..mechanisms import all_mechanisms, mechanism_named
+    from ..mechanisms.described import described
+
+    if kind:
+        show(described(mechanism_named(kind)))
+        return OK
+    for known in all_mechanisms():
+        show(f'kind = "{known.name}"  {known.view.title}')
+    return OK

@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..errors import InputError
 from .exits import INTERRUPTED, OK, any_solved
-from .request import CommandLine
+from .request import CommandLine, Trust, asked_for, each_once
 from .scheduler import LARGEST, Scheduler, check, computed
 from .streams import note
-from .trust import Trust, asked_for
 
 if TYPE_CHECKING:
     from ..study.config import Config
@@ -57,11 +55,11 @@ def sweep(
     \b
     Files in DIR:
       sweep.csv  a row for each capture: its values, outcome and results, units in the header
-      sweep.npz  the same as NumPy arrays in the grid's shape; `jaxbuffer report DIR` reads it
       sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
-      envelope.png, .svg, .txt  over two fields: which runs keep every limit, and the largest rectangle of them
+      envelope.png, .svg  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
+      sweep.txt  the summary, and what is safe
       sweep.chunks  kept up while running; --resume needs it
       sweep.zarr  in its place with --scheduler: all captures as labelled arrays, for xarray or jb.load
 
@@ -71,9 +69,7 @@ def sweep(
       jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20 --over contact.law=hertz,lankarani-nikravesh
       jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
     """
-    from ..output.formats import ARRAYS, ENVELOPE
     from ..output.results import swept_files, swept_json
-    from ..output.sweep_files import FIGURE, LABELLED, RECORD, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
     from ..sweeps.store import STORE, ZARR
@@ -88,8 +84,8 @@ def sweep(
     if told:
         grid.batches(study.design, study.scenario)  # checks that the values go together
     limits = _limits(study, grid) if told else None
-    drawn = () if limits is None else ENVELOPE
-    names = (*drawn, TABLE, ARRAYS, FIGURE, LABELLED, RECORD) if told else ()
+    drawn = () if limits is None else ("envelope.png",)
+    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if told else ()
     files = request.files(*names, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
     from ..sweeps.stored import StoredSweep
     from ..sweeps.sweep import sweep as compute
@@ -107,7 +103,7 @@ def sweep(
     envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
     shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
     about = request.made(study, resume)
-    files.save_and_show(lambda: swept_files(swept, envelope, about), shown, lambda: swept_json(swept))
+    files.save_and_show(lambda: swept_files(swept, about, envelope), shown, lambda: swept_json(swept))
     return INTERRUPTED if interrupted else any_solved(swept)
 
 
@@ -115,13 +111,7 @@ def _asked(study: "Config", over: list[str]) -> dict[str, Any]:
     """The values of each field: those of the study, with those of the command line added or in their place."""
     from ..sweeps.grid import typed
 
-    asked = dict(study.sweep)
-    typed_in = [typed(text) for text in over]
-    for path, values in typed_in:
-        if sum(path == other for other, _ in typed_in) > 1:
-            raise InputError(f"--over {path} is given more than once; put its values into one")
-        asked[path] = values
-    return asked or dict(study.mechanism.defaults.grid)
+    return {**study.sweep, **each_once(over, typed, "put its values into one")} or dict(study.mechanism.defaults.grid)
 
 
 def _limits(study: "Config", over: "Grid") -> "Limits | None":

@@ -1,14 +1,20 @@
-"""`jaxbuffer tune`: the best design."""
+"""`jaxbuffer tune`: the best design, or the best one so far of an interrupted search."""
 
 import dataclasses
-from typing import Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .exits import LIMITS_BROKEN, OK, fail
+from .exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from .request import CommandLine, given
 from .scheduler import Scheduler
 from .streams import note
+
+if TYPE_CHECKING:
+    from ..tuning import Problem
+    from .output import Output
+
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
@@ -54,16 +60,16 @@ def tune(
     from ..tuning.tune import tune as compute
     from .progress import tuning
 
-    settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
+    settings = vars(study.tuning)
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         tuned = tuning(
-            lambda report: compute(problem, **settings, **keeping, report=report),
+            lambda report: compute(problem, **settings, **keeping, report=report, save=False),
             problem.mechanism.success,
             study.tuning.most_evaluations * (1 if problem.then is None else 2),
         )
     except KeyboardInterrupt:
-        from .unfinished import keep_best
+        from .tune import keep_best
 
         return keep_best(problem, settings, files)
     from ..output.results import tuned_files
@@ -71,3 +77,29 @@ def tune(
     contents = tuned_files(tuned, request.made(study, resume), note)
     files.save_and_show(lambda: contents, tuned, lambda: str(contents["tuned.json"]()))
     return OK if tuned.feasible else fail(tuned.message, LIMITS_BROKEN)
+
+
+def keep_best(problem: "Problem", settings: Mapping[str, Any], files: "Output") -> int:
+    """Save the best design that the search has found, as far as its folder knows."""
+    if files.folder is None:
+        note("nothing is kept without --output DIR")
+        return INTERRUPTED
+    from ..errors import InputError
+    from ..study.designs import tuned_toml
+    from ..tuning.store import objective_in_words
+    from ..tuning.tune import best_so_far
+
+    try:
+        best = best_so_far(problem, files.folder, **settings)
+    except InputError:  # before the run had taken the folder
+        return INTERRUPTED
+    if best is None:
+        note(f"no step was finished; the same command with --resume goes on in {files.folder}")
+        return INTERRUPTED
+    which = "the problem's then" if best.stage else "the objective"
+    kept = "within all limits" if best.feasible else "limits broken"
+    value = objective_in_words(best.objective, best.unit, 6)
+    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {kept}"
+    files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
+    note(f"the same command with --resume goes on in {files.folder}")
+    return INTERRUPTED

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from rich.table import Table
 
 from .._types import Scalar
-from ..errors import InputError, suggest
+from ..errors import InputError, check_flag, suggest
 from ..fields import Part
 from ..hybrid import Solver
 from ..labelled.arrays import frame
@@ -133,6 +133,7 @@ def sample(
     folder: str | Path | None = None,
     resume: bool = False,
     client: Any = None,
+    save: bool = True,
 ) -> Sample:
     """Simulate a mechanism at points spread over ranges of its numbers.
 
@@ -146,8 +147,8 @@ def sample(
       indices off without a response surface.
     - ``seed``: the same one, the same points.
     - ``duration`` [s], ``solver``, ``rtol`` [-]: as for `simulate`.
-    - ``trust``, ``workers``, ``progress``, ``folder``, ``resume``, ``client``: as for `sweep`; the sample is read back
-      into memory, its verdicts are ``verdicts``.
+    - ``trust``, ``workers``, ``progress``, ``folder``, ``resume``, ``client``, ``save``: as for `sweep`; the sample is
+      read back into memory, its verdicts are ``verdicts``.
 
     **Returns:** a `Sample`; runs that fail say so in their outcome and leave the others alone.
 
@@ -164,16 +165,20 @@ def sample(
     """
     spread = points(checked_ranges(ranges, design, scenario), count, method, seed)
     options = {"solver": solver, "rtol": rtol, "trust": trust, "folder": folder, "resume": resume, "client": client}
-    return sample_at(spread, design, scenario, duration, workers=workers, progress=progress, **options)
+    check_flag("save", save)
+    drawn = sample_at(spread, design, scenario, duration, workers=workers, progress=progress, **options)
+    if save and folder is not None:
+        drawn.save(folder, force=True, figures=False)
+    return drawn
 
 
 def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | None = None, **options: Any) -> Sample:
-    """`sample` at points that are there already; ``options`` as for `sweep`.
+    """`sample` at points that are there already, not saved; ``options`` as for `sweep`.
 
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
     try:
-        result = sweep(*points.applied(design, scenario), duration, **options)
+        result = sweep(*points.applied(design, scenario), duration, save=False, **options)
     except SweepInterrupted as stop:
         raise SweepInterrupted(_sample(points, design, scenario, stop.found), stop.done) from None
     except StoredInterrupted as stop:

@@ -26,6 +26,12 @@ def named(part: eqx.Module, path: str) -> str:
     return f"{path} [{symbol}]" if symbol else path
 
 
+def without_unit(name: str) -> tuple[str, str]:
+    """Return a path, or any name, and the unit that stands behind it, "" for none: what `named` put together."""
+    path, _, symbol = name.partition(" [")
+    return path, symbol.removesuffix("]")
+
+
 def json_record(part: eqx.Module) -> str:
     """The `record` as one line of JSON, numbers to the last digit."""
     return json.dumps(record(part), ensure_ascii=False, allow_nan=False)
@@ -37,7 +43,7 @@ def from_json(default: T, text: str) -> T:
     **Raises:** `InputError` for fields that are unknown and values out of range; `ValueError` for what is no JSON.
     """
     record: Mapping[str, Any] = json.loads(text)
-    return replace(default, {name.partition(" [")[0]: value for name, value in record.items()})
+    return replace(default, {without_unit(name)[0]: value for name, value in record.items()})
 
 
 def _plain(value: Any, is_number: bool) -> Any:

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..fields import Part, Portable, get
 from ..hybrid import Log, Result, moving
 from ..labelled.arrays import Labelled, dataset, frame
+from ..labelled.saved import Saved
 from ..tables import summary_html
 from .dataset import attributes
 from .energy import Balance, Energy
@@ -56,7 +57,7 @@ class Maxima(NamedTuple):
     others: dict[str, Float[Array, ""]]
 
 
-class Run(Portable):
+class Run(Portable, Saved):
     """A simulated run. Print it for a summary.
 
     Numbers are 0-d arrays, differentiable with respect to design and scenario; in a failed run they are NaN.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..mechanisms.picture import Meshed
+from ..mechanisms.run import Run
 from .formats import Contents
 from .style import both, panels, styled
 
@@ -17,14 +18,13 @@ if TYPE_CHECKING:
     from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
-    from ..mechanisms.run import Run
 
 WIDTH, HEIGHT = 4.6, 2.8  # inch, of a panel
 EMPTY = "#DDDDDD"  # cells that have no value
 MARGIN = 0.04  # of what is seen, about it
 
 
-def field_files(run: "Run") -> Contents:
+def field_files(run: Run) -> Contents:
     """fields.png and fields.svg; with meshio a .vtu of each instant. None of a mechanism without meshes."""
     seen = [] if run.history is None else run.mechanism.view.meshes(run)
     if not seen:

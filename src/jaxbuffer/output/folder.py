@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import InputError
 from ..fields import Part, paths
 from ..fields.record import from_json
@@ -16,9 +18,6 @@ from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
 from ..sweeps.store import ZARR
 from ..sweeps.zarr_store import opened
-from .formats import ARRAYS
-from .sweep_files import LABELLED
-from .sweep_files import read as read_arrays
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +26,12 @@ DESIGN = "design.toml"
 Record = Mapping[str, Any]
 RECORDS = {"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json", "front": "pareto.json"}
 COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
+MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
+BEGUN = {  # what a command keeps while it runs, and the files of its results
+    "tuning": ("log.jsonl", ("tuned.json",)),
+    "sweep or sample": ("sweep.chunks", ("sweep.nc", "sample.json")),
+    "front": ("least-*/log.jsonl", ("pareto.json",)),
+}
 BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
 
 
@@ -89,7 +94,7 @@ class Results:
             steps = f"history of {self.run.sizes['step']} steps" if "step" in self.run.sizes else "no history"
             told["run"] = f"{self.run.title}: {self.run.outcome}; {self.run.sizes['impact']} impacts listed, {steps}"
         if self.sweep is not None:
-            sizes = " × ".join(f"{count} {name}" for name, count in self.sweep.sizes.items())
+            sizes = " × ".join(f"{n} {'runs' if name == 'run' else name}" for name, n in self.sweep.sizes.items())
             told["sweep"] = f"{self.sweep.title}: {sizes}"
         if self.tuned is not None:
             told["tuned"] = str(self.tuned.get("message", ""))
@@ -131,14 +136,23 @@ def load(folder: str | Path) -> Results:
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
-        raise InputError(f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}")
+        nothing = f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}; {MAKE}"
+        raise InputError(unfinished(folder) or nothing)
     for found in (run, sweep):
-        if design is None and found is not None:
+        if design is None and found is not None and "design" in found.attrs:
             design = _design(folder, found.attrs["kind"], found.attrs["design"])
     for name in ("tuned", "run", "sensitivity", "sample", "front"):
-        if design is None and name in records:
+        if design is None and "design" in records.get(name, {}):
             design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
     return Results(folder, run, sweep, records, design)
+
+
+def unfinished(folder: Path) -> str:
+    """Return what is begun in a folder and not finished, and how it goes on; "" where nothing is."""
+    for what, (kept, results) in BEGUN.items():
+        if any(folder.glob(kept)) and not any((folder / name).exists() for name in results):
+            return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
+    return ""
 
 
 def _records(folder: Path) -> dict[str, Record]:
@@ -157,15 +171,33 @@ def _run(folder: Path) -> "xr.Dataset | None":
     files = [folder / name for name in dict.fromkeys(names) if (folder / name).is_file()]
     if len(files) > 1:
         raise InputError(f"{folder} holds several runs, {', '.join(it.name for it in files)}; keep one in a folder")
-    return read(files[0]) if files else None
+    return _dataset(files[0]) if files else None
 
 
 def _sweep(folder: Path) -> "xr.Dataset | None":
-    if (folder / LABELLED).is_file():
-        return read(folder / LABELLED)
-    if (folder / ARRAYS).is_file():
-        return read_arrays(folder / ARRAYS).to_xarray()
-    return opened(folder / ZARR) if (folder / ZARR).is_dir() else None
+    if (folder / "sweep.nc").is_file():
+        return _dataset(folder / "sweep.nc")
+    if (folder / ZARR).is_dir():
+        return opened(folder / ZARR)
+    if (folder / "sweep.npz").is_file():
+        raise InputError(f"{folder / 'sweep.npz'} was written by {_writer(folder / 'sweep.npz')}; sweep again")
+    return None
+
+
+def _dataset(file: Path) -> "xr.Dataset":
+    found = read(file)
+    if "kind" not in found.attrs or "outcome" not in {**found, **found.attrs}:
+        raise InputError(f"{file} is damaged or no result of jaxbuffer: it names no mechanism and no outcome")
+    return found
+
+
+def _writer(arrays: Path) -> str:
+    """Return which version wrote the arrays of a sweep, which this one does not read."""
+    try:
+        with np.load(arrays, allow_pickle=False) as stored:
+            return f"jaxbuffer {json.loads(str(stored['sweep']))['jaxbuffer']}, an earlier state of it"
+    except Exception:  # zip files and arrays fail in many ways; all mean the same
+        return "an earlier version, or is damaged"
 
 
 def _record(file: Path) -> Record | None:

@@ -1,16 +1,21 @@
-"""Formats of result files, and what a command hands over to be saved."""
+"""Formats of result files, and writing them: refused if they exist, each whole, figures last."""
 
 import csv
+import errno
 import io
 import json
 import math
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-ARRAYS = "sweep.npz"
-ENVELOPE = ("envelope.png", "envelope.txt")
+from ..errors import InputError
+from ..files import write, write_beside
+
 Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), where that is known
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
+ENDINGS = (".csv", ".gif", ".html", ".json", ".mp4", ".nc", ".npz", ".png", ".svg", ".toml", ".txt")  # of result files
 
 
 def json_text(record: Mapping[str, Any]) -> str:
@@ -36,3 +41,65 @@ def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     writer.writerow(header)
     writer.writerows(rows)
     return text.getvalue()
+
+
+def is_figure(name: str) -> bool:
+    """Return whether a file is a figure, which shows what other files hold."""
+    return name.endswith((".png", ".svg"))
+
+
+def check_folder(folder: Path, option: str = "folder") -> None:
+    """Raise `InputError` for a folder that cannot be made or written to. ``option``: by what it was named."""
+    if folder.suffix.lower() in ENDINGS and not folder.exists():
+        plain = folder.with_suffix("")
+        raise InputError(f"{option} {folder} has the ending of a file and names a folder; write {option} {plain}")
+    parent = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not parent.is_dir():
+        raise InputError(f"{parent} is a file; {option} needs a folder")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: no permission to write there")
+
+
+def check_free(folder: Path, names: Sequence[str], force: bool, ways: str = "") -> None:
+    """Raise `InputError` for files that exist, unless ``force``. ``ways``: what else than overwriting can be done."""
+    taken = [str(folder / name) for name in names if (folder / name).exists()]
+    if taken and not force:
+        exist, them = ("exists", "it") if len(taken) == 1 else ("exist", "them")
+        listed = taken[0] if len(taken) == 1 else f"{taken[0]} and {len(taken) - 1} more"
+        raise InputError(f"{listed} {exist}; {ways or 'force=True overwrites, another folder keeps {}'}".format(them))
+
+
+def write_all(
+    folder: Path, contents: Contents, force: bool, note: Callable[[str], None] = lambda line: None
+) -> tuple[list[Path], Exception | None]:
+    """Write every file, figures last; return those that were written, and the first error.
+
+    A file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
+    `OSError`. Without ``force`` a file that has appeared meanwhile is left as it is, and ``note`` is called with where
+    the result is instead.
+    """
+    written: list[Path] = []
+    failure: Exception | None = None
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in sorted(contents, key=is_figure):
+        path = folder / name
+        try:
+            text = contents[name]()
+            if force:
+                write(path, text)
+                written.append(path)
+                continue
+            written.append(write_beside(path, text))
+            if written[-1] != path:
+                note(f"{path} appeared meanwhile and is left as it is; the result is in {written[-1]}")
+        except OSError as error:
+            failure = failure or error
+        except Exception as error:
+            failure = failure or (_drawing_error(path, error) if is_figure(name) else error)
+    return written, failure
+
+
+def _drawing_error(path: Path, error: Exception) -> OSError:
+    """Return what is said of a figure that matplotlib fails to draw."""
+    first = next((line for line in str(error).splitlines() if line.strip()), "")
+    return OSError(errno.EIO, f"cannot be drawn, {type(error).__name__}: {first}".rstrip(": "), str(path))

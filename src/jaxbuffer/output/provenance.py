@@ -43,6 +43,17 @@ def made(
         "settings": dict(settings),
         "wall_time [s]": round(seconds, 3),
         "resumed": resumed,
+        **_here(),
+    }
+
+
+def made_in_python() -> dict[str, Any]:
+    """Return what is known of a result that is saved from Python: when, by which versions, on which machine."""
+    return {"command": "in Python", "study": None, **_here()}
+
+
+def _here() -> dict[str, Any]:
+    return {
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": {"jaxbuffer": version(), "Python": platform.python_version(), "JAX": metadata.version("jax")},
         "machine": {"processor": processor(), "cores": os.cpu_count(), "system": _system()},

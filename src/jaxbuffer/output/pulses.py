@@ -6,9 +6,11 @@ import numpy as np
 from jaxtyping import Float
 
 from ..mechanisms.run import Run
+from ..run.instants import at_times
 
 EVEN = 600  # times that a curve is drawn through besides the steps
 FINE, MOST = 6, 4000  # parts that a short step with a contact is drawn in, and about how many there are in all
+TIMES = 2000  # evenly spread ones of a curve to be read off
 LOW = 0.02  # of its peak: below that a pulse counts as over
 
 
@@ -60,6 +62,15 @@ def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.nd
     inside = time[first] + np.outer(np.arange(1, parts) / parts, step[first])
     peak = np.clip(np.nan_to_num(float(run.peak_time)), time[0], time[-1])
     return np.unique(np.concatenate([time, spread, inside.ravel(), [peak]]))
+
+
+def force_over_time(run: Run) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """Times [s], close to each other where a contact is closed, and the largest force of any contact then [N].
+
+    **Arguments:** ``run``: one simulated with ``history=True``.
+    """
+    time = fine_times(run, TIMES)
+    return time, np.max(np.asarray(at_times(run, time).contact_force), axis=1)
 
 
 def pulse_around(

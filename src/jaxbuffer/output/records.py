@@ -2,33 +2,37 @@
 
 import dataclasses
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import numpy as np
 
-from ..fields import get
+from ..experiments.indices import Indices
+from ..experiments.rectangle import SafeRectangle
+from ..experiments.sample import Sample
+from ..experiments.surface import Surface
+from ..fields import get, unit
 from ..fields.record import record
 from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run, history_columns, rising
-from ..sensitivities.result import advice, sensitivity_rows
+from ..run.trust import Trust
+from ..sensitivities.result import Sensitivity, advice, sensitivity_rows
+from ..sweeps.columns import RunTable
+from ..sweeps.result import Sweep
+from ..tuning.derived import Derived
+from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
-from ..tuning.tuned import SHOWN, tuned_warnings
+from ..tuning.objective import Constraints
+from ..tuning.pareto import Front, point_status
+from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..version import version
-
-if TYPE_CHECKING:
-    from ..run.trust import Trust
-    from ..sensitivities.sensitivity import Sensitivity
-    from ..tuning.derived import Derived
-    from ..tuning.evaluation import Evaluation
-    from ..tuning.objective import Constraints
-    from ..tuning.tuned import Tuned
 
 Table = tuple[list[str], list[Sequence[Any]]]
 
 
-def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust | None" = None) -> dict[str, Any]:
+def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | None = None) -> dict[str, Any]:
     """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
@@ -71,7 +75,7 @@ def run_record(run: Run, constraints: "Constraints | None" = None, trust: "Trust
     }
 
 
-def _constraints_record(run: Run, constraints: "Constraints | None") -> dict[str, Any]:
+def _constraints_record(run: Run, constraints: Constraints | None) -> dict[str, Any]:
     if constraints is None:
         return {"limits": {}, "lower_limits": {}, "most_impacts": None, "quantities": {}, "limited": {}}
     return {
@@ -83,12 +87,12 @@ def _constraints_record(run: Run, constraints: "Constraints | None") -> dict[str
     }
 
 
-def _trust_record(trust: "Trust") -> dict[str, Any]:
+def _trust_record(trust: Trust) -> dict[str, Any]:
     errors = {name: _number(error) for name, error in trust.errors.items()}
     return {"verdict": trust.verdict, "reason": str(trust), "errors": errors}
 
 
-def own_record(own: Mapping[str, "Derived"]) -> dict[str, Any]:
+def own_record(own: Mapping[str, Derived]) -> dict[str, Any]:
     """What own quantities are."""
     return {
         name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()
@@ -101,7 +105,7 @@ def run_history(run: Run) -> Table:
     return list(columns), np.column_stack(list(columns.values())).tolist()
 
 
-def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
+def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
     """Quantities, for each parameter its gradients and elasticities, and the certificate."""
     header, rows = sensitivity_rows(result)
     run, catalogue = result.run, result.run.mechanism.quantities
@@ -119,7 +123,7 @@ def sensitivity_record(result: "Sensitivity") -> dict[str, Any]:
     }
 
 
-def certificate_record(result: "Sensitivity") -> dict[str, Any]:
+def certificate_record(result: Sensitivity) -> dict[str, Any]:
     """Verdicts, what they rest on, active peak and runner-up; errors are relative. Impacts count from 1."""
     certificate: Any = result.certificate
     peaks, mechanism = certificate.peaks, result.run.mechanism
@@ -163,7 +167,7 @@ def certificate_record(result: "Sensitivity") -> dict[str, Any]:
     }
 
 
-def tuned_record(tuned: "Tuned") -> dict[str, Any]:
+def tuned_record(tuned: Tuned) -> dict[str, Any]:
     """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
     problem, (start, end) = tuned.problem, tuned.objective
     scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
@@ -220,7 +224,7 @@ def tuned_record(tuned: "Tuned") -> dict[str, Any]:
     }
 
 
-def _scattered(tuned: "Tuned") -> dict[str, Any]:
+def _scattered(tuned: Tuned) -> dict[str, Any]:
     """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
     scatter, found = tuned.problem.scatter, tuned.corners
     if scatter is None or found is None:
@@ -247,7 +251,7 @@ def _scattered(tuned: "Tuned") -> dict[str, Any]:
     }
 
 
-def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
+def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
     """What is known of each case's first impact."""
     floor = tuned.floor
     if floor is None:
@@ -257,7 +261,7 @@ def _floors(tuned: "Tuned") -> list[dict[str, float | None]]:
     return [dict(zip(names, map(_number, row), strict=True)) for row in rows]
 
 
-def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
+def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
     problem = tuned.problem
     units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
     return [
@@ -275,7 +279,7 @@ def _cases(tuned: "Tuned", point: "Evaluation") -> list[dict[str, Any]]:
     ]
 
 
-def tuned_comment(tuned: "Tuned") -> str:
+def tuned_comment(tuned: Tuned) -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
     limits = problem.limits.lines(problem.catalogue)
@@ -290,6 +294,152 @@ def tuned_comment(tuned: "Tuned") -> str:
         peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
         lines.append(f"  peak at {problem.mechanism.view.label(scenario, problem.scenarios_met)}: {peaks}")
     return "\n".join(lines)
+
+
+def sweep_record(swept: Sweep, envelope: SafeRectangle | None) -> dict[str, Any]:
+    """Return how many runs ended how, and what is safe; the runs themselves are in sweep.nc."""
+    places = () if swept.grid is None else swept.grid.axes
+    axes = [{**_field(it), "values": np.asarray(it.values).tolist(), "scale": it.scale} for it in places]
+    return _of_many(swept, {"axes": axes, "envelope": None if envelope is None else _envelope(envelope)})
+
+
+def _field(axis: Any) -> dict[str, str]:
+    """A swept or sampled field: its path, the unit of its numbers, and the one in which people are shown them."""
+    return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
+
+
+def _envelope(found: SafeRectangle) -> dict[str, Any]:
+    """What is asked of a safe run, how many there are, and the largest rectangle of them."""
+    ranges = zip(found.axes, (found.first, found.second), strict=True)
+    return {
+        "asked": found.asked,
+        "safe_runs": int(found.safe.sum()),
+        "runs": int(found.safe.size),
+        "runs_in_rectangle": int(found.runs),
+        "rectangle": [
+            {**_field(axis), "low": float(part[0]), "high": float(part[1])} for axis, part in ranges if part is not None
+        ],
+        "reasons": dict(Counter(str(reason) for reason in found.reasons[~found.safe])),
+        "between": None
+        if (between := found.between) is None
+        else {"runs": between.runs, "unsafe_runs": between.unsafe, "words": between.words},
+    }
+
+
+def sample_record(sample: Sample, indices: Indices | None, surfaces: Sequence[Surface]) -> dict[str, Any]:
+    """Return ranges, how many runs ended how, indices with intervals, surfaces with cross-validated errors."""
+    points = sample.grid
+    own = {
+        "method": points.method,
+        "seed": points.seed,
+        "ranges": [{**_field(it), "low": it.low, "high": it.high, "scale": it.scale} for it in points.axes],
+        "indices": [] if indices is None else _indices(indices),
+        "surfaces": [_surface(surface) for surface in surfaces],
+    }
+    return _of_many(sample, own)
+
+
+def _indices(indices: Indices) -> list[dict[str, Any]]:
+    return [
+        {
+            "quantity": name,
+            "number": path,
+            "first_order [-]": float(it.first[k]),
+            "first_order_interval [-]": it.first_interval[:, k].tolist(),
+            "total [-]": float(it.total[k]),
+            "total_interval [-]": it.total_interval[:, k].tolist(),
+            "confidence [-]": indices.confidence,
+            "rows": it.rows,
+            "rows_asked": indices.asked,
+            "from": "response surface" if name in indices.surfaces else "runs",
+        }
+        for name, it in indices.estimates.items()
+        for k, path in enumerate(indices.paths)
+    ]
+
+
+def _surface(surface: Surface) -> dict[str, Any]:
+    return {
+        "quantity": surface.quantity,
+        "unit": surface.unit,
+        "kind": surface.kind,
+        "runs": len(surface.computed),
+        "left_out": dict(surface.left_out),
+        "trusted": bool(surface.trusted),
+        "cross_validated": {
+            kind: {name: float(value) for name, value in error._asdict().items()}
+            for kind, error in surface.errors.items()
+        },
+    }
+
+
+def indices_rows(indices: Indices) -> Table:
+    """Return a row for each quantity and number."""
+    header = ["quantity", "number", "first_order [-]", "first_order_low [-]", "first_order_high [-]"]
+    header += ["total [-]", "total_low [-]", "total_high [-]", "rows", "from"]
+    columns = ("first_order [-]", "first_order_interval [-]", "total [-]", "total_interval [-]")
+    rows: list[Sequence[Any]] = []
+    for it in _indices(indices):
+        first, first_ends, total, total_ends = (it[name] for name in columns)
+        rows.append([it["quantity"], it["number"], first, *first_ends, total, *total_ends, it["rows"], it["from"]])
+    return header, rows
+
+
+def surface_rows(surfaces: Sequence[Surface]) -> Table:
+    """Return a row for each run that a surface was fitted to; the prediction is by a fit without that run's fold."""
+    return ["quantity", "unit", "computed", "predicted", "kind"], [
+        [surface.quantity, surface.unit, x.item(), y.item(), surface.kind]
+        for surface in surfaces
+        for x, y in zip(surface.computed, surface.predicted, strict=True)
+    ]
+
+
+def front_record(front: Front) -> dict[str, Any]:
+    """Return the front's points, as in pareto.csv."""
+    header, rows = front_rows(front)
+    return {
+        "kind": front.problem.mechanism.name,
+        "objectives": list(front.objectives),
+        "scenarios": len(front.problem.cases),
+        "samples": front.problem.samples,
+        "points": [dict(zip(header, row, strict=True)) for row in rows],
+        "design": record(front.problem.design),
+        "jaxbuffer": version(),
+    }
+
+
+def front_rows(front: Front) -> Table:
+    """Return a row for each point."""
+    problem, catalogue = front.problem, front.problem.catalogue
+    header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
+    header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
+    header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        finite = [None if np.isinf(limit) else float(limit) for limit in limits]
+        status = [float(point.residual), float(point.gradient_error), point.converged, point_status(front, k)]
+        variables = [float(get(point.design, v.path)) for v in problem.variables]
+        rows.append([k + 1, *map(float, values), *finite, *status, *variables])
+    return header, rows
+
+
+def _of_many(swept: RunTable, own: dict[str, Any]) -> dict[str, Any]:
+    """Return what sweeps and samples have in common around what is their own; of runs given one by one, whose inputs
+    sweep.nc has, neither design nor scenario."""
+    mechanism, both = swept.mechanism, {}
+    outcomes = Counter(mechanism.outcomes(int(code)).name for code in swept.code[swept.done])
+    if swept.grid is not None:
+        both = {"design": record(swept.design), "scenario": record(swept.scenario)}
+    return {
+        "kind": mechanism.name,
+        **own,
+        "runs": len(swept),
+        "done": int(swept.done.sum()),
+        "outcomes": dict(outcomes),
+        **both,
+        "jaxbuffer": version(),
+    }
 
 
 def _number(value: Any) -> float | None:

@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..experiments.indices import Indices
+from ..experiments.sample import Sample
+from ..experiments.surface import Surface
 from .layout import legend_below
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 from .words import field_axis, in_figures, outcome_marks, scaled, shown
@@ -13,16 +16,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..experiments.indices import Indices
-    from ..experiments.sample import Sample
-    from ..experiments.surface import Surface
 
 ROWS, COLUMNS = 3, 6  # quantities and numbers that are drawn
 METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gaussian process"}  # others in words
 
 
 @styled
-def sample_figure(sample: "Sample") -> "Figure":
+def sample_figure(sample: Sample) -> "Figure":
     """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
     mechanism, drawn = sample.mechanism, sample.grid.axes[:COLUMNS]
     names = mechanism.defaults.mapped[:ROWS]
@@ -61,7 +61,7 @@ def sample_figure(sample: "Sample") -> "Figure":
 
 
 @styled
-def indices_figure(indices: "Indices") -> "Figure":
+def indices_figure(indices: Indices) -> "Figure":
     """First-order and total index of each number as bars with their intervals, a panel a quantity."""
     names = list(indices.estimates)
     figure, grid = panels(7.5, (0.45 * len(indices.paths) + 1.3) * len(names) + 0.6, len(names), 1)
@@ -89,7 +89,7 @@ def indices_figure(indices: "Indices") -> "Figure":
     return figure
 
 
-def _through(indices: "Indices", name: str) -> str:
+def _through(indices: Indices, name: str) -> str:
     """Where a quantity's indices come from."""
     surface = indices.surfaces.get(name)
     if surface is None:
@@ -97,12 +97,12 @@ def _through(indices: "Indices", name: str) -> str:
     return f", by a response surface that misses {100 * surface.error.relative:.2g} %{_warned(surface)}"
 
 
-def _warned(surface: "Surface") -> str:
+def _warned(surface: Surface) -> str:
     return "" if surface.trusted else ": not to be trusted"
 
 
 @styled
-def surfaces_figure(surfaces: "Sequence[Surface]") -> "Figure":
+def surfaces_figure(surfaces: Sequence[Surface]) -> "Figure":
     """Predicted against computed, by fits that had not seen the run; a panel a quantity."""
     figure, grid = panels(4.6 * len(surfaces), 4.8, 1, len(surfaces))
     for axes, surface in zip(grid[0], surfaces, strict=True):
@@ -110,7 +110,7 @@ def surfaces_figure(surfaces: "Sequence[Surface]") -> "Figure":
     return figure
 
 
-def _predicted(axes: "Axes", surface: "Surface") -> None:
+def _predicted(axes: "Axes", surface: Surface) -> None:
     unit, factor = surface.shown
     unit = "°" if unit == "deg" else unit
     computed, predicted = factor * surface.computed, factor * surface.predicted

@@ -1,4 +1,4 @@
-"""The figure of a tuning."""
+"""Figures of a tuning and of a front."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -6,28 +6,31 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..fields import get
+from ..mechanisms.run import Run
+from ..tuning.pareto import Front
+from ..tuning.tuned import Tuned
 from .figures import last_contact
-from .force_record import force_over_time
 from .layout import legend_below, with_line_breaks
-from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, styled
+from .pulses import force_over_time
+from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, panels, styled
 from .words import newtons, seconds, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..mechanisms.run import Run
-    from ..tuning.tuned import Tuned
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
 SMALL, LINE, WIDE = 7, 0.12, 170.0  # points of a row's text; inch a line of it; points that it is wide
 LONGEST = 36  # characters of a scenario's name beside its row; where one is longer, all are numbered
 WIDEST = 200.0  # per cent of a limit that are drawn; what is beyond stands at the edge as an arrow
+PANELS = 4  # pairs of objectives that are drawn
+NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 
 @styled
-def tune_figure(tuned: "Tuned", worst: "Sequence[Run]" = ()) -> "Figure":
+def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> "Figure":
     """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
@@ -67,12 +70,12 @@ def _asked(problem: Any, objective: Any) -> str:
     return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
 
-def worst_case(tuned: "Tuned") -> int:
+def worst_case(tuned: Tuned) -> int:
     """Which scenario has the largest contact force with the tuned design."""
     return int(np.argmax(tuned.after.peak_force))
 
 
-def _cases(axes: "Axes", tuned: "Tuned") -> None:
+def _cases(axes: "Axes", tuned: Tuned) -> None:
     """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
@@ -101,7 +104,7 @@ def _cases(axes: "Axes", tuned: "Tuned") -> None:
     label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
-def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
+def _force(axes: "Axes", tuned: Tuned, worst: Sequence[Run]) -> None:
     """Contact force over time in the worst scenario."""
     until = max(last_contact(run) for run in worst)
     unit, factor = seconds(until)
@@ -117,7 +120,7 @@ def _force(axes: "Axes", tuned: "Tuned", worst: "Sequence[Run]") -> None:
     label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 
-def _variables(axes: "Axes", tuned: "Tuned") -> None:
+def _variables(axes: "Axes", tuned: Tuned) -> None:
     """Where each variable stands between its bounds, before and after, with its value."""
     variables = tuned.problem.variables
     row = np.arange(len(variables))
@@ -149,7 +152,7 @@ class Row(NamedTuple):
     text: str
 
 
-def _rows(tuned: "Tuned") -> list[Row]:
+def _rows(tuned: Tuned) -> list[Row]:
     """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
     problem, rows = tuned.problem, []
     allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most}
@@ -168,7 +171,7 @@ def _rows(tuned: "Tuned") -> list[Row]:
     return rows
 
 
-def _limits(axes: "Axes", tuned: "Tuned") -> None:
+def _limits(axes: "Axes", tuned: Tuned) -> None:
     """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
@@ -189,7 +192,7 @@ def _limits(axes: "Axes", tuned: "Tuned") -> None:
     label(axes, "Worst over the scenarios, before → after", x, "", False)
 
 
-def _shown(tuned: "Tuned") -> list[int]:
+def _shown(tuned: Tuned) -> list[int]:
     """The quantities that are limited, or not zero throughout."""
     problem = tuned.problem
     allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most, **problem.limits.at_least}
@@ -197,7 +200,7 @@ def _shown(tuned: "Tuned") -> list[int]:
     return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 
 
-def _search(axes: "Axes", tuned: "Tuned", stage: int) -> None:
+def _search(axes: "Axes", tuned: Tuned, stage: int) -> None:
     """Every design tried in a stage, and the best so far among those within all limits."""
     records = [it for it in tuned.records if it["stage"] == stage]
     kinds: list[tuple[str, str, str, Any]] = [
@@ -227,3 +230,60 @@ def _integer_axis(axes: "Axes") -> None:
     from matplotlib.ticker import MaxNLocator
 
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+
+
+@styled
+def front_figure(front: Front) -> "Figure":
+    """The first objective over each other one: the front, its points that did not converge, and those that another one
+    is better than."""
+    others = front.objectives[1 : PANELS + 1]
+    figure, grid = panels(6.4 * len(others), 4.6, 1, len(others))
+    drawn = [shown(front.problem.catalogue[name]) for name in front.objectives]
+    (first, unit, factor), values = drawn[0], front.values
+    for axes, k in zip(grid[0], range(1, len(front.objectives)), strict=False):
+        name, other, scale = drawn[k]
+        order = [i for i in np.argsort(values[:, k]) if front.kept[i]]
+        line = "-" if len(front.objectives) == 2 else ""
+        axes.plot(scale * values[order, k], factor * values[order, 0], "o", linestyle=line, color=BLUE, label="front")
+        if unsure := [i for i in order if not front.points[i].converged]:
+            hollow = {"markerfacecolor": "white", "markeredgecolor": RED, "markeredgewidth": 1.5}
+            axes.plot(
+                scale * values[unsure, k], factor * values[unsure, 0], "o", label="front, not converged", **hollow
+            )
+        if front.dominated.any():
+            left = front.dominated
+            axes.plot(scale * values[left, k], factor * values[left, 0], "x", color=GREY, label="dominated")
+        _widen(axes)
+        _number(axes, order, scale * values[order, k], factor * values[order, 0])
+        label(axes, "", f"{name}, worst scenario [{other}]", f"{first}, worst scenario [{unit}]")
+    lost = int((~front.feasible).sum())
+    count = len(front.problem.cases)
+    over = f"{count} scenarios" if count > 1 else "one scenario"
+    title = f"Front of {len(front.points)} tuned designs over {over}"
+    figure.suptitle(f"{title}, {lost} without a feasible design" if lost else title)
+    return figure
+
+
+def _number(axes: "Axes", points: Sequence[int], x: np.ndarray, y: np.ndarray) -> None:
+    """Write its number beside each point; points too near each other for a text each have one together."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    groups: list[list[int]] = []
+    for k in range(len(points)):
+        last = groups[-1][-1] if groups else k
+        near = abs(x[k] - x[last]) < NEAR * (right - left) and abs(y[k] - y[last]) < NEAR * (high - low)
+        if groups and near:
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    for group in groups:
+        text, at = ", ".join(str(points[k] + 1) for k in group), (x[group[0]], y[group[0]])
+        axes.annotate(text, at, (4, 5), textcoords="offset points", fontsize=8)
+
+
+def _widen(axes: "Axes") -> None:
+    """Let each axis span a hundredth of its values at least, so that rounding does not look like a front."""
+    for limits, set_limits in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
+        low, high = limits()
+        middle = 0.5 * (low + high)
+        half = max(0.5 * (high - low), 0.005 * abs(middle))
+        set_limits(middle - half, middle + half)

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from ..fields import unit_at
 from ..labelled.arrays import Labelled, dataset, frame
+from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import is_signed, unit_of
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 FAR = 0.5  # relative change beyond which first order says little of its size
 
 
-class Sensitivity(eqx.Module):
+class Sensitivity(eqx.Module, Saved):
     """Gradients of a run's quantities with respect to numbers of design and scenario. Print it for a table.
 
     - ``run``: what was differentiated, also as ``capture``.

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..fields import Part
+from ..labelled.saved import Saved
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.outcome import NotComputed, RunOutcome
 from ..run.request import NO_TENTH
@@ -16,7 +17,7 @@ NO_VERDICT = -1  # on how far a run's numbers can be trusted: not asked, or it h
 
 
 @dataclasses.dataclass(frozen=True)
-class RunTable:
+class RunTable(Saved):
     """The numbers of n runs, which `Sweep` and `Sample` show and convert; fields as of `Sweep`."""
 
     mechanism: Mechanism

@@ -52,6 +52,7 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
+    save: bool = True,
 ) -> Sweep: ...
 
 
@@ -72,6 +73,7 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
+    save: bool = True,
 ) -> StoredSweep: ...
 
 
@@ -91,6 +93,7 @@ def sweep(
     progress: Callable[[int, int], None] | bool | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
+    save: bool = True,
 ) -> Sweep | StoredSweep:
     """Simulate many runs of a mechanism.
 
@@ -111,8 +114,10 @@ def sweep(
       (`Sweep.verdicts`, as of `jb.trust`); takes about twice as long.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for, or True for a bar.
-    - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's.
+    - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's, and at the end
+      the result, which `load` and `report` read, without figures (``result.save(folder, force=True)`` draws them).
     - ``resume``: go on with the sweep in ``folder`` instead.
+    - ``save``: whether the result is written into ``folder``.
 
     **Returns:** a `Sweep`, with ``client`` a `StoredSweep`; the same bits whether it was
     interrupted and resumed or not. A run that fails says so in its ``code``; the others are not touched by it. Each
@@ -143,6 +148,7 @@ def sweep(
     if workers is not None:
         check_whole("workers", workers, 1)
     check_flag("trust", trust)
+    check_flag("save", save)
     if executor is not None:
         check_executor(executor)
         if client is not None:
@@ -154,11 +160,15 @@ def sweep(
     if client is not None:
         return _over_cluster((design, scenarios, duration), over, settings, where)
     if over is None:
-        result = Sweep(mechanism, {}, design, scenarios)
-        return _run(result, [Batch(None, design, scenarios)], duration, settings, where)
-    check_single("duration", duration, "s", ONE_FOR_ALL)
-    result = Sweep(mechanism, {}, design, scenarios, grid(over, design, scenarios))
-    return _run(result, result.grid.batches(design, scenarios), duration, settings, where)
+        result, batches = Sweep(mechanism, {}, design, scenarios), [Batch(None, design, scenarios)]
+    else:
+        check_single("duration", duration, "s", ONE_FOR_ALL)
+        result = Sweep(mechanism, {}, design, scenarios, grid(over, design, scenarios))
+        batches = result.grid.batches(design, scenarios)
+    _run(result, batches, duration, settings, where)
+    if save and folder is not None:
+        result.save(folder, force=True, figures=False)
+    return result
 
 
 def _over_cluster(

@@ -11,8 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..cluster.connect import connected
-from ..errors import InputError, check_names, check_type, check_whole, suggest
+from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
+from ..labelled.saved import Saved
 from ..tables import table, text
 from .objective import Objective
 from .problem import Problem
@@ -26,7 +27,7 @@ MOST = 400  # points
 
 
 @dataclasses.dataclass(frozen=True)
-class Front:
+class Front(Saved):
     """A front of objectives. Print it for a table.
 
     - ``problem``: what may change, in which cases, and what holds at every point.
@@ -101,6 +102,7 @@ def pareto(
     client: Any = None,
     report: Callable[[Record], None] | bool | None = None,
     finished: Callable[[int, int], None] | None = None,
+    save: bool = True,
     **settings: Any,
 ) -> Front:
     """Compute the front of several objectives: the least of the first one under ever tighter limits on the others.
@@ -118,7 +120,8 @@ def pareto(
     - ``objectives``: two names of quantities or more, of which the worst case counts.
     - ``points``: how many, both ends included; with more than two objectives, for each limited one.
     - ``limits``: the limits themselves, by objective, in its unit; then ends are not looked for.
-    - ``folder``: a folder for each point's run is made in it; ``resume``: go on there.
+    - ``folder``: a folder for each point's run is made in it, and at the end the result is written there, without
+      figures (as of `tune`); ``resume``: go on there; ``save``: whether the result is written.
     - ``workers``, ``client``, ``report``, ``settings``: as for `tune`; ``finished``: called with the points
       done and the points in all.
 
@@ -142,15 +145,20 @@ def pareto(
         "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     )
     check_front(problem, objectives, points)
+    check_flag("save", save)
     names = tuple(objectives)
     _check_limits(names, limits)
     place = None if folder is None else Path(folder)
     with contextlib.nullcontext() if client is None else connected(client, workers) as shared:
         search = _Search(problem, names, place, resume, workers, shared, report, settings)
         if limits is None:
-            return _between_ends(search, points, finished)
-        rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
-        return search.front(rows, None, problem.design, finished)
+            front = _between_ends(search, points, finished)
+        else:
+            rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
+            front = search.front(rows, None, problem.design, finished)
+    if save and place is not None:
+        front.save(place, force=True, figures=False)
+    return front
 
 
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:

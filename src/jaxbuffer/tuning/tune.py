@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InputError, check_type, check_whole
+from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..progress import reported
 from .descent import check_optimizer, descend
@@ -27,6 +27,7 @@ def tune(
     workers: int | None = None,
     client: Any = None,
     report: Callable[[Record], None] | bool | None = None,
+    save: bool = True,
     **settings: Any,
 ) -> Tuned:
     """Find the best design of a problem.
@@ -41,13 +42,15 @@ def tune(
     - ``optimizer``: search by this instead, on the certified gradient with projected bounds and an augmented
       Lagrangian for the limits (``optax.adam(0.05)`` say; rates are of the variables' ranges), without a second
       objective and not to be resumed.
-    - ``folder``: for log and state; an earlier run's files there are overwritten.
+    - ``folder``: for log and state, and at the end for the result, which `load` and `report` read, without figures
+      (``tuned.save(folder, force=True)`` draws them); an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
     - ``workers``: threads, by default one a core.
     - ``client``: a `distributed.Client`, the address of Dask's scheduler, "local" or "processes": its workers evaluate
       the scenarios, each a task; the search itself stays here (docs/clusters.md).
     - ``report``: called with the log's record of each evaluation, also those of the run that is resumed, or True for a
       line that tells the last one.
+    - ``save``: whether the result is written into ``folder``.
     - ``settings``: the fields of `Settings`, such as ``iterations``, ``starts``, ``seed``.
 
     **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9. The same arguments give the same result, interrupted or
@@ -67,6 +70,7 @@ def tune(
     check_type(
         "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
     )
+    check_flag("save", save)
     if workers is not None:
         check_whole("workers", workers, 1)
     if folder is not None and not str(folder):
@@ -84,9 +88,13 @@ def tune(
                 show(record)
         store.report = show
         if optimizer is not None:
-            return descend(problem, optimizer, chosen, evaluator, store)
-        rounds = Rounds(problem, chosen, evaluator, store)
-        return rounds.result(rounds.run(Progress.read(store.state)))
+            tuned = descend(problem, optimizer, chosen, evaluator, store)
+        else:
+            rounds = Rounds(problem, chosen, evaluator, store)
+            tuned = rounds.result(rounds.run(Progress.read(store.state)))
+    if save and folder is not None:
+        tuned.save(folder, force=True, figures=False)
+    return tuned
 
 
 class Unfinished(NamedTuple):

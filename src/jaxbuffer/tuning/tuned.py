@@ -9,6 +9,7 @@ from jaxtyping import Float
 from rich.table import Table
 
 from ..fields import Part, get, unit
+from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
 from ..run.stepper import stepper_of
 from ..tables import html, table, text
@@ -28,7 +29,7 @@ OWN = 3  # own quantities in that table, in place of the usual ones
 
 
 @dataclasses.dataclass(frozen=True)
-class Tuned:
+class Tuned(Saved):
     """A finished tuning. Print it for tables.
 
     - ``problem``, ``settings``: the arguments of the tuning.

@@ -3,22 +3,53 @@
 import dataclasses
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
-from ..output.folder import Results
-from .abstract import abstract
-from .asked import asked
-from .badges import INFEASIBLE, badges
-from .designs import design
+from ..errors import InputError
+from ..output.folder import Results, load
+from .abstract import INFEASIBLE, abstract, badges
+from .designs import asked, design
 from .experiments import front, sample, sweep
-from .judged import told_already
-from .limits import limits
+from .limits import limits, told_already
 from .origin import origin, verification
-from .page import Page, Section
-from .runs import diagnosis, run
+from .page import Page, Section, write_page
+from .runs import diagnosis, run, scenarios, search
 from .sensitivities import sensitivity
-from .tunings import scenarios, search
 
 Parts = list[tuple[Results, Section]]
+
+
+def report(*folders: str | Path, to: str | Path | None = None, title: str = "") -> Path:
+    """Make a page for a design review of the results in some folders, without computing them again.
+
+    The page is one HTML file that needs nothing else: the design, limits, scenarios, forces over time, elasticities,
+    the search, samples, fronts, and where the numbers come from (docs/report.md).
+
+    **Arguments:**
+
+    - ``folders``: of commands, of `save`, or of `tune`, `sweep`, `sample` and `pareto` with ``folder``; the design of
+      the first tuning, or else of the first folder, is that of the page.
+    - ``to``: the page's file; default: ``report.html`` in the first folder. A page of ours is replaced.
+    - ``title``: of the page.
+
+    **Returns:** the page's path.
+
+    **Raises:** `InputError` as `load` does, and for a file that is there and no page of ours.
+
+    **Example:**
+
+    >>> import tempfile
+    >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run.save(folder)[0].name, jb.report(folder, title="Bar, first drop").name
+    ('drop.json', 'report.html')
+    """
+    if not folders:
+        raise InputError("report needs a folder of results, as in jb.report('results')")
+    page = review([load(folder) for folder in folders], title)
+    file = Path(folders[0]) / "report.html" if to is None else Path(to)
+    write_page(page, file, "file, to=…")
+    return file
 
 
 def review(every: Sequence[Results], title: str = "") -> Page:

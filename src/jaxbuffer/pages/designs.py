@@ -1,16 +1,15 @@
-"""What was asked: limits, scenarios, variables with their bounds; and what the model leaves out."""
+"""What is asked, the design with every number's meaning and source, and what the model leaves out."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import Part, as_typed, get, paths, unit
+from ..fields import Part, as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
-from .judged import lender_of
-from .limits import asked_limits
-from .page import Section, Table, shown
-from .records import field_name, in_figures, scenario_of, units_of, words
+from .limits import asked_limits, lender_of
+from .page import Cell, Section, Table, shown
+from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
 
 TITLE = "What is asked"
 Rows = list[list[str]]
@@ -38,11 +37,9 @@ def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
     if asked is None:
         return []
     rows = [] if mechanism.success is None else [["end", f"each {mechanism.view.run_name}", words(mechanism.success)]]
-    named = [*asked["limits"], *asked.get("lower_limits", {})]
-    for limit in asked_limits(mechanism, asked, named):
+    for limit in asked_limits(mechanism, asked):
         title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
-        value = f"{shown(factor * limit.value)} {symbol}".rstrip(" -")
-        rows.append(["limit", title, f"{'≥' if limit.lowest else '≤'} {value}"])
+        rows.append(["limit", title, limit.text(factor, symbol)])
     if (most := asked.get("most_impacts")) is not None:
         rows.append(["limit", "impacts", f"≤ {most}"])
     return rows
@@ -77,3 +74,45 @@ def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
         (low, symbol), (high, _) = (as_typed(it[end], unit(usual, it["path"]), typed) for end in ("low", "high"))
         rows.append(["variable", it["path"], f"{shown(low)} to {shown(high)} {symbol}".rstrip(" -")])
     return rows
+
+
+def design(found: Results) -> Section | None:
+    """Every number of the design: tuned and given ones first, those at their defaults folded away."""
+    if found.design is None:
+        return None
+    default = found.mechanism.design()
+    tuned = {variable["path"] for variable in (found.tuned or {}).get("variables", ())}
+    typed = units_of(found)
+    special: list[list[str | Cell]] = []
+    usual: list[list[str | Cell]] = []
+    for path in paths(default):
+        before = get(default, path)
+        value = get(found.design, path)
+        source = "tuned" if path in tuned else "default" if same(value, before) else "given"
+        symbol, as_shown = unit(default, path), typed.get(path, "")
+        (number, told), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
+        row = [path, meaning(default, path), shown(number), told, shown(usually), source]
+        (usual if source == "default" else special).append(list(row))
+    headings = ("field", "meaning", "value", "unit", "default", "source")
+    tables = [Table("What is tuned or given", headings, special)] if special else []
+    tables.append(Table(f"{len(usual)} fields at their defaults", headings, usual, folded=True))
+    return Section("Design", figures=figure(found, "motion", "The mechanism at telling times, to scale"), tables=tables)
+
+
+def other_design(found: Results, first: Results, record: Record) -> list[str]:
+    """In what a record's design differs from the page's, as a sentence; nothing where it is the same."""
+    if first.design is None:
+        return []
+    usual, one = found.mechanism.design(), by_name(record["design"])
+    differ = [path for path in paths(usual) if path in one and not same(one[path], get(first.design, path))]
+    if not differ:
+        return []
+    typed = units_of(found)
+    told = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
+    said = ", ".join(f"{path} = {shown(value)} {symbol}".rstrip(" -") for path, value, symbol in told)
+    return [f"Of another design than the one above: {said}."]
+
+
+def _shown(value: Any, unit: str, typed: str) -> tuple[Any, str]:
+    """A field's value in the unit that it was typed in, and that unit; what is no number as it is."""
+    return as_typed(value, unit, typed) if isinstance(value, float) else (value, unit)

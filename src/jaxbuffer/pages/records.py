@@ -1,25 +1,27 @@
-"""Records of result files, read again: names without units, values as cells."""
+"""Records and figures of result files, as parts of a page: names without units, values as cells."""
 
+import base64
 import re
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 from ..fields import paths
+from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.provenance import MADE
 from ..output.words import called
-from .page import Cell, shown
+from .page import Cell, Figure, shown
 
-UNIT = re.compile(r"^(.*) \[(.*)\]$")
 NONE: Mapping[str, Any] = MappingProxyType({})
 ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
+ACTIVE = re.compile(r"<script|<foreignObject|javascript:|\son\w+=", re.IGNORECASE)  # what no figure of ours holds
 
 
 def by_name(record: Record) -> dict[str, Any]:
     """A record's values by names without units: "stroke [m]" is "stroke"."""
-    return {found[1] if (found := UNIT.match(name)) else name: value for name, value in record.items()}
+    return {without_unit(name)[0]: value for name, value in record.items()}
 
 
 def same(value: Any, other: Any) -> bool:
@@ -73,3 +75,27 @@ def in_figures(
         return words(name), str(own[name]["unit"]), 1.0
     known = mechanism.quantities[name]
     return known.title or words(name), *known.in_figures
+
+
+def figure(found: Results, stem: str, caption: str) -> list[Figure]:
+    """The figure of that name, if the folder has it: an SVG rather than a PNG."""
+    svg, png = found.folder / f"{stem}.svg", found.folder / f"{stem}.png"
+    if svg.is_file() and not ACTIVE.search(text := svg.read_text(encoding="utf-8")):
+        return [Figure(caption, svg=_inline(text, re.sub(r"\W+", "-", f"{found.folder}-{stem}").strip("-")))]
+    if png.is_file():
+        return [Figure(caption, png=base64.b64encode(png.read_bytes()).decode())]
+    return []
+
+
+def _inline(svg: str, prefix: str) -> str:
+    """An SVG file as part of a page: without its head, no larger than it was drawn, its identifiers made its
+    own."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
+    svg = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', svg)
+    svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", svg)
+    width = re.search(r'<svg\b[^>]*? width="([\d.]+)pt"', svg)
+    for size in ("width", "height"):
+        svg = re.sub(rf'(<svg\b[^>]*?) {size}="[^"]*"', r"\1", svg, count=1)
+    return svg if width is None else svg.replace("<svg", f'<svg style="--natural: {width[1]}pt"', 1)

@@ -65,7 +65,7 @@ def _settings(results: Sequence[tuple[str, Record]]) -> Table:
     for result, record in results:
         made = _made(record)
         settings = made.get("settings", {})
-        time = _time(made["wall_time [s]"]) if made else UNRECORDED
+        time = _time(made["wall_time [s]"]) if "wall_time [s]" in made else UNRECORDED
         time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
         finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
         rows.append([result, finished, time, *(shown(settings.get(name)) for name in names)])

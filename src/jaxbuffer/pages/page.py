@@ -3,11 +3,14 @@
 import dataclasses
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import jinja2
 from markupsafe import Markup, escape
 
+from ..errors import InputError
+from ..files import write
 from ..tables import table, text
 from ..version import version
 
@@ -67,8 +70,8 @@ class Section:
     """A part of a page: its ``title``, then in this order
 
     - ``warnings`` and paragraphs of ``text``;
-    - ``motion``: a run to be drawn moving (`output.motion_record`), None for none;
-    - ``curves``: forces over time to be read off (`output.force_record`), a record each;
+    - ``motion``: a run to be drawn moving (`output.page_data`), None for none;
+    - ``curves``: forces over time to be read off (`output.page_data`), a record each;
     - ``figures``, ``tables``;
     - ``listings``: texts of files by caption, shown only when asked for.
     """
@@ -107,9 +110,21 @@ class Page:
     def html(self) -> str:
         """The file's content."""
         environment = jinja2.Environment(
-            loader=jinja2.PackageLoader("jaxbuffer.report"), autoescape=True, trim_blocks=True, lstrip_blocks=True
+            loader=jinja2.PackageLoader("jaxbuffer.pages"), autoescape=True, trim_blocks=True, lstrip_blocks=True
         )
         return environment.get_template("page.html.jinja").render(page=self, cell=_cell, with_breaks=_with_breaks)
+
+
+def write_page(page: Page, file: Path, other: str) -> bool:
+    """Write a page, and return whether one of ours was replaced.
+
+    **Raises:** `InputError` for another file of that name; ``other``: how to name one that is free.
+    """
+    replaced = file.exists()
+    if replaced and GENERATOR not in file.read_text(encoding="utf-8", errors="replace")[:1000]:
+        raise InputError(f"{file} exists and is no page of jaxbuffer's; choose another {other}")
+    write(file, page.html())
+    return replaced
 
 
 def _with_breaks(text: str) -> Markup:

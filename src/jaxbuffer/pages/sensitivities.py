@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
 from .designs import other_design
-from .judged import elsewhere, lender_of
-from .limits import Limit, asked_limits, broken
+from .limits import Limit, asked_limits, elsewhere, lender_of
 from .page import Cell, Section, Table, shown
 from .records import by_name, in_figures, scenario_of, words
 
@@ -92,10 +91,9 @@ def _until_broken(found: Results, of_quantity: Rows, asked: Record | None) -> li
     for limit in asked_limits(found.mechanism, asked, of_quantity):
         title, symbol, factor = in_figures(found.mechanism, limit.name)
         value = values[limit.name]
-        sign = "≥" if limit.lowest else "≤"
-        told = Cell("broken here", "bad") if broken(value, limit.value, limit.lowest) else None
+        told = Cell("broken here", "bad") if limit.broken_by(value) else None
         told = told or _smallest(value, limit, of_quantity[limit.name])
-        rows.append([title, symbol, shown(factor * value), f"{sign} {shown(factor * limit.value)}", told])
+        rows.append([title, symbol, shown(factor * value), limit.text(factor), told])
     headings = ("quantity", "unit", "here", "limit", "what breaks it")
     caption = "What smallest change of a number breaks a limit in this scenario, to first order"
     return [Table(caption, headings, rows)] if rows else []

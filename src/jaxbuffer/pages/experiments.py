@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..fields import as_typed
+from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .figures import figure
 from .page import Cell, Section, Table, shown
-from .records import UNIT, ended, field_name, in_figures, units_of, words
+from .records import ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")
@@ -21,7 +21,9 @@ def sweep(found: Results) -> Section | None:
     """What a sweep covers, how its runs ended, its maps, and where it is safe."""
     if found.sweep is None:
         return None
-    sizes = " × ".join(f"{count} values of {field_name(str(path))}" for path, count in found.sweep.sizes.items())
+    sizes = (
+        " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
+    )
     names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
     outcomes = dict(zip(map(str, names), map(int, counts), strict=True))
     record = found.records.get("sweep", {})
@@ -36,6 +38,12 @@ def sweep(found: Results) -> Section | None:
     warnings = [between["words"]] if between and between["unsafe_runs"] else []
     text += [between["words"]] if between and not between["unsafe_runs"] else []
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
+
+
+def swept_fields(found: Results) -> dict[str, int]:
+    """Return how many values each swept field has; of runs that were given one by one, nothing."""
+    sizes = {} if found.sweep is None else found.sweep.sizes
+    return {field_name(str(path)): count for path, count in sizes.items() if path != "run"}
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
@@ -178,7 +186,7 @@ def front(found: Results) -> Section | None:
 def _front_column(found: Results, name: str) -> tuple[str, float]:
     """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
     or its limit, or of a variable."""
-    start, symbol = UNIT.match(name).groups() if UNIT.match(name) else (name, "")  # type: ignore[union-attr]
+    start, symbol = without_unit(name)
     quantity = found.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
     shown_in, factor = symbol, 1.0
     if quantity is not None:

@@ -1,6 +1,6 @@
-"""A run moving, as a record: what a page needs to draw it."""
+"""A run moving, and forces over time, as records: what a page needs to draw them and to tell their values."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,24 @@ from ..mechanisms.drawing import Band, Detail, Rod, Spot, Spring
 from ..mechanisms.run import Run
 from .animation import frames_of, speed_in_words
 from .motion import Scene, scene
+from .pulses import force_over_time
 from .sketch import fills, is_filled, outline
 
-DIGITS = 7  # of lengths [m] and angles [rad] after the point: a tenth of a micrometre
+DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
+SIGNIFICANT = 6  # digits of a force
+
+
+def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
+    """The forces of some runs by name: "before" and "after" say. ``scenario``: theirs, in words."""
+    return {"scenario": scenario, "curves": [{"name": name, **_curve(run)} for name, run in runs.items()]}
+
+
+def _curve(run: Run) -> dict[str, list[float]]:
+    """A run's times and forces, without those that lie between two others without any force."""
+    time, force = force_over_time(run)
+    idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
+    forces = [float(f"{value:.{SIGNIFICANT}g}") for value in force[~idle]]
+    return {"time [s]": np.round(time[~idle], DIGITS).tolist(), "force [N]": forces}
 
 
 def motion_record(run: Run) -> dict[str, Any]:

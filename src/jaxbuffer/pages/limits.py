@@ -1,18 +1,133 @@
-"""Results against limits: the worst value of each limited quantity, its margin, kept or broken."""
+"""What is held against limits, a run or every scenario of a tuning, and how it stands to them."""
 
+import dataclasses
 from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .judged import Judged, judged
 from .page import Cell, Section, Table, shown
-from .records import ROUNDING, in_figures, words
+from .records import ROUNDING, by_name, in_figures, same, scenario_of, words
 
+LIMITS = ("limits", "lower_limits", "most_impacts")  # what a record has that its study limits
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
 BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
 CLOSE = 1e-3  # relative margin below which a value is at its limit
 MANY = 12  # broken limits; a longer table is folded
+KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
+RISING = Cell("kept; still rising at the end", "unsure")  # it would go on to rise, had the run gone on
+UNKNOWN = Cell("not known", "unsure")
+
+
+@dataclasses.dataclass(frozen=True)
+class Judged:
+    """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
+    where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, how it
+    ended (``outcomes``), its number of ``impacts``, and which quantities were still ``rising`` at its end."""
+
+    asked: Record
+    lender: str
+    labels: Sequence[str]
+    values: Sequence[Mapping[str, Any]]
+    outcomes: Sequence[str]
+    impacts: Sequence[int]
+    rising: Sequence[Sequence[str]]
+
+
+def judged(found: Results, every: Sequence[Results] = (), side: str = "after") -> Judged | None:
+    """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
+
+    **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
+    a tuning: "after", or "before" for the design it began with.
+    """
+    record = _limiting(found)
+    if record is None:
+        return None
+    lender = found if has_limits(found) else next((other for other in every if has_limits(other)), found)
+    asked = _limiting(lender)
+    if asked is None or (found.tuned is None and not has_limits(lender)):
+        return None
+    name = "" if lender is found else str(lender.folder)
+    if found.tuned is None:
+        values = by_name(record) | record.get("limited", {})
+        said = found.mechanism.view.label(scenario_of(found.mechanism, record["scenario"]))
+        return Judged(
+            asked, name, [said], [values], [record["outcome"]], [len(record["impacts"])], [record.get("rising", ())]
+        )
+    cases = [case[side] for case in record["scenarios"]]
+    outcomes, impacts = ([case[name] for case in cases] for name in ("outcome", "impacts"))
+    rising = [case.get("rising", ()) for case in cases]
+    return Judged(asked, name, case_labels(found), [by_name(case) for case in cases], outcomes, impacts, rising)
+
+
+def has_limits(found: Results) -> bool:
+    """Whether a folder's tuning, or else its run, has limits of its own."""
+    record = _limiting(found)
+    if record is None:
+        return False
+    return bool(record.get("limits") or record.get("lower_limits")) or record.get("most_impacts") is not None
+
+
+def told_already(found: Results, every: Sequence[Results]) -> bool:
+    """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
+    the same limits: what is said of the tuning's limits holds for it."""
+    run = found.records.get("run")
+    if run is None or found.tuned is not None:
+        return False
+    return any(other.tuned is not None and _is_a_case(run, other.tuned) for other in every)
+
+
+def _is_a_case(run: Record, tuned: Record) -> bool:
+    own, others = ([of.get(name) or None for name in LIMITS] for of in (run, tuned))
+    if any(own) and own != others:
+        return False
+    design = tuned["design"]
+    if not all(same(design.get(name), value) for name, value in run["design"].items()):
+        return False
+    return any(
+        not case.get("factors") and all(same(case.get(name), value) for name, value in run["scenario"].items())
+        for case in tuned["scenarios"]
+    )
+
+
+def lender_of(every: Sequence[Results]) -> Record | None:
+    """The record of the first folder that has limits of its own."""
+    return next((_limiting(found) for found in every if has_limits(found)), None)
+
+
+def _limiting(found: Results) -> Record | None:
+    return found.tuned if found.tuned is not None else found.records.get("run")
+
+
+def elsewhere(found: Results, scenario: Record) -> list[str]:
+    """A line that says in which scenarios of a tuning its limited quantities and the peak force are largest, where a
+    run of another ``scenario`` is shown; no line where it is one of those."""
+    if found.tuned is None:
+        return []
+    mechanism, cases = found.mechanism, [by_name(case["after"]) for case in found.tuned["scenarios"]]
+    met, labels = [scenario_of(mechanism, case) for case in found.tuned["scenarios"]], case_labels(found)
+    names = dict.fromkeys(["peak_force", *found.tuned["limits"]])
+    own = found.tuned.get("quantities", {})
+    largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
+    if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
+        return []
+    told = ", ".join(f"{in_figures(mechanism, name, own)[0]} at {labels[k]}" for name, k in largest.items())
+    return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {told}."]
+
+
+def case_labels(found: Results, among: Sequence[Any] = ()) -> list[str]:
+    """A tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own)."""
+    cases = [] if found.tuned is None else found.tuned["scenarios"]
+    met = [scenario_of(found.mechanism, case) for case in cases]
+    return [
+        _label(found.mechanism, scenario, list(among) or met, case) for case, scenario in zip(cases, met, strict=True)
+    ]
+
+
+def _label(mechanism: Mechanism, scenario: Any, among: list[Any], record: Record) -> str:
+    """The scenario in words, and where the built mechanism differs from the drawn one."""
+    factors = record.get("factors", {}).items()
+    return mechanism.view.label(scenario, among) + "".join(f", {factor:.4g} {path}" for path, factor in factors)
 
 
 class Limit(NamedTuple):
@@ -21,6 +136,14 @@ class Limit(NamedTuple):
     name: str
     value: float
     lowest: bool = False
+
+    def text(self, factor: float = 1.0, symbol: str = "") -> str:
+        """Return "≤ 25 mm"; ``factor``: how many of the unit with this ``symbol`` the quantity's own unit is."""
+        return f"{'≥' if self.lowest else '≤'} {shown(factor * self.value)} {symbol}".rstrip(" -")
+
+    def broken_by(self, value: float | None) -> bool:
+        """Return whether a value is beyond the limit, rounding aside; one that is not known is."""
+        return broken(value, self.value, self.lowest)
 
 
 def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
@@ -84,7 +207,7 @@ def keeping(mechanism: Mechanism, held: Judged) -> list[bool]:
 
 
 def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
-    return limit.name in case and broken(case[limit.name], limit.value, limit.lowest)
+    return limit.name in case and limit.broken_by(case[limit.name])
 
 
 def _rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
@@ -117,12 +240,18 @@ def _limit_rows(mechanism: Mechanism, held: Judged) -> list[list[str | Cell]]:
 
 def _asked(mechanism: Mechanism, held: Judged) -> list[Limit]:
     always = [name for name in mechanism.tuning.always if name in held.values[0]]
-    own = [*held.asked["limits"], *held.asked.get("lower_limits", {})]
-    return asked_limits(mechanism, held.asked, [*always, *own])
+    return asked_limits(mechanism, held.asked, [*always, *limited(held.asked)])
 
 
-def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> list[Limit]:
-    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some."""
+def limited(asked: Record) -> list[str]:
+    """Return the quantities that a study limits."""
+    return [*asked["limits"], *asked.get("lower_limits", {})]
+
+
+def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str] | None = None) -> list[Limit]:
+    """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
+    those that the study limits."""
+    among = limited(asked) if among is None else among
     upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **asked["limits"]}.items()]
     lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
     return [limit for limit in (*upper, *lower) if limit.name in among]
@@ -130,13 +259,12 @@ def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str]) -> 
 
 def _title(mechanism: Mechanism, held: Judged, name: str) -> tuple[str, str, float]:
     title, symbol, factor = in_figures(mechanism, name, held.asked.get("quantities", {}))
-    asked = name in held.asked["limits"] or name in held.asked.get("lower_limits", {})
-    return (title if asked else f"{title} (always)"), symbol, factor
+    return (title if name in limited(held.asked) else f"{title} (always)"), symbol, factor
 
 
 def _row(title: tuple[str, str, float], held: Judged, limit: Limit) -> list[str | Cell]:
     name, symbol, factor = title
-    told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+    told = limit.text(factor)
     if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
         return [name, symbol, "–", "–", told, "–", UNKNOWN]
     values = [case[limit.name] for case in held.values]
@@ -174,13 +302,8 @@ def broken(value: float | None, limit: float | None, lowest: bool = False) -> bo
     return value < limit * (1.0 - ROUNDING) if lowest else value > limit * (1.0 + ROUNDING)
 
 
-KEPT, AT_LIMIT, BROKEN = Cell("kept", "good"), Cell("at the limit", "unsure"), Cell("broken", "bad")
-RISING = Cell("kept; still rising at the end", "unsure")  # it would go on to rise, had the run gone on
-UNKNOWN = Cell("not known", "unsure")
-
-
 def _verdict(value: float | None, limit: Limit) -> Cell:
-    if broken(value, limit.value, limit.lowest):
+    if limit.broken_by(value):
         return BROKEN
     share = _margin(value, limit)
     return AT_LIMIT if share is not None and share < CLOSE else KEPT
@@ -206,7 +329,7 @@ def _each_broken(mechanism: Mechanism, held: Judged) -> list[tuple[float, list[s
     ]
     for limit in asked:
         name, symbol, factor = ("impacts", "-", 1) if limit.name == "impacts" else _title(mechanism, held, limit.name)
-        told = f"{'≥' if limit.lowest else '≤'} {shown(factor * limit.value)}"
+        told = limit.text(factor)
         for where, case in zip(held.labels, cases, strict=True):
             if _breaks(case, limit):
                 value = case[limit.name]
