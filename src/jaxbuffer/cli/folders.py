@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from ..output.folder import Results
 
 MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
+STORE = "sweep.zarr"
 BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
-    "sweep or sample": ("sweep.chunks", ("sweep.npz", "sweep.nc", "sample.json")),
+    "sweep or sample": (STORE, ("sweep.npz", "sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
 }
 HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
@@ -30,9 +31,13 @@ def loaded(folder: Path) -> "Results":
     try:
         found = load(folder)
     except InputError as error:
-        if "holds no results" not in str(error):
-            raise
-        raise InputError(told or f"{error}; {MAKE}") from None
+        if "holds no results" in str(error):
+            raise InputError(told or f"{error}; {MAKE}") from None
+        if told and STORE in str(error):  # it cannot be read either, for the package that does is missing, say
+            raise InputError(told) from None
+        raise
+    if told and found.sweep is not None and not found.records:  # what an interrupted sweep has stored, and no more
+        raise InputError(told)
     if told:
         note(told)
     return found
@@ -40,8 +45,11 @@ def loaded(folder: Path) -> "Results":
 
 def unfinished(folder: Path) -> str:
     """What is begun in a folder and not finished, and how it goes on; "" where nothing is."""
+    from ..sweeps.store import is_unfinished  # imports JAX, which a command without results is spared
+
     for what, (kept, results) in BEGUN.items():
-        if any(folder.glob(kept)) and not any((folder / name).exists() for name in results):
+        begun = is_unfinished(folder / STORE) if kept == STORE else any(folder.glob(kept))
+        if begun and not any((folder / name).exists() for name in results):
             return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
     return ""
 

@@ -62,8 +62,7 @@ def sweep(
       envelope.png, .svg, .txt  over two fields: which runs keep every limit, and the largest rectangle of them
       sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
-      sweep.chunks  kept up while running; --resume needs it
-      sweep.zarr  in its place with --scheduler: all captures as labelled arrays, for xarray or jb.load
+      sweep.zarr  kept up while running, all captures as labelled arrays for xarray; --resume needs it
 
     \b
     Examples:
@@ -76,7 +75,7 @@ def sweep(
     from ..output.sweep_files import FIGURE, LABELLED, RECORD, TABLE
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
-    from ..sweeps.store import STORE, ZARR
+    from ..sweeps.store import STORE
 
     study = request.study()
     if scheduler is not None:
@@ -90,7 +89,7 @@ def sweep(
     limits = _limits(study, grid) if told else None
     drawn = () if limits is None else ENVELOPE
     names = (*drawn, TABLE, ARRAYS, FIGURE, LABELLED, RECORD) if told else ()
-    files = request.files(*names, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
+    files = request.files(*names, resumable=(STORE,), resume=resume)
     from ..sweeps.stored import StoredSweep
     from ..sweeps.sweep import sweep as compute
 

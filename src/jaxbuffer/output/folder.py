@@ -14,8 +14,7 @@ from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
-from ..sweeps.store import ZARR
-from ..sweeps.zarr_store import opened
+from ..sweeps.store import STORE, opened
 from .formats import ARRAYS
 from .sweep_files import LABELLED
 from .sweep_files import read as read_arrays
@@ -165,7 +164,7 @@ def _sweep(folder: Path) -> "xr.Dataset | None":
         return read(folder / LABELLED)
     if (folder / ARRAYS).is_file():
         return read_arrays(folder / ARRAYS).to_xarray()
-    return opened(folder / ZARR) if (folder / ZARR).is_dir() else None
+    return opened(folder / STORE) if (folder / STORE).is_dir() else None
 
 
 def _record(file: Path) -> Record | None:
