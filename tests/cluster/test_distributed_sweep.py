@@ -347,7 +347,7 @@ def test_tasks_are_few_at_a_time_and_small(client, tmp_path, solved, monkeypatch
     assert len(made) == 100 and max(k - n for k, n in enumerate(done)) <= 2, "of one thread"
     million = {"scenario.height": {"from": 0.1, "to": 0.2, "count": 10**6}, "impact.stiffness": [1e10] * 1000}
     template = Template(BAR, jb.BarDropScenario(), 0.01)
-    sweep = GridSweep(grid(million, BAR, jb.BarDropScenario(), held=False), template, 512)
+    sweep = GridSweep(grid(million, BAR, jb.BarDropScenario(), in_memory=False), template, 512)
     assert len(pickle.dumps(sweep.block(10**6))) < 10_000 and len(pickle.dumps(template)) < 2000
 
 

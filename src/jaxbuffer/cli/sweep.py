@@ -81,7 +81,7 @@ def sweep(
     if scheduler is not None:
         check(scheduler, request)
     asked = _asked(study, over or [])
-    grid = made(asked, study.design, study.scenario, held=scheduler is None)
+    grid = made(asked, study.design, study.scenario, in_memory=scheduler is None)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     told = scheduler is None or len(grid) <= LARGEST
     if told:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ..programs.process import HOST, backend_is_up, configure, kind, one_kernel
+from ..programs.store import folder
 from .connect import SchedulerGone
 
 if TYPE_CHECKING:
@@ -49,9 +50,10 @@ class Workers:
     that is given.
     """
 
-    def __init__(self, client: "Client", cache: str | None, given: Kind | None = None) -> None:
+    def __init__(self, client: "Client", given: Kind | None = None) -> None:
         """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
-        self.client, self.cache = client, cache
+        programs = folder()
+        self.client, self.cache = client, None if programs is None else str(programs)
         self.seen: dict[str, list[str]] = {}  # what differs, by address
         self.threads = 0  # of all workers
         self._wait()

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from ..errors import InputError, nearest, shown, suggest
 from ..fields.units import check_unit
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.derived import Derived, check_derived, check_name, raised
+from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 FIELDS = ("function", "unit", "description")
@@ -94,18 +94,9 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     except SyntaxError as error:
         raise InputError(f"{shown_as}, line {error.lineno}: {error.msg}") from None
     except (Exception, SystemExit) as error:
-        raise InputError(f"{shown_as}{_at(error, path)} {raised(error)}") from None
+        line = line_in(str(path), error)
+        raise InputError(f"{shown_as}{'' if line is None else f', line {line},'} {raised(error)}") from None
     return vars(module)
-
-
-def _at(error: BaseException, path: Path) -> str:
-    """The file's last line on the way to an error, as text."""
-    line, at = "", error.__traceback__
-    while at is not None:
-        if at.tb_frame.f_code.co_filename == str(path):
-            line = f", line {at.tb_lineno},"
-        at = at.tb_next
-    return line
 
 
 def _function(defined: Mapping[str, Any], asked: Named) -> Callable[..., Any]:

@@ -13,7 +13,6 @@ from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
 from ..files import Lock
-from ..programs.store import folder as programs_folder
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .columns import tally
 from .cut import Block, GridSweep, RunsSweep, Template
@@ -91,9 +90,9 @@ def run(cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Setti
             if where.resume:
                 sweep = cut(CHUNK)
                 store, made_on = resumed(path, sweep, settings)
-                workers = Workers(client, _cache(), made_on)
+                workers = Workers(client, made_on)
             else:
-                workers = Workers(client, _cache())
+                workers = Workers(client)
                 sweep = cut(task_size(count, max(1, workers.threads)))
                 store = begun(path, sweep, settings, workers.kind)
             job = Job(store, isinstance(sweep, GridSweep), sweep.template, settings)
@@ -132,8 +131,3 @@ def _solved(
             raise ConnectionError(f"{error}; {there}") from None
         raise OSError(error.errno, f"{error.strerror}; {there}", error.filename) from None
     return so_far()
-
-
-def _cache() -> str | None:
-    programs = programs_folder()
-    return None if programs is None else str(programs)

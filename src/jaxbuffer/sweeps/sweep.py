@@ -161,7 +161,7 @@ def sweep(
         cut: Cutter = functools.partial(RunsSweep, design, scenarios, duration, count)
     else:
         check_single("duration", duration, "s", ONE_FOR_ALL)
-        axes = grid(over, design, scenarios, held=client is None)
+        axes = grid(over, design, scenarios, in_memory=client is None)
         count, result = len(axes), Sweep(mechanism, {}, design, scenarios, axes)
         cut = functools.partial(GridSweep, axes, Template(design, scenarios, duration))
     if client is not None:
