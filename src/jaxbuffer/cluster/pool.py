@@ -29,8 +29,8 @@ class ClusterPool:
     def map(self, function: Callable[[Any], R], items: Iterable[Any]) -> list[R]:
         """What the function returns for each item, in their order. Both are sent: a function by its name, or a
         `functools.partial` of one."""
-        found = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
-        return [result for _, result in sorted(found, key=lambda it: it[0])]
+        results = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
+        return [result for _, result in sorted(results, key=lambda it: it[0])]
 
     def close(self) -> None:
         """Leave the cluster, or end it if it is our own."""

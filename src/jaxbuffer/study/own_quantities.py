@@ -51,8 +51,8 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
             raise InputError(f"{where}.{key} = {shown(value)} is not a text; write {name} = {EXAMPLE}")
     file, colon, function = entry["function"].rpartition(":")
     if not (colon and file.endswith(".py") and function.isidentifier()):
-        told = "is not a file and a name in it, such as objectives.py:effort"
-        raise InputError(f"{where}.function = {shown(entry['function'])} {told}")
+        remedy = "is not a file and a name in it, such as objectives.py:effort"
+        raise InputError(f"{where}.function = {shown(entry['function'])} {remedy}")
     check_unit(f"{where}.unit", entry["unit"])
     return Named(file, function, entry["unit"], entry.get("description", ""))
 
@@ -63,18 +63,18 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
     """
     modules: dict[str, dict[str, Any]] = {}
-    found = {}
-    for name, asked in named_quantities(table, mechanism).items():
+    own = {}
+    for name, named in named_quantities(table, mechanism).items():
         where = f"problem.quantities.{name}"
         try:
-            if asked.file not in modules:
-                modules[asked.file] = _run(folder / asked.file, asked.file)
-            function = _function(modules[asked.file], asked)
-            found[name] = Derived(function, asked.unit, asked.description)
+            if named.file not in modules:
+                modules[named.file] = _run(folder / named.file, named.file)
+            function = _function(modules[named.file], named)
+            own[name] = Derived(function, named.unit, named.description)
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
     try:
-        return check_derived(found, mechanism.quantities)
+        return check_derived(own, mechanism.quantities)
     except InputError as error:
         raise InputError(f"problem.{error}") from None
 
@@ -99,12 +99,12 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     return vars(module)
 
 
-def _function(defined: Mapping[str, Any], asked: Named) -> Callable[..., Any]:
+def _function(defined: Mapping[str, Any], named: Named) -> Callable[..., Any]:
     """The function of that name."""
-    if asked.function in defined:
-        found: Callable[..., Any] = defined[asked.function]
-        return found
+    if named.function in defined:
+        function: Callable[..., Any] = defined[named.function]
+        return function
     functions = [name for name, value in defined.items() if inspect.isfunction(value)]
-    near = nearest(asked.function, functions)
-    told = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
-    raise InputError(f"{asked.file} has no function {asked.function}{told}")
+    near = nearest(named.function, functions)
+    remedy = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
+    raise InputError(f"{named.file} has no function {named.function}{remedy}")

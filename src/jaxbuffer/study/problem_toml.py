@@ -72,9 +72,9 @@ def read_problem(
     except InputError as error:
         if not str(error).startswith(SECTIONS):
             raise
-        asked = limits(table, mechanism).at_most
-        broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
-        hints = (meant(asked[name], symbols[name], low=0.0) for name in broken)
+        at_most = limits(table, mechanism).at_most
+        broken = (name for name in at_most if str(error).startswith(f"constraints.{name} = "))
+        hints = (meant(at_most[name], symbols[name], low=0.0) for name in broken)
         raise error.between("problem.", next(hints, "")) from None
 
 
@@ -96,16 +96,16 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
 
 def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
     """The units of all quantities that objectives and limits may use, the study's own ones among them."""
-    own = {name: asked.unit for name, asked in named_quantities(table, mechanism).items()}
+    own = {name: own.unit for name, own in named_quantities(table, mechanism).items()}
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
 def _variables_of(table: Mapping[str, Any], design: Part) -> tuple[Variable, ...]:
     """The variables of a [problem], by default the mechanism's."""
-    asked = _table(table, "variables", mechanism_of(design).defaults.variables)
-    if not asked:
+    bounds = _table(table, "variables", mechanism_of(design).defaults.variables)
+    if not bounds:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
-    by_name = by_path(asked, where="problem.variables")
+    by_name = by_path(bounds, where="problem.variables")
     return tuple(_variable(path, given, design) for path, given in by_name.items())
 
 
@@ -115,12 +115,12 @@ def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: 
         value, symbol, typed = get(design, v.path), unit(design, v.path), units.get(v.path, "")
         if isinstance(value, float) and not v.low <= value <= v.high:
             bounds = f"bounds {range_in_words(v.low, v.high, symbol, typed)}"
-            told = (
+            bounds_in_words = (
                 f"its {bounds}; widen the bounds in [problem.variables] or change the start"
                 if own
                 else f"the default {bounds}; give bounds in [problem.variables] or change the start"
             )
-            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {told}")
+            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {bounds_in_words}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -170,20 +170,20 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     """How scenarios and design scatter; None where they do not."""
     if "sample" not in table:
         return None
-    asked, spanned = _table(table, "sample", {}), _table(table, "grid", {})
-    _known(asked, SAMPLE, "problem.sample")
+    sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
+    _known(sample, SAMPLE, "problem.sample")
     fields, factors = (
-        _distributions(_table(asked, name, {}), tuple(paths(part)), f"problem.sample.{name}")
+        _distributions(_table(sample, name, {}), tuple(paths(part)), f"problem.sample.{name}")
         for name, part in (("scenario", base), ("factors", design))
     )
     for name in fields:
         if name in spanned:
             raise InputError(f"problem.sample.scenario.{name} and problem.grid.{name} both give {name}; keep one")
-    seed = asked.get("seed", 0)
+    seed = sample.get("seed", 0)
     check_whole("problem.sample.seed", seed, 0)
     read = lambda name, given, symbol: _distribution(f"problem.sample.{name}", given, symbol)  # noqa: E731
     return Scatter(
-        asked.get("count", 16),
+        sample.get("count", 16),
         {name: read(f"scenario.{name}", given, unit(base, name)) for name, given in fields.items()},
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
         seed,
@@ -192,13 +192,13 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
 
 def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
     """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
-    found = by_path(table, KINDS, where)
-    for path in found:
+    by_name = by_path(table, KINDS, where)
+    for path in by_name:
         field, _, kind = path.rpartition(".")
         if field in known:  # a table that has no kind is taken for more of the path
             _known({kind: None}, KINDS, f"{where}.{field}")
-    _known(found, known, where)
-    return found
+    _known(by_name, known, where)
+    return by_name
 
 
 def _distribution(where: str, given: Any, unit: str) -> Distribution:

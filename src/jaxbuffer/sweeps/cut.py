@@ -191,9 +191,9 @@ class RunsSweep(BlockSweep):
 
 def box(sizes: list[int], most: int) -> tuple[int, ...]:
     """A box of at most so many cells in an array of these sizes, longest along its last axes, and as even as can be."""
-    found: list[int] = []
+    lengths: list[int] = []
     for size in reversed(sizes):
-        room = max(1, most // math.prod(found))
+        room = max(1, most // math.prod(lengths))
         pieces = -(-size // min(size, room))
-        found.append(-(-size // pieces))
-    return tuple(reversed(found))
+        lengths.append(-(-size // pieces))
+    return tuple(reversed(lengths))
