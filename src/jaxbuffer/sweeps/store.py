@@ -21,7 +21,7 @@ import jax
 import numpy as np
 
 from ..errors import InputError
-from ..files import naming
+from ..files import Lock, naming
 from ..hybrid import name_of
 from ..labelled.arrays import Labelled
 from ..mechanisms.dataset import attributes
@@ -107,39 +107,42 @@ class Store:
         return int.from_bytes(content.digest(), "little") or 1
 
 
+def fill(store: Store, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
+    """Fill columns (n,) with what is stored. A warning says how many blocks are damaged."""
+    damaged, sizes = 0, sweep.cut.sizes
+    for block in sweep.blocks():
+        values = store.read(block)
+        if values is None:
+            damaged += store.is_begun(block)
+            continue
+        for name, those in zip(store.types, values, strict=True):
+            columns[name].reshape(sizes)[block.region] = those.reshape(block.shape)
+    if damaged:
+        blocks = "1 block is" if damaged == 1 else f"{damaged} blocks are"
+        done = f"{int(np.sum(columns['code'] >= 0))} of {columns['code'].size} runs"
+        warnings.warn(f"{store.path}: {blocks} damaged; going on with {done}", stacklevel=2)
+
+
 class Saver:
-    """The runs of a sweep in this process, stored about once a second.
+    """The runs of a sweep in this process, stored about once a second until `close`.
 
     A block that has some of its runs only is stored with the others as not computed, and written again later.
 
     **Arguments:** ``columns``: an array (n,) a quantity, and ``finished`` (n,): which runs are in them. Both are read
-    again at each `save`.
+    again at each `save`. Those that are finished now are in the store. ``lock``: of the folder.
     """
 
     def __init__(
-        self, store: Store, sweep: BlockSweep, columns: Mapping[str, np.ndarray], finished: np.ndarray
+        self,
+        store: Store,
+        sweep: BlockSweep,
+        columns: Mapping[str, np.ndarray],
+        finished: np.ndarray,
+        lock: Lock,
     ) -> None:
-        self.store, self.sweep, self.finished, self.stored = store, sweep, finished, finished.copy()
-        self.columns = [columns[name] for name in store.types]
+        self.store, self.sweep, self.finished, self.lock = store, sweep, finished, lock
+        self.columns, self.stored = [columns[name] for name in store.types], finished.copy()
         self.due = time.monotonic() + PERIOD
-
-    def fill(self) -> None:
-        """Fill in what an earlier sweep stored. A warning says how many blocks are damaged."""
-        damaged, sizes = 0, self.sweep.cut.sizes
-        for block in self.sweep.blocks():
-            values = self.store.read(block)
-            if values is None:
-                damaged += self.store.is_begun(block)
-                continue
-            for column, those in zip(self.columns, values, strict=True):
-                column.reshape(sizes)[block.region] = those.reshape(block.shape)
-        self.finished[:] = self.columns[[*self.store.types].index("code")] >= 0
-        self.stored[:] = self.finished
-        if damaged:
-            done = f"{int(self.finished.sum())} of {self.finished.size} runs"
-            blocks = "1 block is" if damaged == 1 else f"{damaged} blocks are"
-            text = f"{self.store.path}: {blocks} damaged; going on with {done}"
-            warnings.warn(text, stacklevel=2)
 
     def save(self, now: bool = False) -> None:
         """Store the blocks in which runs were finished since the last time, if that is long enough ago or ``now``."""
@@ -150,6 +153,13 @@ class Saver:
             self.store.write(*self._block(int(number)))
         self.stored[new] = True
         self.due = time.monotonic() + PERIOD
+
+    def close(self) -> None:
+        """Store the rest and leave the folder to others."""
+        try:
+            self.save(now=True)
+        finally:
+            self.lock.release()
 
     def _block(self, number: int) -> tuple[Block, list[np.ndarray]]:
         """Return a block and its columns, in which the runs that are not finished are blank.

@@ -4,13 +4,11 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..mechanisms.mechanism import Mechanism
 from .columns import doubts, empty_columns
 from .cut import GridSweep, RunsSweep
 from .result import Sweep
-from .store import Saver, existing, opened
+from .store import existing, fill, opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,8 +57,8 @@ class StoredSweep:
 
     def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
-        columns, finished = empty_columns(self.mechanism, self.count), np.zeros(self.count, bool)
-        Saver(existing(self.store, self.asked), self.asked, columns, finished).fill()
+        columns = empty_columns(self.mechanism, self.count)
+        fill(existing(self.store, self.asked), self.asked, columns)
         if isinstance(self.asked, RunsSweep):
             return Sweep(self.mechanism, columns, *self.asked.swept[:2])
         template = self.asked.template

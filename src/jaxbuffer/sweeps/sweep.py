@@ -4,9 +4,8 @@ Runs are solved in small chunks, one after the other within a chunk so that none
 handed to one thread a core: a compiled chunk runs outside Python.
 """
 
-import contextlib
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, overload
@@ -26,13 +25,13 @@ from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .columns import empty_columns
-from .cut import GridSweep, RunsSweep, Template
+from .cut import BlockSweep, GridSweep, RunsSweep, Template
 from .distributed import run as run_distributed
 from .distributed import task_size
 from .executor import Where, check_executor, completed
 from .grid import Batch, grid
 from .result import Sweep, SweepInterrupted
-from .store import STORE, Saver, begun, check_resumable, resumed
+from .store import STORE, Saver, begun, check_resumable, fill, resumed
 from .stored import StoredSweep
 
 Cutter = Callable[[int], GridSweep | RunsSweep]  # a sweep in blocks of at most so many runs
@@ -189,22 +188,30 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
         for first in range(0, part.places.size, part.chunk)
         if not finished[part.places[first : first + part.chunk]].all()
     )
+    saver = None
+    if where.folder is not None:
+        sweep = cut(task_size(count, workers))
+        saver = _saver(Path(where.folder) / STORE, sweep, settings, where.resume, result.columns, finished)
+    elif where.resume:
+        raise InputError("resume needs the folder of the sweep to go on with")
     try:
-        with _saved(result, cut(task_size(count, workers)), settings, where, finished) as saver:
-            if progress is not None and finished.any():
+        if progress is not None and finished.any():
+            progress(int(finished.sum()), count)
+        solve = functools.partial(_solved, settings)
+        for places, values in completed(solve, calls, workers, where.executor):
+            for column, those in zip(columns, values, strict=True):
+                column[places] = those[: places.size]
+            finished[places] = True
+            if saver is not None:
+                saver.save()
+            if progress is not None:
                 progress(int(finished.sum()), count)
-            solve = functools.partial(_solved, settings)
-            for places, values in completed(solve, calls, workers, where.executor):
-                for column, those in zip(columns, values, strict=True):
-                    column[places] = those[: places.size]
-                finished[places] = True
-                if saver is not None:
-                    saver.save()
-                if progress is not None:
-                    progress(int(finished.sum()), count)
     except KeyboardInterrupt:
         # it may have come between two columns of a call
         raise SweepInterrupted(result.only(finished), finished) from None
+    finally:
+        if saver is not None:
+            saver.close()
     return result
 
 
@@ -214,28 +221,24 @@ def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]])
     return places, columns_of_chunk(*chunk, settings)
 
 
-@contextlib.contextmanager
-def _saved(
-    result: Sweep, sweep: GridSweep | RunsSweep, settings: Settings, where: Where, finished: np.ndarray
-) -> Iterator[Saver | None]:
-    """Store runs as they are finished, if anywhere; what an earlier sweep finished is filled in first."""
-    if where.folder is None:
-        if where.resume:
-            raise InputError("resume needs the folder of the sweep to go on with")
-        yield None
-        return
-    path = Path(where.folder) / STORE
-    if where.resume:
+def _saver(
+    path: Path,
+    sweep: BlockSweep,
+    settings: Settings,
+    resume: bool,
+    columns: dict[str, np.ndarray],
+    finished: np.ndarray,
+) -> Saver:
+    """Begin a store, or with ``resume`` fill in what an earlier sweep finished."""
+    if resume:
         check_resumable(path)
     lock = Lock(path.parent)
     try:
-        store = resumed(path, sweep, settings)[0] if where.resume else begun(path, sweep, settings, kind())
-        saver = Saver(store, sweep, result.columns, finished)
-        if where.resume:
-            saver.fill()
-        try:
-            yield saver
-        finally:
-            saver.save(now=True)
-    finally:
+        store = resumed(path, sweep, settings)[0] if resume else begun(path, sweep, settings, kind())
+        if resume:
+            fill(store, sweep, columns)
+            finished[:] = columns["code"] >= 0
+    except BaseException:
         lock.release()
+        raise
+    return Saver(store, sweep, columns, finished, lock)
