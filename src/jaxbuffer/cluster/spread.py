@@ -3,7 +3,7 @@
 import json
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import InputError
@@ -27,7 +27,7 @@ class TaskEndsWorkers(OSError):
 
 def spread(
     client: "Client", workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
-) -> Iterator[R]:
+) -> Generator[R, None, None]:
     """What the work finds for each task, as they are done; nothing of it is kept here.
 
     **Arguments:** ``work``: a function of ``common`` and a task, all of which are pickled for the workers; it may be

@@ -88,16 +88,10 @@ class SafeRectangle:
         """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
         mechanism = self.swept.mechanism
         ends = (mechanism.success or "solved") if self.limits.captured else "solved"
-        return ", ".join([ends, *(f"{name.replace('_', ' ')} {sign} {limit}" for name, sign, limit in self._words())])
-
-    def _words(self) -> Iterator[tuple[str, str, str]]:
-        for sign, sides in (("≤", self.limits.at_most), ("≥", self.limits.at_least)):
-            for name, limit in sides.items():
-                quantity = self.swept.mechanism.quantities[name]
-                unit, factor = quantity.in_figures
-                yield name, sign, f"{factor * limit:.6g} {unit}".rstrip(" -")
+        limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
         if self.limits.impacts is not None:
-            yield "impacts", "≤", str(self.limits.impacts)
+            limits.append(f"impacts ≤ {self.limits.impacts}")
+        return ", ".join([ends, *limits])
 
     def __repr__(self) -> str:
         return _summary(self)

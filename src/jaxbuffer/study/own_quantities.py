@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..errors import InputError, nearest, shown, suggest
+from ..errors import InputError, check_known, nearest, shown
 from ..fields.units import check_unit
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
@@ -40,9 +40,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
     check_name(name, mechanism.quantities)
     if not isinstance(entry, dict):
         raise InputError(f"{where} = {shown(entry)} is not a table; write {name} = {EXAMPLE}")
-    for key in entry:
-        if key not in FIELDS:
-            raise InputError(f"{where}.{key} is unknown{suggest(key, FIELDS)}")
+    check_known(entry, FIELDS, where)
     for key in FIELDS[:2]:
         if key not in entry:
             raise InputError(f"{where} has no {key}; write {name} = {EXAMPLE}")

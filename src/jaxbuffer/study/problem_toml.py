@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
+from ..errors import InputError, as_number, check_choice, check_known, check_number, check_whole, meant, shown
 from ..fields import (
     Part,
     by_path,
@@ -50,7 +50,7 @@ def read_problem(
     sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
     as of `Config`.
     """
-    _known(table, SECTIONS, "problem")
+    check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     symbols = _units(table, mechanism)
     variables = _variables_of(table, design)
@@ -80,7 +80,7 @@ def read_problem(
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
-    _known(table, SECTIONS, "problem")
+    check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     _variables_of(table, design)
     if (scatter := _scatter(table, design, base)) is not None:
@@ -148,7 +148,7 @@ def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -
     """The grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
-        _known(fields, tuple(paths(base)), "problem.grid")
+        check_known(fields, tuple(paths(base)), "problem.grid")
         return grid({name: _grid_values(name, values, base) for name, values in fields.items()}, base)
     return tuple(Case(scenario) for scenario in ((base,) if "sample" in table else listed))
 
@@ -171,7 +171,7 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     if "sample" not in table:
         return None
     sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
-    _known(sample, SAMPLE, "problem.sample")
+    check_known(sample, SAMPLE, "problem.sample")
     fields, factors = (
         _distributions(_table(sample, name, {}), tuple(paths(part)), f"problem.sample.{name}")
         for name, part in (("scenario", base), ("factors", design))
@@ -196,8 +196,8 @@ def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str)
     for path in by_name:
         field, _, kind = path.rpartition(".")
         if field in known:  # a table that has no kind is taken for more of the path
-            _known({kind: None}, KINDS, f"{where}.{field}")
-    _known(by_name, known, where)
+            check_known({kind: None}, KINDS, f"{where}.{field}")
+    check_known(by_name, known, where)
     return by_name
 
 
@@ -220,21 +220,21 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
 def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
     options = {name: table[name] for name in OPTIONS if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
-    _known(weights, (*units, *OPTIONS), f"problem.{where}")
+    check_known(weights, (*units, *OPTIONS), f"problem.{where}")
     for name, weight in weights.items():
         check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
 
 
 def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
-    _known(table, ("captured", "impacts", *units), "problem.constraints")
+    check_known(table, ("captured", "impacts", *units), "problem.constraints")
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
             continue
         where, symbol = f"problem.constraints.{name}", units[name]
         sides = given if isinstance(given, dict) else {"max": given}
-        _known(sides, SIDES, where)
+        check_known(sides, SIDES, where)
         if not sides:
             raise InputError(f"{where} = {{}} limits nothing; write {name} = 0.1 or {name} = {{min = 0.1, max = 0.2}}")
         ends = [sides.get("min"), sides.get("max")]
@@ -252,17 +252,11 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
-    _known(table, (*units, *OPTIONS, "slack"), "problem.then")
+    check_known(table, (*units, *OPTIONS, "slack"), "problem.then")
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}
     return Then(_objective(objective, "then", units), table.get("slack", Then.slack))
-
-
-def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    for name in table:
-        if name not in known:
-            raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
 
 
 def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:

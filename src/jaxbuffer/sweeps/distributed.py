@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -107,7 +107,7 @@ def task_size(runs: int, threads: int) -> int:
 
 
 def _solved(
-    reports: Iterator[Report], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
+    reports: Generator[Report, None, None], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
 ) -> StoredSweep:
     """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
@@ -130,4 +130,6 @@ def _solved(
         if error.errno is None:
             raise ConnectionError(f"{error}; {there}") from None
         raise OSError(error.errno, f"{error.strerror}; {there}", error.filename) from None
+    finally:
+        reports.close()  # tasks under way are cancelled now, while there is a client, not whenever memory is collected
     return so_far()
