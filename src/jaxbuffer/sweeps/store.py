@@ -67,13 +67,13 @@ class Store:
         """Store a block's columns, (runs,) each."""
         self.check()
         inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
+        files = {}
+        for (name, kind), values in zip(self.types.items(), columns, strict=True):
+            files[self._file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
+            full[inside] = values.reshape(block.shape)
+        files[self._file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
         with naming(self.path):
-            for (name, kind), values in zip(self.types.items(), columns, strict=True):
-                full = np.full(self.cut.block, EMPTY[kind], kind)
-                full[inside] = values.reshape(block.shape)
-                _write(self._file(name, block), full)
-            checksum = np.array([self._checksum(block, columns)], "<u8")
-            _write(self._file(CHECKSUM, block), checksum)
+            _write(files)
 
     def read(self, block: Block) -> list[np.ndarray] | None:
         """Return a block's columns, (runs,) each, or None where it is not there, or not whole."""
@@ -345,7 +345,7 @@ def _coordinate(folder: Path, name: str, labelled: Labelled) -> dict[str, Any]:
     if values.dtype.kind == "b":  # as xarray stores truths
         values, attributes["dtype"] = values.astype("i1"), "bool"
     values = values.astype(values.dtype.newbyteorder("<"))
-    _write(folder / name / "0", values)
+    _write({folder / name / "0": values})
     empty = "" if values.dtype.kind == "U" else 0
     return {
         f"{name}/{ARRAY}": _array(values.shape, values.shape, values.dtype.str, empty),
@@ -368,12 +368,19 @@ def _array(shape: Sequence[int], chunks: Sequence[int], dtype: str, empty: Any) 
     }
 
 
-def _write(path: Path, values: np.ndarray) -> None:
-    """Write one file of an array, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}")
-    draft.write_bytes(zlib.compress(values.tobytes(), 1))
-    draft.replace(path)
+def _write(files: Mapping[Path, np.ndarray]) -> None:
+    """Write files of arrays, each whole or not at all, in this order, and none before there was room for all."""
+    drafts = {path: path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}") for path in files}
+    try:
+        for path, values in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            drafts[path].write_bytes(zlib.compress(values.tobytes(), 1))
+        for path, draft in drafts.items():
+            draft.replace(path)
+    except BaseException:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+        raise
 
 
 def _read(path: Path, dtype: str, shape: tuple[int, ...]) -> np.ndarray:
