@@ -373,8 +373,12 @@ def _write(files: Mapping[Path, np.ndarray]) -> None:
     drafts = {path: path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}") for path in files}
     try:
         for path, values in files.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            drafts[path].write_bytes(zlib.compress(values.tobytes(), 1))
+            content = zlib.compress(values.tobytes(), 1)
+            try:
+                drafts[path].write_bytes(content)
+            except FileNotFoundError:  # the first file of its folder
+                path.parent.mkdir(parents=True, exist_ok=True)
+                drafts[path].write_bytes(content)
         for path, draft in drafts.items():
             draft.replace(path)
     except BaseException:
