@@ -22,15 +22,12 @@ import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.cluster.spread import spread
 from jaxbuffer.cluster.workers import Workers
-from jaxbuffer.mechanisms.dataset import attributes
-from jaxbuffer.mechanisms.registry import mechanism_of
 from jaxbuffer.sweeps import distributed
 from jaxbuffer.sweeps.chunk import Settings
-from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
 from jaxbuffer.sweeps.distributed import Job, Report
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.zarr_store import TOKEN, Store, create
+from jaxbuffer.sweeps.store import Store, begun, existing
 
 from .memory import status
 
@@ -81,7 +78,7 @@ def sweep_of(captures: int, size: int) -> GridSweep:
         "scenario.approach_speed": {"from": 0.1, "to": 0.3, "count": max(1, captures // 100)},
         "buffer.k_A": {"from": 200.0, "to": 900.0, "count": 100},
     }
-    return GridSweep(grid(over, design, scenario, held=False), Template(design, scenario, 8.0), size)
+    return GridSweep(grid(over, design, scenario, in_memory=False), Template(design, scenario, 8.0), size)
 
 
 def solving(captures: int, processes: int, folder: Path) -> tuple[float, float]:
@@ -111,22 +108,18 @@ def _noted(found: Iterator[Report], told: list[Report]) -> Iterator[Report]:
 
 def storing(folder: Path) -> tuple[float, float, int]:
     """Seconds to store a block and each of its captures, and how many files a block has."""
-    design = jb.table2()
-    mechanism = mechanism_of(design)
-    seconds = []
+    settings, seconds = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None), list[float]()
     for size in (100, 4000):
         sweep, path = sweep_of(REPEATS * 4000, size), folder / f"storing-{size}.zarr"
-        about = {**attributes(mechanism, design, jb.Scenario()), TOKEN: "one"}
-        create(path, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
-        store = Store(path, "one", column_names(mechanism))
+        store = begun(path, sweep, settings, {})
         seconds.append(min(_stored(store, sweep.block(k)) for k in range(REPEATS)))
     number = max(0.0, (seconds[1] - seconds[0]) / (4000 - 100))
-    return seconds[0] - 100 * number, number, len(column_names(mechanism)) + 1
+    return seconds[0] - 100 * number, number, len(store.types) + 1
 
 
 def _stored(store: Store, block: Block) -> float:
     chance, count = np.random.default_rng(block.number), int(np.prod(block.shape))
-    numbers = [chance.random(count) if array.dtype.kind == "f" else np.zeros(count, int) for array in store.arrays[:-1]]
+    numbers = [chance.random(count) if kind == "<f8" else np.zeros(count, int) for kind in store.types.values()]
     begin = time.perf_counter()
     store.write(block, numbers)
     return time.perf_counter() - begin
@@ -141,12 +134,11 @@ def scheduling(tasks: int) -> tuple[float, list[float]]:
     """Processor seconds that a task which does nothing costs scheduler and driver, both in this process, and the
     process's memory [MiB] along the way."""
     sweep = sweep_of(100 * tasks, 100)
-    columns = column_names(mechanism_of(jb.table2()))
     settings = Settings(np.asarray(TOLERANCE), np.asarray(20.0), None)
-    job = Job(Store(Path("nowhere"), "one", columns), True, sweep.template, settings)
+    job = Job(existing(Path("nowhere"), sweep), True, sweep.template, settings)
     times, memory = [], []
     with connected("processes", 2) as client:
-        workers = Workers(client, None)
+        workers = Workers(client)
         begin = time.process_time()
         for k, _ in enumerate(spread(client, workers, nothing, job, sweep.blocks())):
             if k % (tasks // LOOKS) == tasks // LOOKS - 1:

@@ -13,7 +13,7 @@ from jaxbuffer.output.records import tuned_comment, tuned_record
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
 from jaxbuffer.study.config import Config, design_toml, load
-from jaxbuffer.sweeps.store import ZARR
+from jaxbuffer.sweeps.store import STORE
 from jaxbuffer.tuning.store import in_words
 from jaxbuffer.tuning.tuned import tuning_history
 
@@ -53,7 +53,7 @@ class Sweeps:
             return sweep(design, scenario, duration, rtol=rtol)
         self.count += 1
         place = self.folder / f"sweep-{self.count}"
-        going_on = self.resume and (place / ZARR).exists()
+        going_on = self.resume and (place / STORE).exists()
         stored = sweep(design, scenario, duration, rtol=rtol, client=self.client, folder=place, resume=going_on)
         loaded = stored.load()
         assert isinstance(loaded, Sweep)

@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 import jaxbuffer
-from jaxbuffer import InputError, table2
+from jaxbuffer import InputError, save_design, table2
 from jaxbuffer.files import Lock, write, write_beside
-from jaxbuffer.study.config import write_design
 
 SOURCE = str(Path(jaxbuffer.__file__).resolve().parents[1])
 BIG = b"x" * 10**6
@@ -41,10 +40,10 @@ def test_a_full_disk_leaves_the_old_file_and_no_part_of_the_new_one(tmp_path, be
 
 
 def test_a_design_is_written_whole_too(tmp_path):
-    write_design(table2(), tmp_path / "design.toml")
+    save_design(tmp_path / "design.toml", table2())
     before = (tmp_path / "design.toml").read_text()
     with room_for(100), pytest.raises(OSError, match=r"design\.toml"):
-        write_design(table2(), tmp_path / "design.toml", "again")
+        save_design(tmp_path / "design.toml", table2(), comment="again", overwrite=True)
     assert (tmp_path / "design.toml").read_text() == before and len(list(tmp_path.iterdir())) == 1
 
 

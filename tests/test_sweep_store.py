@@ -2,22 +2,24 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import jaxbuffer as jb
 from jaxbuffer import InputError
+from jaxbuffer.labelled.arrays import Labelled
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps import store as stored
 from jaxbuffer.sweeps import sweep as module
 from jaxbuffer.sweeps.columns import column_names, whole_numbers
 from jaxbuffer.sweeps.result import SweepInterrupted
-from jaxbuffer.sweeps.store import HEAD, MARK, STORE
+from jaxbuffer.sweeps.store import CHECKSUM, FORMER, STORE
 from test_files import room_for
 
 COLUMNS, WHOLE = column_names(PROBE_CONE), whole_numbers(PROBE_CONE)
 
 COUNT = 100
 SPEEDS = np.linspace(0.1, 0.2, COUNT)
-CHUNK = 16
+CHUNK = BLOCK = 16  # runs of a call, and of a block in the store
 
 
 @pytest.fixture
@@ -63,50 +65,74 @@ def test_a_sweep_goes_on_where_it_stopped(solved, tmp_path):
     assert same(swept(tmp_path, resume=True), whole) and solved == [], "a finished one computes nothing"
 
 
+def files(folder):
+    return sorted(file for file in (folder / STORE).rglob("*") if file.is_file())
+
+
 def test_a_kill_costs_what_was_not_yet_written(solved, tmp_path, monkeypatch):
-    """As after a kill -9 in the middle of a write: the file ends anywhere."""
+    """As after a kill -9 in the middle of a block: its first files are new, the others are missing."""
     whole = swept(tmp_path)
-    content = (tmp_path / STORE).read_bytes()
-    record = HEAD.size + 8 * CHUNK * (1 + len(COLUMNS))
-    begin = content.find(MARK)
-    assert len(content) == begin + 6 * record + HEAD.size + 8 * (COUNT % CHUNK) * (1 + len(COLUMNS))
-    for length in (begin, begin + 1, begin + HEAD.size, begin + record - 1, begin + 2 * record + 5):
-        (tmp_path / STORE).write_bytes(content[:length])
-        solved.clear()
-        kept = (length - begin) // record * CHUNK
-        if (length - begin) % record:
-            with pytest.warns(UserWarning, match=f"are damaged; going on with {kept} of {COUNT} runs"):
-                found = swept(tmp_path, resume=True)
-        else:
-            found = swept(tmp_path, resume=True)
-        assert same(found, whole) and min(solved) == SPEEDS[kept]
+    write = stored._write
 
+    def killed(files):
+        if len(solved) > 3 * CHUNK and len(files) > 1:
+            write(dict([*files.items()][:4]))
+            raise KeyboardInterrupt
+        write(files)
 
-@pytest.mark.parametrize("place", [0, 4, 9, 13, 17, 200, -1])
-def test_a_flipped_bit_costs_its_record_only(solved, tmp_path, place):
-    """Anywhere in the second record: its mark, its length, its checksum, its places, its numbers."""
-    whole = swept(tmp_path)
-    content = bytearray((tmp_path / STORE).read_bytes())
-    record = HEAD.size + 8 * CHUNK * (1 + len(COLUMNS))
-    content[content.find(MARK) + record + place % record] ^= 4
-    (tmp_path / STORE).write_bytes(content)
+    monkeypatch.setattr(stored, "_write", killed)
     solved.clear()
-    with pytest.warns(UserWarning, match=f"{record} bytes are damaged; going on with {COUNT - CHUNK} of {COUNT}"):
+    with pytest.raises(KeyboardInterrupt):
+        swept(tmp_path)
+    monkeypatch.setattr(stored, "_write", write)
+    solved.clear()
+    assert same(swept(tmp_path, resume=True), whole) and COUNT - 3 * CHUNK <= len(set(solved)) < COUNT
+
+
+def test_runs_of_a_block_that_has_not_all_are_kept(solved, tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "task_size", lambda runs, threads: 40)
+    with pytest.raises(SweepInterrupted) as interrupted:
+        swept(tmp_path, 2 * CHUNK)
+    assert interrupted.value.done.sum() == 2 * CHUNK
+    solved.clear()
+    whole = swept(None)
+    solved.clear()
+    assert same(swept(tmp_path, resume=True), whole) and set(solved) == set(SPEEDS[2 * CHUNK :])
+
+
+def _cut_short(content):
+    return content[: len(content) // 2]
+
+
+def _flipped(content):
+    return content[:-3] + bytes([content[-3] ^ 4]) + content[-2:]
+
+
+@pytest.mark.parametrize("damage", [_cut_short, _flipped, lambda content: b"", lambda content: bytes(range(200))])
+@pytest.mark.parametrize("name", ["code", "peak_force", CHECKSUM])
+def test_damage_costs_its_block_only(solved, tmp_path, name, damage):
+    whole = swept(tmp_path)
+    file = tmp_path / STORE / name / "1"
+    file.write_bytes(damage(file.read_bytes()))
+    solved.clear()
+    with pytest.warns(UserWarning, match=rf"1 blocks? (is|are) damaged; going on with {COUNT - BLOCK} of {COUNT} runs"):
         assert same(swept(tmp_path, resume=True), whole)
-    assert solved == SPEEDS[CHUNK : 2 * CHUNK].tolist()
+    assert set(solved) >= set(SPEEDS[BLOCK : 2 * BLOCK]) and len(set(solved)) <= BLOCK + 2 * CHUNK
 
 
-@pytest.mark.parametrize("content", [b"", b"\n", b"garbage", bytes(range(256)) * 40, b"00000000 {}\n"])
+@pytest.mark.parametrize("content", [b"", b"\n", b"garbage", bytes(range(256)) * 40, b"{}"])
 def test_a_damaged_beginning_is_refused_and_left(solved, tmp_path, content):
-    (tmp_path / STORE).write_bytes(content)
-    with pytest.raises(InputError, match=r"sweep\.chunks is damaged at its beginning.*left as it is|holds another"):
+    swept(tmp_path)
+    (tmp_path / STORE / ".zattrs").write_bytes(content)
+    before = files(tmp_path)
+    with pytest.raises(InputError, match=r"sweep\.zarr is damaged and cannot be resumed; it is left as it is"):
         swept(tmp_path, resume=True)
-    assert (tmp_path / STORE).read_bytes() == content and len(list(tmp_path.iterdir())) == 1
+    assert (tmp_path / STORE / ".zattrs").read_bytes() == content and files(tmp_path) == before
 
 
 def test_another_sweep_is_refused_with_what_differs(solved, tmp_path):
     swept(tmp_path)
-    before = (tmp_path / STORE).read_bytes()
+    before = [file.read_bytes() for file in files(tmp_path)]
     with pytest.raises(InputError, match="holds another sweep, differing in options;"):
         swept(tmp_path, resume=True, rtol=1e-7)
     with pytest.raises(InputError, match="holds another sweep, differing in options;"):
@@ -114,15 +140,19 @@ def test_another_sweep_is_refused_with_what_differs(solved, tmp_path):
     with pytest.raises(InputError, match="differing in design and scenarios;"):
         design = jb.replace(jb.table2(), {"contact.law": "hertz"})
         jb.sweep(design, jb.Scenario(approach_speed=SPEEDS[1:]), folder=tmp_path, resume=True)
-    assert (tmp_path / STORE).read_bytes() == before and len(list(tmp_path.iterdir())) == 1
+    assert [file.read_bytes() for file in files(tmp_path)] == before and len(list(tmp_path.iterdir())) == 1
 
 
 def test_what_can_not_be_resumed(solved, tmp_path):
     with pytest.raises(InputError, match="resume needs the folder"):
         swept(None, resume=True)
-    with pytest.raises(InputError, match=r"there is no sweep to resume; sweep\.chunks is missing"):
+    with pytest.raises(InputError, match=r"there is no sweep to resume; sweep\.zarr is missing"):
         swept(tmp_path / "new", resume=True)
     assert not (tmp_path / "new").exists()
+    (tmp_path / FORMER).write_bytes(b"garbage")
+    with pytest.raises(InputError, match=r"sweep\.chunks is a sweep of an earlier jaxbuffer, which .* cannot resume"):
+        swept(tmp_path, resume=True)
+    assert [file.name for file in tmp_path.iterdir()] == [FORMER]
 
 
 def test_one_sweep_at_a_time(solved, tmp_path):
@@ -136,14 +166,39 @@ def test_one_sweep_at_a_time(solved, tmp_path):
     assert told and same(swept(tmp_path, resume=True), swept(None))
 
 
-def test_a_full_disk_is_named_and_what_fits_is_kept(solved, tmp_path):
-    with room_for(3000), pytest.raises(OSError, match=r"File too large: '.*sweep\.chunks'"):
-        swept(tmp_path)
-    with pytest.warns(UserWarning, match=f"going on with {CHUNK} of {COUNT}"):
-        assert same(swept(tmp_path, resume=True), swept(None))
+def test_a_full_disk_is_named_and_what_fits_is_kept(solved, tmp_path, monkeypatch):
+    def full(*arguments):
+        if len(solved) >= 3 * CHUNK:
+            limit.__enter__()
+        return solve(*arguments)
+
+    solve, limit = module.columns_of_chunk, room_for(20)
+    monkeypatch.setattr(module, "columns_of_chunk", full)
+    try:
+        with pytest.raises(OSError, match=r"File too large: '.*sweep\.zarr'"):
+            swept(tmp_path)
+    finally:
+        limit.__exit__(None, None, None)
+    monkeypatch.setattr(module, "columns_of_chunk", solve)
+    solved.clear()
+    assert same(swept(tmp_path, resume=True), swept(None)) and len(solved) < 2 * COUNT, "some were there"
 
 
-def test_records_come_once_a_second_not_once_a_chunk(solved, tmp_path, monkeypatch):
+def test_blocks_are_written_once_a_second_not_once_a_chunk(solved, tmp_path, monkeypatch):
     monkeypatch.setattr(stored, "PERIOD", 3600.0)
+    counted, write = [], stored.Store.write
+    monkeypatch.setattr(stored.Store, "write", lambda *arguments: (counted.append(1), write(*arguments)))
     swept(tmp_path)
-    assert (tmp_path / STORE).read_bytes().count(MARK) == 1
+    assert len(counted) == -(-COUNT // BLOCK)
+
+
+def test_a_store_without_zarr(solved, tmp_path):
+    """Choices, truths and whole numbers are the coordinates that xarray would write."""
+    over = {"scenario.approach_speed": [0.1, 0.2], "contact.law": ["hertz", "adams"]}
+    swept_over = jb.sweep(jb.table2(), jb.Scenario(), over=over, folder=tmp_path)
+    data = xr.open_zarr(tmp_path / STORE)
+    assert data["contact.law"].values.tolist() == ["hertz", "adams"]
+    assert data["scenario.approach_speed"].units == "m/s"
+    np.testing.assert_array_equal(data.peak_force.values, swept_over.shaped("peak_force"))
+    truths = stored._coordinate(tmp_path / "other", "moves", Labelled(("moves",), np.array([True, False]), "", ""))
+    assert truths["moves/.zarray"]["dtype"] == "|i1" and truths["moves/.zattrs"]["dtype"] == "bool"

@@ -277,6 +277,14 @@ def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
     return given
 
 
+def check_known(names: Iterable[str], known: Iterable[str], where: str) -> None:
+    """Raise `InputError` for a name that is unknown ``where`` it stands, with the nearest one."""
+    options = list(known)
+    for name in names:
+        if name not in options:
+            raise InputError(f"{where}.{name} is unknown{suggest(name, options)}")
+
+
 def suggest(name: Any, known: Iterable[str]) -> str:
     """'; did you mean …?' for a mistyped name; '; known: …' where none is like it."""
     options = list(known)

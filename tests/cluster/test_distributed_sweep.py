@@ -1,5 +1,6 @@
 """A sweep over a scheduler: the numbers of the sweep without one, in a store that any end leaves to go on with."""
 
+import dataclasses
 import json
 import pickle
 
@@ -16,9 +17,9 @@ from jaxbuffer.sweeps import distributed
 from jaxbuffer.sweeps.columns import column_names, whole_numbers
 from jaxbuffer.sweeps.cut import Block, Cut, GridSweep, RunsSweep, Template, box
 from jaxbuffer.sweeps.grid import grid
-from jaxbuffer.sweeps.store import ZARR
+from jaxbuffer.sweeps.result import SweepInterrupted
+from jaxbuffer.sweeps.store import CHECKSUM, FORMER, STORE, existing
 from jaxbuffer.sweeps.stored import StoredInterrupted
-from jaxbuffer.sweeps.zarr_store import CHECKSUM, Store
 from test_files import room_for
 
 COLUMNS, WHOLE = column_names(BAR_DROP), whole_numbers(BAR_DROP)
@@ -68,7 +69,7 @@ def test_the_same_bits_as_without_a_scheduler(client, tmp_path):
     stored = swept(tmp_path, client)
     assert same(stored.load().found, whole())
     assert stored.outcomes == {"finished": COUNT} and stored.done == COUNT
-    assert "Sweep of 86 drops: 86 finished" in repr(stored) and str(tmp_path / ZARR) in repr(stored)
+    assert "Sweep of 86 drops: 86 finished" in repr(stored) and str(tmp_path / STORE) in repr(stored)
 
 
 def test_runs_that_are_not_trusted_are_marked_and_counted(client, tmp_path, solved):
@@ -93,7 +94,7 @@ def test_runs_one_by_one_and_durations(client, tmp_path, solved):
 
 def test_the_store_is_labelled_and_says_what_it_is(client, tmp_path, solved):
     swept(tmp_path, client)
-    data = xr.open_zarr(tmp_path / ZARR)
+    data = xr.open_zarr(tmp_path / STORE)
     assert dict(data.sizes) == {"scenario.height": 43, "impact.law": 2, "block_number": BLOCKS}
     assert data["impact.law"].values.tolist() == ["hertz", "adams"] and data.peak_force.units == "N"
     meanings = dict(zip(data.code.flag_values, data.code.flag_meanings.split(), strict=True))
@@ -155,7 +156,7 @@ def test_a_damaged_block_is_computed_again_and_no_other(client, tmp_path, solved
     """A block at the grid's edge, one in its middle, one of whole numbers, and a checksum."""
     swept(tmp_path, client)
     solved.clear()
-    DAMAGES[damage](tmp_path / ZARR / place)
+    DAMAGES[damage](tmp_path / STORE / place)
     stored = swept(tmp_path, client, resume=True)
     assert len(solved) == (EDGE if place == EDGE_FILE else BLOCK)
     assert same(stored.load().found, whole())
@@ -167,8 +168,8 @@ def test_another_blocks_numbers_are_noticed(client, tmp_path, solved):
     solved.clear()
     for name in (*COLUMNS, CHECKSUM):
         one, other = ("1/0", "0/0") if name != CHECKSUM else ("2", "0")
-        content = (tmp_path / ZARR / name / other).read_bytes()
-        (tmp_path / ZARR / name / one).write_bytes(content)
+        content = (tmp_path / STORE / name / other).read_bytes()
+        (tmp_path / STORE / name / one).write_bytes(content)
     assert same(swept(tmp_path, client, resume=True).load().found, whole())
     assert len(solved) == BLOCK + COUNT
 
@@ -176,10 +177,10 @@ def test_another_blocks_numbers_are_noticed(client, tmp_path, solved):
 @pytest.mark.parametrize("content", [b"", b"{}", b"garbage", b"[1]", b'{"identity": "{}", "block": "x", "made_on": 3}'])
 def test_a_damaged_beginning_is_refused_and_left(client, tmp_path, solved, content):
     swept(tmp_path, client)
-    (tmp_path / ZARR / ".zattrs").write_bytes(content)
+    (tmp_path / STORE / ".zattrs").write_bytes(content)
     with pytest.raises(InputError, match=r"sweep\.zarr is damaged and cannot be resumed; it is left as it is"):
         swept(tmp_path, client, resume=True)
-    assert (tmp_path / ZARR / ".zattrs").read_bytes() == content
+    assert (tmp_path / STORE / ".zattrs").read_bytes() == content
 
 
 @pytest.mark.parametrize("where", [".zmetadata", ".zarray"])
@@ -188,17 +189,17 @@ def test_a_store_with_a_pickle_in_it_is_not_read(client, tmp_path, solved, monke
     monkeypatch.setattr("numcodecs.pickles.ALLOW_UNSAFE_PICKLE_DECODE", True, raising=False)
     swept(tmp_path, client)
     name = "scenario.height"
-    file = tmp_path / ZARR / (".zmetadata" if where == ".zmetadata" else f"{name}/.zarray")
+    file = tmp_path / STORE / (".zmetadata" if where == ".zmetadata" else f"{name}/.zarray")
     content = json.loads(file.read_text())
     array = content["metadata"][f"{name}/.zarray"] if where == ".zmetadata" else content
     array |= {"dtype": "|O", "filters": [{"id": "pickle", "protocol": 5}], "compressor": None}
     file.write_text(json.dumps(content))
-    (tmp_path / ZARR / name / "0").write_bytes(pickle.dumps(Runs(str(tmp_path / "was-run"))))
+    (tmp_path / STORE / name / "0").write_bytes(pickle.dumps(Runs(str(tmp_path / "was-run"))))
     for read in (lambda: jb.load(tmp_path), lambda: swept(tmp_path, client, resume=True)):
         with pytest.raises(InputError, match="it has arrays of another kind; it is not read"):
             read()
     assert not (tmp_path / "was-run").exists()
-    decoded = numcodecs.get_codec({"id": "pickle"}).decode((tmp_path / ZARR / name / "0").read_bytes())
+    decoded = numcodecs.get_codec({"id": "pickle"}).decode((tmp_path / STORE / name / "0").read_bytes())
     decoded.close()
     assert (tmp_path / "was-run").exists(), "which Zarr's codec of that name does"
 
@@ -232,12 +233,28 @@ def test_what_can_not_be_resumed(client, tmp_path, solved):
         swept(None, client)
     with pytest.raises(InputError, match=r"no sweep to resume; sweep\.zarr is missing; leave out"):
         swept(tmp_path / "new", client, resume=True)
-    swept(tmp_path / "one", None)
-    with pytest.raises(InputError, match=r"sweep\.chunks is that of one without a scheduler"):
-        swept(tmp_path / "one", client, resume=True)
-    swept(tmp_path / "other", client)
-    with pytest.raises(InputError, match=r"sweep\.zarr is one of --scheduler"):
-        swept(tmp_path / "other", None, resume=True)
+    (tmp_path / FORMER).write_bytes(b'01234567 {"version": "0.0.9"}\n')
+    for where in (client, None):
+        with pytest.raises(InputError, match=r"sweep\.chunks is a sweep of jaxbuffer 0\.0\.9, which .* cannot resume"):
+            swept(tmp_path, where, resume=True)
+
+
+def test_a_sweep_goes_on_with_a_scheduler_or_without(client, tmp_path, solved):
+    """One store, whoever writes it; blocks with some of their runs only are computed by workers as a whole."""
+
+    def stop(done, count):
+        if done >= 45:  # of 86, the first law's heights mostly
+            raise KeyboardInterrupt
+
+    with pytest.raises(SweepInterrupted):
+        swept(tmp_path / "one", None, progress=stop, workers=1)
+    assert same(swept(tmp_path / "one", client, resume=True).load().found, whole())
+    with pytest.raises(StoredInterrupted):
+        swept(tmp_path / "two", client, progress=stop)
+    solved.clear()
+    resumed = swept(tmp_path / "two", None, resume=True)
+    count = len(solved)
+    assert same(resumed.found, whole()) and 0 < count < len(solved) - count, "fewer than all"
 
 
 def test_the_same_sweep_begun_anew_in_other_blocks(client, tmp_path, solved, monkeypatch):
@@ -245,13 +262,13 @@ def test_the_same_sweep_begun_anew_in_other_blocks(client, tmp_path, solved, mon
     swept(tmp_path, client)
     monkeypatch.setattr("jaxbuffer.sweeps.distributed.CHUNK", 11)
     assert same(swept(tmp_path, client).load().found, whole())
-    assert len(list((tmp_path / ZARR / CHECKSUM).iterdir())) > BLOCKS
+    assert len(list((tmp_path / STORE / CHECKSUM).iterdir())) > BLOCKS
 
 
 def test_a_new_sweep_takes_the_place_of_one_that_was_there(client, tmp_path, solved):
     swept(tmp_path, client, rtol=1e-3)
     assert same(swept(tmp_path, client).load().found, whole())
-    assert sorted(path.name for path in tmp_path.iterdir()) == [ZARR]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [STORE]
 
 
 def test_one_driver_at_a_time(client, tmp_path, solved):
@@ -267,12 +284,12 @@ def test_one_driver_at_a_time(client, tmp_path, solved):
 
 def test_a_worker_left_over_writes_nothing_into_another_sweeps_store(client, tmp_path, solved):
     """As of a driver that was killed, while another one begins anew there."""
-    swept(tmp_path, client)
-    now = json.loads((tmp_path / ZARR / ".zattrs").read_text())["token"]
-    late, block = Store(tmp_path / ZARR, "that of before", COLUMNS), Block(0, (slice(0, BLOCK), slice(0, 1)), {})
+    stored = swept(tmp_path, client)
+    block, present = Block(0, (slice(0, BLOCK), slice(0, 1)), {}), existing(tmp_path / STORE, stored.asked)
+    late = dataclasses.replace(present, token="that of before")
     with pytest.raises(InputError, match="has become another sweep's meanwhile"):
         late.write(block, [np.zeros(BLOCK, int if name in WHOLE else float) for name in COLUMNS])
-    assert Store(tmp_path / ZARR, now, COLUMNS).read(block) is not None
+    assert present.read(block) is not None and late.read(block) is None
 
 
 def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solved, monkeypatch):
@@ -288,7 +305,7 @@ def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solve
             swept(tmp_path, client)
     finally:
         resource_limit.__exit__(None, None, None)
-    assert str(full.value.filename).endswith(ZARR)
+    assert str(full.value.filename).endswith(STORE)
     monkeypatch.setattr(distributed, "columns_of_chunk", one)
     solved.clear()
     assert same(swept(tmp_path, client, resume=True).load().found, whole())
@@ -298,7 +315,7 @@ def test_a_full_disk_is_named_and_what_is_stored_is_kept(client, tmp_path, solve
 def test_a_full_disk_at_the_beginning_leaves_no_store(client, tmp_path, solved):
     with room_for(10), pytest.raises(OSError, match="File too large"):
         swept(tmp_path, client)
-    assert not (tmp_path / ZARR).exists()
+    assert not (tmp_path / STORE).exists()
 
 
 def test_what_a_worker_refuses_is_said_as_here(client, tmp_path, solved, monkeypatch):
@@ -330,7 +347,7 @@ def test_tasks_are_few_at_a_time_and_small(client, tmp_path, solved, monkeypatch
     assert len(made) == 100 and max(k - n for k, n in enumerate(done)) <= 2, "of one thread"
     million = {"scenario.height": {"from": 0.1, "to": 0.2, "count": 10**6}, "impact.stiffness": [1e10] * 1000}
     template = Template(BAR, jb.BarDropScenario(), 0.01)
-    sweep = GridSweep(grid(million, BAR, jb.BarDropScenario(), held=False), template, 512)
+    sweep = GridSweep(grid(million, BAR, jb.BarDropScenario(), in_memory=False), template, 512)
     assert len(pickle.dumps(sweep.block(10**6))) < 10_000 and len(pickle.dumps(template)) < 2000
 
 

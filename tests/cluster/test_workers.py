@@ -60,7 +60,7 @@ def strange(monkeypatch, addresses, **what):
 
 
 def test_all_tasks_are_done_once_by_workers_alike(pair):
-    workers = Workers(pair, None)
+    workers = Workers(pair)
     assert workers.fit and workers.allowed is None and workers.threads == 2
     assert sorted(spread(pair, workers, squared, None, iter(range(30)))) == [k * k for k in range(30)]
 
@@ -70,14 +70,14 @@ def test_a_worker_that_differs_is_left_out(pair, monkeypatch, what):
     good, bad = pair.scheduler_info()["workers"]
     strange(monkeypatch, [bad], **{what: "another"})
     with pytest.warns(UserWarning, match=f"worker {bad} is left out: it differs in {what}, and so might its bits"):
-        workers = Workers(pair, None)
+        workers = Workers(pair)
     assert set(spread(pair, workers, where, None, iter(range(20)))) == {good}
 
 
 def test_one_that_is_found_out_at_work_is_left_out(pair, monkeypatch):
     """As one that came between two looks: it refuses its tasks, and another one does them."""
     good, bad = pair.scheduler_info()["workers"]
-    workers = Workers(pair, None)
+    workers = Workers(pair)
     strange(monkeypatch, [bad], processor="another")
     with pytest.warns(UserWarning, match=f"worker {bad} is left out: it differs in processor"):
         found = list(spread(pair, workers, where, None, iter(range(20))))
@@ -86,12 +86,12 @@ def test_one_that_is_found_out_at_work_is_left_out(pair, monkeypatch):
 
 def test_without_a_worker_that_fits_nothing_is_done(pair, monkeypatch):
     addresses = list(pair.scheduler_info()["workers"])
-    workers = Workers(pair, None)
+    workers = Workers(pair)
     strange(monkeypatch, addresses, numpy="another")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         with pytest.raises(InputError, match=r"no worker can be used: all differ from this process: .* in numpy"):
-            Workers(pair, None)
+            Workers(pair)
         with pytest.raises(InputError, match=r"no worker is left that can be used; .* differs in numpy"):
             list(spread(pair, workers, squared, None, iter(range(3))))
 
@@ -99,21 +99,21 @@ def test_without_a_worker_that_fits_nothing_is_done(pair, monkeypatch):
 def test_a_store_of_another_machine_is_refused(pair):
     theirs = {**kind(), "processor": "another"}
     with pytest.warns(UserWarning, match="is left out"), pytest.raises(InputError, match=r"and its store: .*processor"):
-        Workers(pair, None, theirs)
+        Workers(pair, theirs)
 
 
 def test_the_machine_of_most_workers_counts(pair, monkeypatch):
     """The driver's may be another one: a login node."""
     addresses = list(pair.scheduler_info()["workers"])
     strange(monkeypatch, addresses, processor="of the nodes", XLA="theirs")
-    workers = Workers(pair, None)
+    workers = Workers(pair)
     assert workers.kind["processor"] == "of the nodes" and len(workers.fit) == 2
     assert {name for name in kind() if workers.kind[name] != kind()[name]} == {"processor", "XLA"} <= set(HOST)
 
 
 def test_what_the_work_raises_ends_it(pair):
     with pytest.raises(OSError, match=r"No space left on device: 'a\.zarr'"):
-        list(spread(pair, Workers(pair, None), failing, None, iter(range(5))))
+        list(spread(pair, Workers(pair), failing, None, iter(range(5))))
 
 
 def test_a_task_at_which_workers_end_is_tried_some_times(pair, monkeypatch):
@@ -141,7 +141,7 @@ def test_a_task_at_which_workers_end_is_tried_some_times(pair, monkeypatch):
     monkeypatch.setattr(pair, "submit", lambda *arguments, **options: Future())
     monkeypatch.setattr(pair, "cancel", lambda *arguments, **options: None)
     with pytest.raises(TaskEndsWorkers, match="10 times the workers ended that were at 7"):
-        list(spread(pair, Workers(pair, None), squared, None, iter([7])))
+        list(spread(pair, Workers(pair), squared, None, iter([7])))
     assert len(tried) == module.ENDED
 
 

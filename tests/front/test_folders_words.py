@@ -16,15 +16,18 @@ DESIGN = "[buffer]\nk_A = 500.0\n"
             ("log.jsonl", "state.npz"),
             "there holds an unfinished tuning: the command that began it, with --resume, goes",
         ),
-        (("sweep.chunks",), "there holds an unfinished sweep or sample: the command that began it, with --resume"),
+        (
+            ("sweep.zarr/checksum/.zarray",),
+            "there holds an unfinished sweep or sample: the command that began it, with --resume",
+        ),
         (("least-stroke/log.jsonl",), "there holds an unfinished front: the command that began it, with --resume"),
     ],
 )
 def test_without_results(computed, capsys, tmp_path, command, files, said):
     (tmp_path / "there").mkdir()
     for file in files:
-        (tmp_path / "there" / file).parent.mkdir(exist_ok=True)
-        (tmp_path / "there" / file).write_text("")
+        (tmp_path / "there" / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "there" / file).write_text('{"shape": [3]}' if file.endswith(".zarray") else "")
     assert run(command) == 2
     message = capsys.readouterr().err
     assert said in message and message.count("\n") == 1

@@ -16,7 +16,7 @@ QUICK_RECORDS = "import jaxbuffer.sweeps.store as s; s.PERIOD = 0.1; from jaxbuf
 COMMANDS = {
     "sweep": (
         ["--over", "scenario.approach_speed=0.1:0.2:500", "--duration", "1"],
-        "sweep.chunks",
+        "sweep.zarr",
         ("sweep.csv", "sweep.txt", "sweep.json"),
     ),
     "tune": (

@@ -20,7 +20,7 @@ STUDY = "\n".join([
     "[problem.constraints]\nwall_mass = 18.0",
 ])  # fmt: skip
 COMMANDS = {
-    "sweep": (["--over", "scenario.height=0.1:0.3:40"], "sweep.chunks", ("sweep.csv", "sweep.txt", "sweep.json")),
+    "sweep": (["--over", "scenario.height=0.1:0.3:40"], "sweep.zarr", ("sweep.csv", "sweep.txt", "sweep.json")),
     "tune": (
         ["--iterations", "4", "--starts", "2"],
         "state.npz",

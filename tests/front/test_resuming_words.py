@@ -1,10 +1,8 @@
 """What is said when a run can't be gone on with: what differs, and what to do."""
 
-import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.sweeps.store import SweepStore, identity
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.store import Store
 
@@ -37,15 +35,19 @@ def test_another_tuning(tmp_path, asked, parts):
     assert all(part in message for part in parts)
 
 
-def test_another_sweep(tmp_path):
-    columns, finished = [np.zeros(2)], np.zeros(2, bool)
-    SweepStore(tmp_path, identity(scenarios=(1.0,)), columns, finished, resume=False).close()
+def swept(speeds, folder, resume=False):
+    return jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), folder=folder, resume=resume)
+
+
+def test_another_sweep(tmp_path, monkeypatch):
+    monkeypatch.setattr("jaxbuffer.sweeps.sweep.completed", lambda *arguments: iter(()))
+    swept([0.1, 0.2], tmp_path)
     with pytest.raises(jb.InputError, match=r"in scenarios; repeat the study, .* same --over .* another --output"):
-        SweepStore(tmp_path, identity(scenarios=(2.0,)), columns, finished, resume=True)
+        swept([0.1, 0.3], tmp_path, resume=True)
 
 
 def test_nothing_to_go_on_with(tmp_path):
     with pytest.raises(jb.InputError, match=r"log\.jsonl is missing; leave out --resume"):
         Store(tmp_path, fingerprint(), resume=True)
-    with pytest.raises(jb.InputError, match=r"sweep\.chunks is missing; leave out --resume"):
-        SweepStore(tmp_path, identity(), [], np.zeros(2, bool), resume=True)
+    with pytest.raises(jb.InputError, match=r"sweep\.zarr is missing; leave out --resume"):
+        swept([0.1, 0.2], tmp_path, resume=True)

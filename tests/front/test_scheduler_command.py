@@ -76,7 +76,7 @@ def large(monkeypatch, tmp_path, computed):
     ends = []
 
     def sweep(design, scenario, duration, *, over, client, **options):
-        asked = GridSweep(grid(over, design, scenario, held=False), Template(design, scenario, duration), 16)
+        asked = GridSweep(grid(over, design, scenario, in_memory=False), Template(design, scenario, duration), 16)
         stored = StoredSweep(
             tmp_path / "out" / "sweep.zarr", asked, 5, 3 if ends else 5, {0: 3 if ends else 5}, {0: 2, 2: 1}
         )

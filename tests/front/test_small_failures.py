@@ -57,7 +57,7 @@ def test_a_grid_too_large_for_any_store():
 
     over = {path: {"from": 1.0, "to": 2.0, "count": 10**8} for path in ("buffer.k_A", "buffer.c_A", "buffer.k_T")}
     with pytest.raises(jb.InputError, match="at most 1e\\+15 are allowed"):
-        grid(over, jb.table2(), jb.Scenario(), held=False)
+        grid(over, jb.table2(), jb.Scenario(), in_memory=False)
 
 
 TEXTS = {

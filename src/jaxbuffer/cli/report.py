@@ -22,9 +22,9 @@ Html = Annotated[
 
 def loaded(folder: Path) -> "Results":
     """Return what a folder holds; a note on stderr says what in it is not finished."""
-    from ..output.folder import load, unfinished
+    from ..output.folder import load_finished, unfinished
 
-    results = load(folder)
+    results = load_finished(folder)
     if begun := unfinished(folder):
         note(begun)
     return results

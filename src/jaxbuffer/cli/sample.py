@@ -75,7 +75,7 @@ def sample(
       sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
       indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
       surface.csv, .png, .svg  of --surface: predicted against computed
-      sweep.chunks  kept up while running, with --scheduler sweep.zarr; --resume needs it
+      sweep.zarr   kept up while running, the runs as labelled arrays for xarray; --resume needs it
 
     \b
     Example:
@@ -84,7 +84,7 @@ def sample(
     from ..mechanisms.quantity import check_quantities
     from ..output.results import sample_files, swept_json
     from ..sweeps.grid import check_swept_once
-    from ..sweeps.store import STORE, ZARR
+    from ..sweeps.store import STORE
 
     study = request.study()
     if scheduler is not None:
@@ -98,7 +98,7 @@ def sample(
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
     wanted = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
     wanted += [f"{name}.{kind}" for name, asked in parts.items() if asked for kind in ("csv", "png")]
-    files = request.files(*wanted, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
+    files = request.files(*wanted, resumable=(STORE,), resume=resume)
     options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
     found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
     if found is None:

@@ -60,8 +60,7 @@ def sweep(
       sweep.json  how the runs ended, what is safe, how the sweep came about
       sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
       sweep.txt  the summary, and what is safe
-      sweep.chunks  kept up while running; --resume needs it
-      sweep.zarr  in its place with --scheduler: all captures as labelled arrays, for xarray or jb.load
+      sweep.zarr  kept up while running, all captures as labelled arrays for xarray; --resume needs it
 
     \b
     Examples:
@@ -72,13 +71,13 @@ def sweep(
     from ..output.results import swept_files, swept_json
     from ..sweeps.grid import check_swept_once
     from ..sweeps.grid import grid as made
-    from ..sweeps.store import STORE, ZARR
+    from ..sweeps.store import STORE
 
     study = request.study()
     if scheduler is not None:
         check(scheduler, request)
     asked = _asked(study, over or [])
-    grid = made(asked, study.design, study.scenario, held=scheduler is None)
+    grid = made(asked, study.design, study.scenario, in_memory=scheduler is None)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
     told = scheduler is None or len(grid) <= LARGEST
     if told:
@@ -86,7 +85,7 @@ def sweep(
     limits = _limits(study, grid) if told else None
     drawn = () if limits is None else ("envelope.png",)
     names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if told else ()
-    files = request.files(*names, resumable=(STORE if scheduler is None else ZARR,), resume=resume)
+    files = request.files(*names, resumable=(STORE,), resume=resume)
     from ..sweeps.stored import StoredSweep
     from ..sweeps.sweep import sweep as compute
 

@@ -32,8 +32,8 @@ class SchedulerGone(ConnectionError):
 def require() -> None:
     """Raise `InputError` with what to install unless the extra's packages are there."""
     if missing := [name for name in NEEDED if find_spec(name) is None]:
-        told = " and ".join(missing)
-        raise InputError(f"a scheduler needs {told}, not installed here: pip install 'jaxbuffer[cluster]'")
+        names = " and ".join(missing)
+        raise InputError(f"a scheduler needs {names}, not installed here: pip install 'jaxbuffer[cluster]'")
 
 
 @contextlib.contextmanager

@@ -4,7 +4,6 @@ import contextlib
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from ..programs.store import folder
 from ..programs.threads import Pool
 from .connect import connected
 from .spread import spread
@@ -24,15 +23,14 @@ class ClusterPool:
     def __init__(self, where: Any, workers: int | None = None) -> None:
         with contextlib.ExitStack() as stack:
             self.client = stack.enter_context(connected(where, workers))
-            kept = folder()
-            self.workers = Workers(self.client, None if kept is None else str(kept))
+            self.workers = Workers(self.client)
             self._open = stack.pop_all()
 
     def map(self, function: Callable[[Any], R], items: Iterable[Any]) -> list[R]:
         """What the function returns for each item, in their order. Both are sent: a function by its name, or a
         `functools.partial` of one."""
-        found = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
-        return [result for _, result in sorted(found, key=lambda it: it[0])]
+        results = spread(self.client, self.workers, _numbered, function, iter([*enumerate(items)]))
+        return [result for _, result in sorted(results, key=lambda it: it[0])]
 
     def close(self) -> None:
         """Leave the cluster, or end it if it is our own."""

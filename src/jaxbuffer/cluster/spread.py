@@ -3,7 +3,7 @@
 import json
 import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import InputError
@@ -27,7 +27,7 @@ class TaskEndsWorkers(OSError):
 
 def spread(
     client: "Client", workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
-) -> Iterator[R]:
+) -> Generator[R, None, None]:
     """What the work finds for each task, as they are done; nothing of it is kept here.
 
     **Arguments:** ``work``: a function of ``common`` and a task, all of which are pickled for the workers; it may be
@@ -87,17 +87,17 @@ class _UnderWay:
 
     def finished(self) -> Iterator[Any]:
         """What the next tasks to be done have found; those that have to be done again are handed out again."""
-        for future, found in self.watch.next_batch():
+        for future, result in self.watch.next_batch():
             task, ended = self.tasks.pop(future)
             if future.status == "error":
-                self.submit(task, self._after(found[1], task, ended))
+                self.submit(task, self._after(result[1], task, ended))
             elif future.status != "finished":
                 raise SchedulerGone
-            elif isinstance(found, Refused):
-                self._refuse(found)
+            elif isinstance(result, Refused):
+                self._refuse(result)
                 self.submit(task, ended)
             else:
-                yield found
+                yield result
 
     def cancel(self) -> None:
         if self.tasks and self.client.status == "running":
@@ -118,9 +118,9 @@ class _UnderWay:
             raise error
         return ended
 
-    def _refuse(self, found: Refused) -> None:
-        self.workers.refuse(found.worker, found.differs)
+    def _refuse(self, refusal: Refused) -> None:
+        self.workers.refuse(refusal.worker, refusal.differs)
         self.workers.look()
         if not self.workers.fit:
-            told = ", ".join(found.differs)
-            raise InputError(f"no worker is left that can be used; {found.worker} differs in {told}")
+            names = ", ".join(refusal.differs)
+            raise InputError(f"no worker is left that can be used; {refusal.worker} differs in {names}")

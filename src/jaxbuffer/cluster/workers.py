@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from ..programs.process import HOST, backend_is_up, configure, kind, one_kernel
+from ..programs.store import folder
 from .connect import SchedulerGone
 
 if TYPE_CHECKING:
     from distributed import Client
 
 Kind = Mapping[str, str]
-TOLD = 5  # workers that a message names
+LISTED = 5  # workers that a message names
 PATIENCE = 20.0  # s until it is said that there is no worker
 
 
@@ -49,29 +50,32 @@ class Workers:
     that is given.
     """
 
-    def __init__(self, client: "Client", cache: str | None, given: Kind | None = None) -> None:
+    def __init__(self, client: "Client", given: Kind | None = None) -> None:
         """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
-        self.client, self.cache = client, cache
-        self.seen: dict[str, list[str]] = {}  # what differs, by address
+        programs = folder()
+        self.client, self.cache = client, None if programs is None else str(programs)
+        self.differences: dict[str, list[str]] = {}  # what differs, by address
         self.threads = 0  # of all workers
         self._wait()
-        found = self._asked()
-        self.kind = dict(given or self._expected(found))
-        self._judge(found)
+        answers = self._answers()
+        self.kind = dict(given or self._expected(answers))
+        self._compare(answers)
         if not self.fit:
-            what = "; ".join(f"{address} in {', '.join(self.seen[address])}" for address in [*self.seen][:TOLD])
+            what = "; ".join(
+                f"{address} in {', '.join(self.differences[address])}" for address in [*self.differences][:LISTED]
+            )
             whose = "this process and its store" if given else "this process"
             raise InputError(f"no worker can be used: all differ from {whose}: {what}")
 
     @property
     def fit(self) -> list[str]:
         """Addresses of those that may compute, of all that were seen."""
-        return [address for address, differs in self.seen.items() if not differs]
+        return [address for address, differs in self.differences.items() if not differs]
 
     @property
     def unfit(self) -> list[str]:
         """Addresses of those that may not."""
-        return [address for address, differs in self.seen.items() if differs]
+        return [address for address, differs in self.differences.items() if differs]
 
     @property
     def allowed(self) -> list[str] | None:
@@ -80,28 +84,28 @@ class Workers:
 
     def look(self) -> None:
         """Judge those that have come since."""
-        self._judge(self._asked())
+        self._compare(self._answers())
 
     def refuse(self, address: str, differs: list[str]) -> None:
         """Give a worker no more tasks."""
-        if not self.seen.get(address):
-            self.seen[address] = differs
+        if not self.differences.get(address):
+            self.differences[address] = differs
             what = ", ".join(differs)
             warnings.warn(f"worker {address} is left out: it differs in {what}, and so might its bits", stacklevel=2)
 
     def _wait(self) -> None:
-        told = False
+        warned = False
         while True:
             try:
                 return self.client.wait_for_workers(1, timeout=PATIENCE)
             except TimeoutError:
-                if not told:
+                if not warned:
                     warnings.warn("the scheduler has no worker yet; waiting for one", stacklevel=2)
-                told = True
+                warned = True
             except OSError:
                 raise SchedulerGone from None
 
-    def _asked(self) -> dict[str, Any]:
+    def _answers(self) -> dict[str, Any]:
         try:
             return self._new()
         except OSError:  # its connection was closed
@@ -110,19 +114,19 @@ class Workers:
     def _new(self) -> dict[str, Any]:
         here = self.client.scheduler_info(n_workers=-1)["workers"]
         self.threads = sum(worker["nthreads"] for worker in here.values())
-        self.seen = {address: differs for address, differs in self.seen.items() if address in here}
-        new = [address for address in here if address not in self.seen]
+        self.differences = {address: differs for address, differs in self.differences.items() if address in here}
+        new = [address for address in here if address not in self.differences]
         return self.client.run(looked_at, self.cache, workers=new, on_error="return") if new else {}
 
-    def _expected(self, found: Mapping[str, Any]) -> dict[str, str]:
+    def _expected(self, answers: Mapping[str, Any]) -> dict[str, str]:
         mine = kind()
-        machines = Counter(tuple(it[name] for name in HOST) for it in found.values() if isinstance(it, dict))
+        machines = Counter(tuple(it[name] for name in HOST) for it in answers.values() if isinstance(it, dict))
         return {**mine, **dict(zip(HOST, machines.most_common(1)[0][0], strict=True))} if machines else mine
 
-    def _judge(self, found: Mapping[str, Any]) -> None:
-        for address, it in found.items():
+    def _compare(self, answers: Mapping[str, Any]) -> None:
+        for address, it in answers.items():
             differs = differing(self.kind, it) if isinstance(it, dict) else [f"its answer, {it!r}"]
             if differs:
                 self.refuse(address, differs)
             else:
-                self.seen[address] = []
+                self.differences[address] = []

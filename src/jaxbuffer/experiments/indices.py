@@ -127,14 +127,14 @@ def sobol_indices(
     how = (confidence, resamples, seed)
     if sample.grid.method == "saltelli":
         values = {name: np.where(sample.succeeded, sample.quantity(name), np.nan) for name in names}
-        asked, surfaces = sample.grid.count, {}
+        rows, surfaces = sample.grid.count, {}
     else:
         surfaces = {name: response_surface(sample, name) for name in names}
         spread = points(axes, THROUGH, "saltelli", seed)
         values = {name: surface.predict(spread.columns()) for name, surface in surfaces.items()}
-        asked = THROUGH
-    found = {name: estimated(values[name], len(axes), *how, name=name) for name in names}
-    return Indices(tuple(axis.path for axis in axes), found, confidence, asked, surfaces)
+        rows = THROUGH
+    estimates = {name: estimated(values[name], len(axes), *how, name=name) for name in names}
+    return Indices(tuple(axis.path for axis in axes), estimates, confidence, rows, surfaces)
 
 
 def estimated(

@@ -21,42 +21,30 @@ from ..fields import (
     unit_at,
     with_values,
 )
-from ..sweeps.grid import SCALES, literal
+from ..sweeps.grid import SCALES, Varied, literal
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
 DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale
 
 
 @dataclasses.dataclass(frozen=True)
-class Range:
-    """A number that is sampled: its dotted ``path`` and ``unit``, its ends ``low`` and ``high`` [unit], and the
-    ``scale`` ("linear" or "log") on which every part of the range is as likely as any other; ``typed``: the unit that
-    its ends were typed in, "" where none was."""
+class Range(Varied):
+    """A number that is sampled: its ends ``low`` and ``high`` [unit], and the ``scale`` ("linear" or "log") on which
+    every part of the range is as likely as any other; ``typed``: the unit that its ends were typed in, "" where none
+    was."""
 
-    path: str
-    unit: str
     low: float
     high: float
     scale: str = SCALES[0]
     typed: str = dataclasses.field(default="", compare=False)
 
-    @property
-    def heading(self) -> str:
-        """The path with its unit: "scenario.approach_speed [m/s]"."""
-        return f"{self.path} [{self.unit}]"
-
-    @property
-    def name(self) -> str:
-        """The field without its section: "approach_speed"."""
-        return self.path.rsplit(".", 1)[-1]
-
     def at(self, shares: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
         """The values [unit] at shares of the range [-]: 0 is the low end, 1 the high one."""
         if self.scale == "log":
-            found = self.low * np.exp(shares * math.log(self.high / self.low))
+            values = self.low * np.exp(shares * math.log(self.high / self.low))
         else:
-            found = self.low + shares * (self.high - self.low)
-        return np.clip(found, self.low, self.high)  # rounding leads beyond no end
+            values = self.low + shares * (self.high - self.low)
+        return np.clip(values, self.low, self.high)  # rounding leads beyond no end
 
     def shares(self, values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
         """The inverse of `at`."""
@@ -70,15 +58,15 @@ class Range:
         return f"{low:g} … {high:g} {symbol}".rstrip(" -") + scale
 
 
-def ranges(asked: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
+def ranges(given: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
     """Ranges from pairs (low, high) or triples (low, high, scale) by dotted path, "scenario.…" for the scenario's.
 
     **Raises:** `InputError` for what is no such pair, paths that are unknown or choices, ends out of a field's range.
     """
-    check_type("ranges", asked, Mapping, 'ranges={"buffer.k_A": (200, 2000)}')
-    if not asked:
+    check_type("ranges", given, Mapping, 'ranges={"buffer.k_A": (200, 2000)}')
+    if not given:
         raise InputError("nothing to sample; name a field and its range, such as buffer.k_A = [200, 2000]")
-    return tuple(_range(path, given, design, scenario) for path, given in asked.items())
+    return tuple(_range(path, ends, design, scenario) for path, ends in given.items())
 
 
 def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:

@@ -80,24 +80,18 @@ class SafeRectangle:
             return None
         count, reasons = f"{runs} {self.swept.mechanism.view.run_name}s", Counter(self.reasons[inside & ~self.safe])
         broken = ", ".join(f"{reason} ({many})" for reason, many in reasons.items())
-        told = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
-        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {told}.")
+        words = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
+        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {words}.")
 
     @property
     def asked(self) -> str:
         """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
         mechanism = self.swept.mechanism
         ends = (mechanism.success or "solved") if self.limits.captured else "solved"
-        return ", ".join([ends, *(f"{name.replace('_', ' ')} {sign} {limit}" for name, sign, limit in self._words())])
-
-    def _words(self) -> Iterator[tuple[str, str, str]]:
-        for sign, sides in (("≤", self.limits.at_most), ("≥", self.limits.at_least)):
-            for name, limit in sides.items():
-                quantity = self.swept.mechanism.quantities[name]
-                unit, factor = quantity.in_figures
-                yield name, sign, f"{factor * limit:.6g} {unit}".rstrip(" -")
+        limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
         if self.limits.impacts is not None:
-            yield "impacts", "≤", str(self.limits.impacts)
+            limits.append(f"impacts ≤ {self.limits.impacts}")
+        return ", ".join([ends, *limits])
 
     def __repr__(self) -> str:
         return _summary(self)
@@ -241,7 +235,7 @@ def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
     **Source:** the largest rectangle in a histogram; D. Vandevoorde, Dr. Dobb's Journal 23(4), 1998.
     """
     heights: Int[np.ndarray, " n"] = np.zeros(mask.shape[1], int)
-    most, found = 0, (slice(0, 0), slice(0, 0))
+    most, largest = 0, (slice(0, 0), slice(0, 0))
     for row, entries in enumerate(mask):
         heights = np.where(entries, heights + 1, 0)
         rising: list[tuple[int, int]] = []  # where each bar could begin, and its height
@@ -250,6 +244,6 @@ def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
             while rising and rising[-1][1] >= height:
                 begin, tall = rising.pop()
                 if (size := tall * (column - begin)) > most:
-                    most, found = size, (slice(row + 1 - tall, row + 1), slice(begin, column))
+                    most, largest = size, (slice(row + 1 - tall, row + 1), slice(begin, column))
             rising.append((begin, height))
-    return found
+    return largest

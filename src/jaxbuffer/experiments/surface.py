@@ -102,8 +102,8 @@ class Surface:
             places = np.stack(np.broadcast_arrays(*shares), axis=-1)
         except ValueError:
             raise InputError("response surface: the arrays of values must all have one length") from None
-        found = self.model.predict(places)
-        return np.exp(found) if self.logarithmic else found
+        predicted = self.model.predict(places)
+        return np.exp(predicted) if self.logarithmic else predicted
 
     def _shares(self, axis: Range, values: Mapping[str, Any]) -> np.ndarray:
         if axis.path not in values:
@@ -204,8 +204,8 @@ def response_surface(
     fitted = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray
     tried = KINDS[1:] if kind == "automatic" else (kind,)
-    told = {name: back(_cross_validated(name, places, fitted, folds, seed)) for name in tried}
-    errors = {name: _error(known, predicted) for name, predicted in told.items()}
+    predictions = {name: back(_cross_validated(name, places, fitted, folds, seed)) for name in tried}
+    errors = {name: _error(known, predicted) for name, predicted in predictions.items()}
     chosen = min(errors, key=lambda name: errors[name].rms)
     return Surface(
         quantity=quantity,
@@ -217,7 +217,7 @@ def response_surface(
         errors=errors,
         logarithmic=logarithmic,
         computed=known,
-        predicted=told[chosen],
+        predicted=predictions[chosen],
         left_out=_left_out(sample, good),
         model=_fitted(chosen, places, fitted),
     )
@@ -238,11 +238,11 @@ def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
 def _cross_validated(kind: str, places: np.ndarray, values: np.ndarray, folds: int, seed: int) -> np.ndarray:
     """What each run's value is by a fit to the other folds."""
     order = np.random.default_rng(seed).permutation(len(values))
-    found = np.empty(len(values))
+    predicted = np.empty(len(values))
     for part in np.array_split(order, folds):
         others = np.setdiff1d(order, part)
-        found[part] = _fitted(kind, places[others], values[others]).predict(places[part])
-    return found
+        predicted[part] = _fitted(kind, places[others], values[others]).predict(places[part])
+    return predicted
 
 
 def _fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Regressor:

@@ -16,8 +16,7 @@ from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
-from ..sweeps.store import ZARR
-from ..sweeps.zarr_store import opened
+from ..sweeps.store import STORE, is_unfinished, opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +28,7 @@ COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
 MAKE = "jaxbuffer simulate STUDY.toml --output FOLDER makes some; so do sensitivity, sweep, tune, sample and pareto"
 BEGUN = {  # what a command keeps while it runs, and the files of its results
     "tuning": ("log.jsonl", ("tuned.json",)),
-    "sweep or sample": ("sweep.chunks", ("sweep.nc", "sample.json")),
+    "sweep or sample": (STORE, ("sweep.nc", "sample.json")),
     "front": ("least-*/log.jsonl", ("pareto.json",)),
 }
 BESIDE = {"sweep": "sweep.json", "motion": "motion.json", "force": "force.json"}  # of something else in the folder
@@ -147,10 +146,25 @@ def load(folder: str | Path) -> Results:
     return Results(folder, run, sweep, records, design)
 
 
+def load_finished(folder: str | Path) -> Results:
+    """Load a folder for a page. **Raises:** `InputError` as `load` does, and where it has an unfinished sweep alone."""
+    begun = unfinished(Path(folder))
+    try:
+        results = load(folder)
+    except InputError as error:
+        if begun and STORE in str(error):  # the store cannot be read either: the package that reads it is missing, say
+            raise InputError(begun) from None
+        raise
+    if begun and results.sweep is not None and not results.records:
+        raise InputError(begun)
+    return results
+
+
 def unfinished(folder: Path) -> str:
     """Return what is begun in a folder and not finished, and how it goes on; "" where nothing is."""
     for what, (kept, results) in BEGUN.items():
-        if any(folder.glob(kept)) and not any((folder / name).exists() for name in results):
+        begun = is_unfinished(folder / STORE) if kept == STORE else any(folder.glob(kept))
+        if begun and not any((folder / name).exists() for name in results):
             return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
     return ""
 
@@ -177,8 +191,8 @@ def _run(folder: Path) -> "xr.Dataset | None":
 def _sweep(folder: Path) -> "xr.Dataset | None":
     if (folder / "sweep.nc").is_file():
         return _dataset(folder / "sweep.nc")
-    if (folder / ZARR).is_dir():
-        return opened(folder / ZARR)
+    if (folder / STORE).is_dir():
+        return opened(folder / STORE)
     if (folder / "sweep.npz").is_file():
         raise InputError(f"{folder / 'sweep.npz'} was written by {_writer(folder / 'sweep.npz')}; sweep again")
     return None

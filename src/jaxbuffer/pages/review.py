@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..output.folder import Results, load
+from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
 from .designs import asked, design
 from .experiments import front, sample, sweep
@@ -46,7 +46,7 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
     """
     if not folders:
         raise InputError("report needs a folder of results, as in jb.report('results')")
-    page = review([load(folder) for folder in folders], title)
+    page = review([load_finished(folder) for folder in folders], title)
     file = Path(folders[0]) / "report.html" if to is None else Path(to)
     write_page(page, file, "file, to=…")
     return file

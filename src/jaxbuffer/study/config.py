@@ -27,13 +27,12 @@ from ..fields import (
     typed_unit,
     unit,
 )
-from ..files import write
 from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, check_pair
-from ..sweeps.grid import SPAN, grid
+from ..sweeps.grid import SPAN, grid, literal
 from ..tuning.problem import Settings
 from .mistaken import no_file, no_table, no_toml
 from .sample_toml import read_sample
@@ -220,11 +219,6 @@ def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "")
     return "\n".join(blocks).lstrip("\n") + "\n"
 
 
-def write_design(design: Part, path: str | Path, comment: str = "", scenarios: Iterable[Part] = ()) -> None:
-    """Write `design_toml` to a file, over any that is there."""
-    write(Path(path), design_toml(design, scenarios, comment))
-
-
 def _lines(part: eqx.Module) -> list[str]:
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
@@ -319,12 +313,7 @@ def _typed(owner: eqx.Module, path: str, text: str) -> Any:
 
 def _literal(text: str) -> bool | float | str:
     """What a word on the command line would be in TOML."""
-    if text in ("true", "false"):
-        return text == "true"
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return text == "true" if text in ("true", "false") else literal(text)
 
 
 def _table(data: Mapping[str, Any], name: str, path: str = "") -> dict[str, Any]:

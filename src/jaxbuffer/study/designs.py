@@ -93,13 +93,13 @@ def _options_toml(problem: Problem) -> str:
 def _limits_toml(problem: Problem) -> str:
     """A problem's limits as TOML; those on own quantities, whose functions are elsewhere, as
     comments."""
-    asked, lines = problem.limits, ["[problem.constraints]"]
-    if problem.mechanism.success is not None or not asked.captured:
-        lines.append(f"captured = {str(asked.captured).lower()}")
-    if asked.impacts is not None:
-        lines.append(f"impacts = {asked.impacts}")
-    for name in dict.fromkeys([*asked.at_most, *asked.at_least]):
-        sides = {"max": asked.at_most.get(name), "min": asked.at_least.get(name)}
+    limits, lines = problem.limits, ["[problem.constraints]"]
+    if problem.mechanism.success is not None or not limits.captured:
+        lines.append(f"captured = {str(limits.captured).lower()}")
+    if limits.impacts is not None:
+        lines.append(f"impacts = {limits.impacts}")
+    for name in dict.fromkeys([*limits.at_most, *limits.at_least]):
+        sides = {"max": limits.at_most.get(name), "min": limits.at_least.get(name)}
         given = ", ".join(f"{side} = {float(value)!r}" for side, value in sides.items() if value is not None)
         line = f"{name} = {{{given}}}  # {problem.catalogue[name].unit}"
         lines.append(f"# of a quantity of your own: {line}" if name in problem.quantities else line)

@@ -21,10 +21,10 @@ def explained(study: Config, name: str) -> str:
     **Raises:** `InputError` where its problem can't be tuned.
     """
     mechanism = study.mechanism
-    kept, missing = _variables_with_start(study)
+    usable, missing = _variables_with_start(study)
     problem = study.problem() if study.table and not missing else None
-    if study.table and missing and kept:  # everything else of the problem
-        problem = dataclasses.replace(study, table={**study.table, "variables": kept}).problem()
+    if study.table and missing and usable:  # everything else of the problem
+        problem = dataclasses.replace(study, table={**study.table, "variables": usable}).problem()
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
@@ -41,26 +41,28 @@ def explained(study: Config, name: str) -> str:
         "commands": _commands(study, name, problem, swept, bool(missing)),
     }
     lines = [f"Study {name}: valid"]
-    for heading, told in parts.items():
-        lines += [f"  {heading if k == 0 else '':22} {line}" for k, line in enumerate(told)]
+    for heading, part in parts.items():
+        lines += [f"  {heading if k == 0 else '':22} {line}" for k, line in enumerate(part)]
     return "\n".join(lines)
 
 
 def _differences(study: Config) -> list[str]:
     """Each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
-    mechanism, found = study.mechanism, []
+    mechanism, differences = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
         for path in paths(part):
             if get(part, path) != get(default, path):
                 text = study.texts.get(prefix + path, "")
                 typed = f"{text} = " if text and unit(part, path) else ""
-                found.append(f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})")
+                differences.append(
+                    f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
+                )
     default_options = Options(duration=mechanism.defaults.duration)
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
-            found.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
-    return found
+            differences.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
+    return differences
 
 
 def _beside_default(part: Part, default: Part, path: str) -> str:
@@ -95,12 +97,12 @@ def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
     if "variables" in study.table:
         return {}, []
     design, usual = study.design, study.mechanism.defaults.variables
-    kept = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
-    return kept, [
+    usable = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
+    return usable, [
         f"{path} = {_value(design, path)} is outside the default bounds [{bounds[0]:g}, {bounds[1]:g}]: tune needs"
         " [problem.variables]"
         for path, bounds in usual.items()
-        if path not in kept
+        if path not in usable
     ]
 
 
@@ -125,18 +127,18 @@ def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, mi
     run = mechanism.view.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
     of, by = ", ".join(defaults.differentiated), ", ".join(defaults.parameters)
-    told = [
+    commands = [
         f"jaxbuffer simulate {name}     one {run}: {mechanism.view.label(study.scenario)}",
         f"jaxbuffer sensitivity {name}  {of}",
         f"{'':{len(name) + 23}} by {by}",
         f"jaxbuffer sweep {name}        {counts} {run}s{'' if study.sweep else ', the default grid'}",
     ]
     if missing:
-        return [*told, f"jaxbuffer tune {name}         needs [problem.variables] first"]
+        return [*commands, f"jaxbuffer tune {name}         needs [problem.variables] first"]
     if problem is None:
-        return [*told, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
+        return [*commands, f"jaxbuffer tune {name}         the default problem; it has no [problem]"]
     cases = f"{len(problem.cases)} scenario{'s' if len(problem.cases) > 1 else ''}"
-    return [*told, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
+    return [*commands, f"jaxbuffer tune {name}         {len(problem.variables)} variables over {cases}"]
 
 
 def _shown(part: Part, path: str, prefix: str = "") -> str:

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..errors import InputError, nearest, shown, suggest
+from ..errors import InputError, check_known, nearest, shown
 from ..fields.units import check_unit
 from ..mechanisms.mechanism import Mechanism
-from ..tuning.derived import Derived, check_derived, check_name, raised
+from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
 
 EXAMPLE = '{function = "objectives.py:effort", unit = "N m"}'
 FIELDS = ("function", "unit", "description")
@@ -40,9 +40,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
     check_name(name, mechanism.quantities)
     if not isinstance(entry, dict):
         raise InputError(f"{where} = {shown(entry)} is not a table; write {name} = {EXAMPLE}")
-    for key in entry:
-        if key not in FIELDS:
-            raise InputError(f"{where}.{key} is unknown{suggest(key, FIELDS)}")
+    check_known(entry, FIELDS, where)
     for key in FIELDS[:2]:
         if key not in entry:
             raise InputError(f"{where} has no {key}; write {name} = {EXAMPLE}")
@@ -51,8 +49,8 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
             raise InputError(f"{where}.{key} = {shown(value)} is not a text; write {name} = {EXAMPLE}")
     file, colon, function = entry["function"].rpartition(":")
     if not (colon and file.endswith(".py") and function.isidentifier()):
-        told = "is not a file and a name in it, such as objectives.py:effort"
-        raise InputError(f"{where}.function = {shown(entry['function'])} {told}")
+        remedy = "is not a file and a name in it, such as objectives.py:effort"
+        raise InputError(f"{where}.function = {shown(entry['function'])} {remedy}")
     check_unit(f"{where}.unit", entry["unit"])
     return Named(file, function, entry["unit"], entry.get("description", ""))
 
@@ -63,18 +61,18 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
     """
     modules: dict[str, dict[str, Any]] = {}
-    found = {}
-    for name, asked in named_quantities(table, mechanism).items():
+    own = {}
+    for name, named in named_quantities(table, mechanism).items():
         where = f"problem.quantities.{name}"
         try:
-            if asked.file not in modules:
-                modules[asked.file] = _run(folder / asked.file, asked.file)
-            function = _function(modules[asked.file], asked)
-            found[name] = Derived(function, asked.unit, asked.description)
+            if named.file not in modules:
+                modules[named.file] = _run(folder / named.file, named.file)
+            function = _function(modules[named.file], named)
+            own[name] = Derived(function, named.unit, named.description)
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
     try:
-        return check_derived(found, mechanism.quantities)
+        return check_derived(own, mechanism.quantities)
     except InputError as error:
         raise InputError(f"problem.{error}") from None
 
@@ -94,26 +92,17 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     except SyntaxError as error:
         raise InputError(f"{shown_as}, line {error.lineno}: {error.msg}") from None
     except (Exception, SystemExit) as error:
-        raise InputError(f"{shown_as}{_at(error, path)} {raised(error)}") from None
+        line = line_in(str(path), error)
+        raise InputError(f"{shown_as}{'' if line is None else f', line {line},'} {raised(error)}") from None
     return vars(module)
 
 
-def _at(error: BaseException, path: Path) -> str:
-    """The file's last line on the way to an error, as text."""
-    line, at = "", error.__traceback__
-    while at is not None:
-        if at.tb_frame.f_code.co_filename == str(path):
-            line = f", line {at.tb_lineno},"
-        at = at.tb_next
-    return line
-
-
-def _function(defined: Mapping[str, Any], asked: Named) -> Callable[..., Any]:
+def _function(defined: Mapping[str, Any], named: Named) -> Callable[..., Any]:
     """The function of that name."""
-    if asked.function in defined:
-        found: Callable[..., Any] = defined[asked.function]
-        return found
+    if named.function in defined:
+        function: Callable[..., Any] = defined[named.function]
+        return function
     functions = [name for name, value in defined.items() if inspect.isfunction(value)]
-    near = nearest(asked.function, functions)
-    told = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
-    raise InputError(f"{asked.file} has no function {asked.function}{told}")
+    near = nearest(named.function, functions)
+    remedy = f"; did you mean {near}?" if near else f"; it has {', '.join(functions) or 'none'}"
+    raise InputError(f"{named.file} has no function {named.function}{remedy}")

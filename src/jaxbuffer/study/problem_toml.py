@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, meant, shown, suggest
+from ..errors import InputError, as_number, check_choice, check_known, check_number, check_whole, meant, shown
 from ..fields import (
     Part,
     by_path,
@@ -50,7 +50,7 @@ def read_problem(
     sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
     as of `Config`.
     """
-    _known(table, SECTIONS, "problem")
+    check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     symbols = _units(table, mechanism)
     variables = _variables_of(table, mechanism, design)
@@ -72,15 +72,15 @@ def read_problem(
     except InputError as error:
         if not str(error).startswith(SECTIONS):
             raise
-        asked = limits(table, mechanism).at_most
-        broken = (name for name in asked if str(error).startswith(f"constraints.{name} = "))
-        hints = (meant(asked[name], symbols[name], low=0.0) for name in broken)
+        at_most = limits(table, mechanism).at_most
+        broken = (name for name in at_most if str(error).startswith(f"constraints.{name} = "))
+        hints = (meant(at_most[name], symbols[name], low=0.0) for name in broken)
         raise error.between("problem.", next(hints, "")) from None
 
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
-    _known(table, SECTIONS, "problem")
+    check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
     _variables_of(table, mechanism, design)
     if (scatter := _scatter(table, design, base)) is not None:
@@ -96,16 +96,16 @@ def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
 
 def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
     """The units of all quantities that objectives and limits may use, the study's own ones among them."""
-    own = {name: asked.unit for name, asked in named_quantities(table, mechanism).items()}
+    own = {name: own.unit for name, own in named_quantities(table, mechanism).items()}
     return {name: mechanism.quantities[name].unit for name in mechanism.tuned} | own
 
 
 def _variables_of(table: Mapping[str, Any], mechanism: Mechanism, design: Part) -> tuple[Variable, ...]:
     """The variables of a [problem], by default the mechanism's."""
-    asked = _table(table, "variables", mechanism.defaults.variables)
-    if not asked:
+    bounds = _table(table, "variables", mechanism.defaults.variables)
+    if not bounds:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
-    by_name = by_path(asked, where="problem.variables")
+    by_name = by_path(bounds, where="problem.variables")
     return tuple(_variable(path, given, design) for path, given in by_name.items())
 
 
@@ -115,12 +115,12 @@ def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: 
         value, symbol, typed = get(design, v.path), unit(design, v.path), units.get(v.path, "")
         if isinstance(value, float) and not v.low <= value <= v.high:
             bounds = f"bounds {range_in_words(v.low, v.high, symbol, typed)}"
-            told = (
+            bounds_in_words = (
                 f"its {bounds}; widen the bounds in [problem.variables] or change the start"
                 if own
                 else f"the default {bounds}; give bounds in [problem.variables] or change the start"
             )
-            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {told}")
+            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {bounds_in_words}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -148,7 +148,7 @@ def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -
     """The grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
-        _known(fields, tuple(paths(base)), "problem.grid")
+        check_known(fields, tuple(paths(base)), "problem.grid")
         return grid({name: _grid_values(name, values, base) for name, values in fields.items()}, base)
     return tuple(Case(scenario) for scenario in ((base,) if "sample" in table else listed))
 
@@ -170,20 +170,20 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     """How scenarios and design scatter; None where they do not."""
     if "sample" not in table:
         return None
-    asked, spanned = _table(table, "sample", {}), _table(table, "grid", {})
-    _known(asked, SAMPLE, "problem.sample")
+    sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
+    check_known(sample, SAMPLE, "problem.sample")
     fields, factors = (
-        _distributions(_table(asked, name, {}), tuple(paths(part)), f"problem.sample.{name}")
+        _distributions(_table(sample, name, {}), tuple(paths(part)), f"problem.sample.{name}")
         for name, part in (("scenario", base), ("factors", design))
     )
     for name in fields:
         if name in spanned:
             raise InputError(f"problem.sample.scenario.{name} and problem.grid.{name} both give {name}; keep one")
-    seed = asked.get("seed", 0)
+    seed = sample.get("seed", 0)
     check_whole("problem.sample.seed", seed, 0)
     read = lambda name, given, symbol: _distribution(f"problem.sample.{name}", given, symbol)  # noqa: E731
     return Scatter(
-        asked.get("count", 16),
+        sample.get("count", 16),
         {name: read(f"scenario.{name}", given, unit(base, name)) for name, given in fields.items()},
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
         seed,
@@ -192,13 +192,13 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
 
 def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
     """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
-    found = by_path(table, KINDS, where)
-    for path in found:
+    by_name = by_path(table, KINDS, where)
+    for path in by_name:
         field, _, kind = path.rpartition(".")
         if field in known:  # a table that has no kind is taken for more of the path
-            _known({kind: None}, KINDS, f"{where}.{field}")
-    _known(found, known, where)
-    return found
+            check_known({kind: None}, KINDS, f"{where}.{field}")
+    check_known(by_name, known, where)
+    return by_name
 
 
 def _distribution(where: str, given: Any, unit: str) -> Distribution:
@@ -220,21 +220,21 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
 def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
     options = {name: table[name] for name in OPTIONS if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
-    _known(weights, (*units, *OPTIONS), f"problem.{where}")
+    check_known(weights, (*units, *OPTIONS), f"problem.{where}")
     for name, weight in weights.items():
         check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
 
 
 def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
-    _known(table, ("captured", "impacts", *units), "problem.constraints")
+    check_known(table, ("captured", "impacts", *units), "problem.constraints")
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
             continue
         where, symbol = f"problem.constraints.{name}", units[name]
         sides = given if isinstance(given, dict) else {"max": given}
-        _known(sides, SIDES, where)
+        check_known(sides, SIDES, where)
         if not sides:
             raise InputError(f"{where} = {{}} limits nothing; write {name} = 0.1 or {name} = {{min = 0.1, max = 0.2}}")
         ends = [sides.get("min"), sides.get("max")]
@@ -252,17 +252,11 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
-    _known(table, (*units, *OPTIONS, "slack"), "problem.then")
+    check_known(table, (*units, *OPTIONS, "slack"), "problem.then")
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}
     return Then(_objective(objective, "then", units), table.get("slack", Then.slack))
-
-
-def _known(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    for name in table:
-        if name not in known:
-            raise InputError(f"{where}.{name} is unknown{suggest(name, known)}")
 
 
 def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -16,12 +16,12 @@ def read_sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[
     for name in table:
         if name not in KEYS:
             raise InputError(f"sample.{name} is unknown{suggest(name, KEYS)}; ranges go under [sample.ranges]")
-    found = dict(table)
+    sample = dict(table)
     check_choice("sample.method", table.get("method", METHODS[0]), METHODS)
     if "ranges" in table:
         if not isinstance(table["ranges"], Mapping):
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
-        found["ranges"] = by_path(table["ranges"], where="sample.ranges")
-        axes = ranges(found["ranges"], design, scenario)
+        sample["ranges"] = by_path(table["ranges"], where="sample.ranges")
+        axes = ranges(sample["ranges"], design, scenario)
         points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
-    return found
+    return sample

@@ -123,11 +123,11 @@ def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.n
         values = map(np.asarray, solve_chunk(mechanism, chunk, wanted, rtol, settings.stabilisation, settings.solver))
         return dict(zip(column_names(mechanism), values, strict=False))
 
-    found = at(settings.rtol)
+    columns = at(settings.rtol)
     if not settings.trust:
-        return [*found.values(), np.full(len(wanted), NO_VERDICT)]
+        return [*columns.values(), np.full(len(wanted), NO_VERDICT)]
     closer = tenth(float(settings.rtol))
-    return [*found.values(), _verdicts(mechanism, found, None if closer is None else at(np.asarray(closer)))]
+    return [*columns.values(), _verdicts(mechanism, columns, None if closer is None else at(np.asarray(closer)))]
 
 
 def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str, np.ndarray] | None) -> np.ndarray:
@@ -140,8 +140,8 @@ def _verdicts(mechanism: Mechanism, here: dict[str, np.ndarray], there: dict[str
     error = SAFETY * np.max([*changes.values(), np.zeros(len(solved))], axis=0)
     others = (f"peak_{mechanism.view.contact}", "impact_count")
     differs = np.any([here[name] != there[name] for name in others], axis=0)
-    found = verdicts(error, here["code"] != there["code"], differs)
-    return np.where(solved, np.where(there["code"] < failed, found, unknown), NO_VERDICT)
+    index = verdicts(error, here["code"] != there["code"], differs)
+    return np.where(solved, np.where(there["code"] < failed, index, unknown), NO_VERDICT)
 
 
 def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:

@@ -14,6 +14,7 @@ from ..errors import as_number
 from ..fields import Part, unit_at, with_values
 from ..fields.address import addresses, value_at
 from ..labelled.arrays import Labelled
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 from .grid import Batch, Grid
@@ -50,6 +51,13 @@ class Cut:
         """Blocks along each axis."""
         return tuple(-(-size // length) for size, length in zip(self.sizes, self.block, strict=True))
 
+    def numbers(self, places: np.ndarray) -> np.ndarray:
+        """The blocks in which runs are, by their ``places`` in the arrays of all."""
+        corners = [
+            place // length for place, length in zip(np.unravel_index(places, self.sizes), self.block, strict=True)
+        ]
+        return np.unique(np.ravel_multi_index(corners, self.counts))
+
     def region(self, number: int) -> Region:
         """Where a block is."""
         corner = np.unravel_index(number, self.counts)
@@ -72,6 +80,24 @@ class BlockSweep:
     template: Template
     cut: Cut
     dims: tuple[str, ...]
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Of which these are runs."""
+        return mechanism_of(self.template.design)
+
+    @property
+    def duration(self) -> Any:
+        """Of the runs [s]."""
+        return self.template.duration
+
+    def identity(self) -> dict[str, Any]:
+        """What makes it the sweep it is."""
+        raise NotImplementedError
+
+    def coordinates(self) -> dict[str, Labelled]:
+        """The values of its dimensions, and what else differs between the runs."""
+        raise NotImplementedError
 
     def blocks(self) -> Iterator[Block]:
         """All of them, made as they are asked for."""
@@ -137,7 +163,12 @@ class RunsSweep(BlockSweep):
 
     def identity(self) -> dict[str, Any]:
         """What makes it the sweep it is."""
-        return {"design": self.swept[0], "scenarios": self.swept[1:]}
+        return {"design": self.swept[0], "scenarios": self.swept[1]}
+
+    @property
+    def duration(self) -> Any:
+        """Of the runs [s], shape (n,) where they have one each."""
+        return self.swept[2]
 
     def coordinates(self) -> dict[str, Labelled]:
         """The numbers that differ, and the runs' own."""
@@ -160,9 +191,9 @@ class RunsSweep(BlockSweep):
 
 def box(sizes: list[int], most: int) -> tuple[int, ...]:
     """A box of at most so many cells in an array of these sizes, longest along its last axes, and as even as can be."""
-    found: list[int] = []
+    lengths: list[int] = []
     for size in reversed(sizes):
-        room = max(1, most // math.prod(found))
+        room = max(1, most // math.prod(lengths))
         pieces = -(-size // min(size, room))
-        found.append(-(-size // pieces))
-    return tuple(reversed(found))
+        lengths.append(-(-size // pieces))
+    return tuple(reversed(lengths))

@@ -1,12 +1,10 @@
 """A sweep over a cluster: blocks as tasks, whose workers store what they compute; no numbers pass through here."""
 
-import json
 import time
-import uuid
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,22 +13,12 @@ from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
 from ..files import Lock
-from ..hybrid import name_of
-from ..mechanisms.dataset import attributes
-from ..mechanisms.registry import mechanism_of
-from ..programs.store import folder as programs_folder
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
-from .columns import column_names, tally
-from .cut import Block, Cut, GridSweep, RunsSweep, Template
+from .columns import tally
+from .cut import Block, GridSweep, RunsSweep, Template
 from .executor import Where
-from .store import STORE as CHUNKS
-from .store import ZARR as STORE
-from .store import differing, identity
+from .store import STORE, Store, begun, check_resumable, resumed
 from .stored import StoredInterrupted, StoredSweep
-from .zarr_store import BLOCK, IDENTITY, KIND, TOKEN, Store, create, known, remove_drafts
-
-if TYPE_CHECKING:  # an optional package, slow to import
-    from distributed import Client
 
 TASK = 512  # runs of a task at most on few threads: about a second
 PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the last
@@ -64,14 +52,14 @@ class Report(NamedTuple):
 def solve_block(job: Job, block: Block) -> Report:
     """Solve and store a block, unless the store has it whole already."""
     job.store.check()
-    columns, begin = job.store.read(block), time.perf_counter()
+    columns, begin = job.store.read_done(block), time.perf_counter()
     computed = columns is None
     if columns is None:
         columns = solved(job, block)
     between = time.perf_counter()
     if computed:
         job.store.write(block, columns)
-    by_name, ended = dict(zip(job.store.columns, columns, strict=True)), time.perf_counter()
+    by_name, ended = dict(zip(job.store.types, columns, strict=True)), time.perf_counter()
     outcomes, verdicts = (tally(by_name[name]) for name in ("code", "trust"))
     return Report(block.number, columns[0].size, computed, outcomes, verdicts, between - begin, ended - between)
 
@@ -93,66 +81,33 @@ def run(cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Setti
     require()
     if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
-    folder = Path(where.folder).absolute()
-    store = folder / STORE
-    if where.resume and not store.exists():
-        other = f", {CHUNKS} is that of one without a scheduler" if (folder / CHUNKS).exists() else ""
-        reason = f"{STORE} is missing{other}; leave out --resume to begin one"
-        raise InputError(f"{folder}: there is no sweep to resume; {reason}")
-    lock = Lock(folder)
+    path = Path(where.folder).absolute() / STORE
+    if where.resume:
+        check_resumable(path)
+    lock = Lock(path.parent)
     try:
         with connected(where.executor, where.workers) as client:
-            begin = _resumed if where.resume else _begun
-            workers, sweep, token = begin(cut, count, settings, client, store)
-            job = Job(
-                Store(store, token, column_names(mechanism_of(sweep.template.design))),
-                isinstance(sweep, GridSweep),
-                sweep.template,
-                settings,
-            )
-            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, store, where)
+            if where.resume:
+                sweep = cut(CHUNK)
+                store, made_on = resumed(path, sweep, settings)
+                workers = Workers(client, made_on)
+            else:
+                workers = Workers(client)
+                sweep = cut(task_size(count, max(1, workers.threads)))
+                store = begun(path, sweep, settings, workers.kind)
+            job = Job(store, isinstance(sweep, GridSweep), sweep.template, settings)
+            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, path, where)
     finally:
         lock.release()
 
 
 def task_size(runs: int, threads: int) -> int:
-    """How many runs a task has at most."""
+    """How many runs a task, or a block of the store, has at most."""
     return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))
 
 
-def _begun(
-    cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, client: "Client", store: Path
-) -> tuple[Workers, GridSweep | RunsSweep, str]:
-    """Make an empty store; return the workers, the sweep in blocks, and the store's token."""
-    workers = Workers(client, _cache())
-    sweep = cut(task_size(count, max(1, workers.threads)))
-    mechanism = mechanism_of(sweep.template.design)
-    about = {
-        **attributes(mechanism, sweep.template.design, sweep.template.scenario),
-        "settings": json.dumps(_words(settings, sweep), sort_keys=True),
-        IDENTITY: _identity(settings, sweep),
-        BLOCK: json.dumps(sweep.cut.block),
-        KIND: json.dumps(workers.kind, sort_keys=True),
-        TOKEN: uuid.uuid4().hex,
-    }
-    create(store, mechanism, sweep.cut, sweep.dims, sweep.coordinates(), about)
-    return workers, sweep, about[TOKEN]
-
-
-def _resumed(
-    cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, client: "Client", store: Path
-) -> tuple[Workers, GridSweep | RunsSweep, str]:
-    """Read what the store says of itself; return the workers, the sweep in its blocks, and its token."""
-    there = known(store)
-    remove_drafts(store)
-    sweep = cut(CHUNK)
-    differing(store, json.loads(_identity(settings, sweep)), there.identity)
-    sweep.cut = Cut(sweep.cut.sizes, there.block)
-    return Workers(client, _cache(), there.kind), sweep, there.token
-
-
 def _solved(
-    reports: Iterator[Report], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
+    reports: Generator[Report, None, None], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
 ) -> StoredSweep:
     """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
@@ -170,30 +125,11 @@ def _solved(
     except KeyboardInterrupt:
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
-        name = mechanism_of(sweep.template.design).view.run_name
+        name = sweep.mechanism.view.run_name
         there = f"{done} of {count} {name}s are known to be in {store}; resuming goes on with them"
         if error.errno is None:
             raise ConnectionError(f"{error}; {there}") from None
         raise OSError(error.errno, f"{error.strerror}; {there}", error.filename) from None
+    finally:
+        reports.close()  # tasks under way are cancelled now, while there is a client, not whenever memory is collected
     return so_far()
-
-
-def _identity(settings: Settings, sweep: GridSweep | RunsSweep) -> str:
-    options = (sweep.template.duration, *settings)
-    columns = column_names(mechanism_of(sweep.template.design))
-    return json.dumps(identity(**sweep.identity(), options=options, quantities=columns), sort_keys=True)
-
-
-def _words(settings: Settings, sweep: GridSweep | RunsSweep) -> dict[str, Any]:
-    return {
-        "rtol [-]": float(settings.rtol),
-        "stabilisation [1/s]": float(settings.stabilisation),
-        "duration [s]": float(sweep.template.duration),
-        "solver": name_of(settings.solver) or "automatic",
-        "trust": settings.trust,
-    }
-
-
-def _cache() -> str | None:
-    programs = programs_folder()
-    return None if programs is None else str(programs)

@@ -54,18 +54,11 @@ class Span:
 
 
 @dataclasses.dataclass(frozen=True)
-class Axis:
-    """One field's values: its dotted ``path``, ``unit`` ("" of a choice), and the values asked for [unit]; ``typed``:
-    the unit that they were typed in, "" where none was."""
+class Varied:
+    """A field that differs between runs: its dotted ``path`` and ``unit``, "" of a choice."""
 
     path: str
     unit: str
-    asked: Span | tuple[Any, ...]
-    scale: str = SCALES[0]  # on which it is drawn
-    typed: str = dataclasses.field(default="", compare=False)
-
-    def __len__(self) -> int:
-        return len(self.asked)
 
     @property
     def name(self) -> str:
@@ -73,14 +66,27 @@ class Axis:
         return self.path.rsplit(".", 1)[-1]
 
     @property
-    def values(self) -> np.ndarray:
-        """The values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
-        return np.asarray(self.asked, float) if self.unit else np.asarray(self.asked)
-
-    @property
     def heading(self) -> str:
         """The path with its unit: "scenario.approach_speed [m/s]"."""
         return f"{self.path} [{self.unit}]" if self.unit else self.path
+
+
+@dataclasses.dataclass(frozen=True)
+class Axis(Varied):
+    """One field's values: the ``listed`` ones [unit], or a span; ``typed``: the unit that they were typed in, "" where
+    none was."""
+
+    listed: Span | tuple[Any, ...]
+    scale: str = SCALES[0]  # on which it is drawn
+    typed: str = dataclasses.field(default="", compare=False)
+
+    def __len__(self) -> int:
+        return len(self.listed)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
+        return np.asarray(self.listed, float) if self.unit else np.asarray(self.listed)
 
     def words(self, value: Any, digits: int = 6) -> str:
         """One of the values in words: "0.1 m/s", "hertz", "true"."""
@@ -138,22 +144,24 @@ class Places(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class Grid:
-    """The product of its axes, the last one changing fastest. ``held``: whether there will be arrays in memory with an
-    entry for each run."""
+    """The product of its axes, the last one changing fastest.
+
+    ``in_memory``: whether there will be arrays in memory with an entry for each run.
+    """
 
     axes: tuple[Axis, ...]
-    held: bool = True
+    in_memory: bool = True
 
     def __post_init__(self) -> None:
         if not self.axes:
             raise InputError("nothing to sweep; name a field and its values")
         runs = math.prod(self.shape)
         need, have = BYTES * runs, _free_memory()
-        told = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
-        if self.held and need > have:
-            raise InputError(f"{told}, which need {_size(need)} of memory; {_size(have)} are free")
+        size = f"the grid has {' × '.join(map(str, self.shape))} = {runs:.4g} runs"
+        if self.in_memory and need > have:
+            raise InputError(f"{size}, which need {_size(need)} of memory; {_size(have)} are free")
         if runs > MOST:
-            raise InputError(f"{told}; at most {MOST:.0e} are allowed")
+            raise InputError(f"{size}; at most {MOST:.0e} are allowed")
 
     def __len__(self) -> int:
         return math.prod(self.shape)
@@ -198,30 +206,32 @@ class Grid:
         return swept[0], swept[1]
 
 
-def grid(asked: Mapping[str, Any], design: Part, scenario: Part, held: bool = True) -> Grid:
+def grid(over: Mapping[str, Any], design: Part, scenario: Part, in_memory: bool = True) -> Grid:
     """A grid from values as TOML writes them: a number, a list, or {from, to, count, scale = "linear" | "log"}.
 
     Of a choice the values are a word, a truth, a whole number, or a list of them.
 
-    **Arguments:** ``asked``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
-    fields they are; ``held`` as of `Grid`. **Raises:** `InputError` for paths that are unknown, empty lists, values out
-    of range, and for a grid that does not fit into memory.
+    **Arguments:** ``over``: dotted path to values, "scenario.…" for the scenario's; ``design``, ``scenario``: whose
+    fields they are; ``in_memory`` as of `Grid`.
+
+    **Raises:** `InputError` for paths that are unknown, empty lists, values out of range, and for a grid that does not
+    fit into memory.
     """
-    return Grid(tuple(axis(path, values, design, scenario) for path, values in asked.items()), held)
+    return Grid(tuple(axis(path, values, design, scenario) for path, values in over.items()), in_memory)
 
 
-def axis(path: str, asked: Any, design: Part, scenario: Part) -> Axis:
+def axis(path: str, given: Any, design: Part, scenario: Part) -> Axis:
     """One axis, checked against the field's range."""
     check_address(design, scenario, path, "sweep: ")
     symbol = unit_at(design, scenario, path)
     if not symbol:
-        return Axis(path, "", _chosen(path, asked, design, scenario))
-    values = span(f"sweep.{path}", asked, symbol) if isinstance(asked, Mapping) else _listed(path, asked, symbol)
+        return Axis(path, "", _chosen(path, given, design, scenario))
+    values = span(f"sweep.{path}", given, symbol) if isinstance(given, Mapping) else _listed(path, given, symbol)
     ends = (values.start, values.stop) if isinstance(values, Span) else values
-    found = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(asked))
-    with errors_in_typed_units({path: found.typed}):
+    made = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(given))
+    with errors_in_typed_units({path: made.typed}):
         with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
-    return found
+    return made
 
 
 def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
@@ -275,23 +285,21 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
     return Span(start, stop, count, scale)
 
 
-def _listed(path: str, asked: Any, unit: str) -> tuple[float, ...]:
-    asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
-    values: Sequence[Any] = asked if isinstance(asked, Sequence) and not isinstance(asked, (str, bytes)) else [asked]
+def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
+    values = _as_list(given)
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
     check_units_agree(f"sweep.{path}", values)
     return tuple(_number(f"sweep.{path}", value, unit) for value in values)
 
 
-def _chosen(path: str, asked: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
+def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
     """Values of a choice, each checked by itself: whether they go with others, `Grid.batches` checks."""
-    if isinstance(asked, Mapping):
+    if isinstance(given, Mapping):
         raise InputError(
             f"sweep.{path} is a choice; list its values, as in [{shown(value_at(design, scenario, path))}]"
         )
-    asked = asked.tolist() if isinstance(asked, np.ndarray) else asked
-    listed = list(asked) if isinstance(asked, Sequence) and not isinstance(asked, str | bytes) else [asked]
+    listed = _as_list(given)
     if not listed:
         raise InputError(f"sweep.{path} is empty; list its values, as in [{shown(value_at(design, scenario, path))}]")
     now = value_at(design, scenario, path)
@@ -301,6 +309,12 @@ def _chosen(path: str, asked: Any, design: Part, scenario: Part) -> tuple[Any, .
         if values.count(value) > 1:
             raise InputError(f"sweep.{path} names {str(value).lower()} twice; keep one")
     return values
+
+
+def _as_list(given: Any) -> list[Any]:
+    """What was given as a list, a single value as the only one."""
+    given = given.tolist() if isinstance(given, np.ndarray) else given
+    return list(given) if isinstance(given, Sequence) and not isinstance(given, str | bytes) else [given]
 
 
 def _as_choice(value: Any, now: Any) -> Any:

@@ -1,101 +1,157 @@
-"""A sweep on disk: a file that only grows, so that a kill costs about a second of work.
+"""A sweep on disk: one Zarr store (format 2), an array a quantity, cut into files as the sweep is into blocks.
 
-``sweep.chunks`` begins with a line that says whose sweep it is: a CRC-32 and JSON. Records follow, each with what was
-finished since the last: a mark, the number of runs, the CRC-32 of the rest; the runs' numbers in the sweep; then
-one quantity after the other. Each number has 8 bytes, little-endian.
+Each file is put in place whole. The block's checksum, of all its numbers, comes last: a block whose checksum is missing
+or another one is not done, whatever ended its writer or damaged its files. Zarr itself is needed by those only who read
+a store as labelled arrays: its format is so plain that sweeps write it, and resume, without that package.
 """
 
+import dataclasses
 import hashlib
 import json
-import mmap
-import os
-import struct
+import shutil
 import time
+import uuid
 import warnings
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
 
 from ..errors import InputError
-from ..files import Lock, naming, write
+from ..files import Lock, naming
+from ..hybrid import name_of
+from ..labelled.arrays import Labelled
+from ..mechanisms.dataset import attributes
+from ..mechanisms.mechanism import Mechanism
+from ..run.trust import VERDICTS
 from ..version import version
+from .chunk import Settings
+from .columns import column_names, whole_numbers
+from .cut import Block, BlockSweep, Cut
 
-STORE, ZARR = "sweep.chunks", "sweep.zarr"  # and that of a sweep over a scheduler (`zarr_store`)
-PERIOD = 1.0  # s between records
-MARK = b"\xf1CHUNK\r\n"
-HEAD = struct.Struct("<8sII")
+if TYPE_CHECKING:
+    import xarray as xr
 
-
-def identity(**parts: Any) -> dict[str, str]:
-    """What makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
-    hashes = {"version": version()}
-    for name, part in parts.items():
-        leaves, structure = jax.tree.flatten(part)
-        content = hashlib.sha256(str(structure).encode())
-        for leaf in leaves:
-            content.update(repr(leaf).encode() if isinstance(leaf, str) else _bytes(np.asarray(leaf, float)))
-        hashes[name] = content.hexdigest()[:16]
-    return hashes
-
-
-def differing(file: Path, own: Mapping[str, str], found: Mapping[str, str]) -> None:
-    """Raise `InputError` where a file or store has another sweep's identity."""
-    differ = [name for name in {**own, **found} if own.get(name) != found.get(name)]
-    if differ:
-        told = "repeat the study, the options and the same --over of the first, or choose another --output"
-        raise InputError(f"{file} holds another sweep, differing in {_and(differ)}; {told}; it is left as it is")
+STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
+DRAFT = ".sweep.zarr.draft"
+CHECKSUM = "checksum"
+IDENTITY, BLOCK, KIND, TOKEN = "identity", "block", "made_on", "token"  # attributes, the last one a word, else JSON
+GROUP, ATTRIBUTES, ARRAY, ALL = ".zgroup", ".zattrs", ".zarray", ".zmetadata"  # in Zarr's format 2
+CODECS = {None, "zlib", "crc32", "zstd", "blosc"}  # ours and xarray's; others run code that a store brings: pickle
+PARTIAL = ".partial"  # ends the name of a file that is being written
+EMPTY = {"<i8": -1, "<f8": np.nan}  # what is in the place of runs that are not computed, by the column's type
+PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
 
-class SweepStore:
-    """The folder of one sweep, locked until `close`."""
+@dataclasses.dataclass(frozen=True)
+class Store:
+    """The store of one sweep, as a process that writes it sees it.
+
+    ``token``: its own, made up with it; ``types``: the type of each column by name; ``cut``: into blocks.
+    """
+
+    path: Path
+    token: str
+    types: Mapping[str, str]
+    cut: Cut
+
+    def check(self) -> None:
+        """Raise `InputError` where another store has taken its place, so that nothing is written there."""
+        if _attributes(self.path).get(TOKEN) != self.token:
+            raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
+
+    def write(self, block: Block, columns: Sequence[np.ndarray]) -> None:
+        """Store a block's columns, (runs,) each."""
+        self.check()
+        inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
+        files = {}
+        for (name, kind), values in zip(self.types.items(), columns, strict=True):
+            files[self._file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
+            full[inside] = values.reshape(block.shape)
+        files[self._file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
+        with naming(self.path):
+            _write(files)
+
+    def read(self, block: Block) -> list[np.ndarray] | None:
+        """Return a block's columns, (runs,) each, or None where it is not there, or not whole."""
+        inside, columns = tuple(slice(length) for length in block.shape), list[np.ndarray]()
+        try:
+            (expected,) = _read(self._file(CHECKSUM, block), "<u8", (1,))
+            for name, kind in self.types.items():
+                columns.append(_read(self._file(name, block), kind, self.cut.block)[inside].ravel())
+        except (OSError, ValueError, zlib.error):  # missing, cut off or garbled: all mean the same
+            return None
+        return columns if self._checksum(block, columns) == expected else None
+
+    def read_done(self, block: Block) -> list[np.ndarray] | None:
+        """Return a block's columns, or None where one of its runs is missing."""
+        columns = self.read(block)
+        return None if columns is None or np.any(columns[[*self.types].index("code")] < 0) else columns
+
+    def is_begun(self, block: Block) -> bool:
+        """Return whether the block has a checksum, right or wrong."""
+        return self._file(CHECKSUM, block).exists()
+
+    def _file(self, name: str, block: Block) -> Path:
+        if name == CHECKSUM:
+            return self.path / name / str(block.number)
+        return self.path.joinpath(name, *map(str, np.unravel_index(block.number, self.cut.counts)))
+
+    def _checksum(self, block: Block, columns: Sequence[np.ndarray]) -> int:
+        content = hashlib.blake2b(f"{self.token} {block.number}".encode(), digest_size=8)
+        for kind, values in zip(self.types.values(), columns, strict=True):
+            content.update(np.ascontiguousarray(values, kind).tobytes())
+        return int.from_bytes(content.digest(), "little") or 1
+
+
+def fill(store: Store, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> None:
+    """Fill columns (n,) with what is stored. A warning says how many blocks are damaged."""
+    damaged, sizes = 0, sweep.cut.sizes
+    for block in sweep.blocks():
+        values = store.read(block)
+        if values is None:
+            damaged += store.is_begun(block)
+            continue
+        for name, those in zip(store.types, values, strict=True):
+            columns[name].reshape(sizes)[block.region] = those.reshape(block.shape)
+    if damaged:
+        blocks = "1 block is" if damaged == 1 else f"{damaged} blocks are"
+        done = f"{int(np.sum(columns['code'] >= 0))} of {columns['code'].size} runs"
+        warnings.warn(f"{store.path}: {blocks} damaged; going on with {done}", stacklevel=2)
+
+
+class Saver:
+    """The runs of a sweep in this process, stored about once a second until `close`.
+
+    A block that has some of its runs only is stored with the others as not computed, and written again later.
+
+    **Arguments:** ``columns``: an array (n,) a quantity, and ``finished`` (n,): which runs are in them. Both are read
+    again at each `save`. Those that are finished now are in the store. ``lock``: of the folder.
+    """
 
     def __init__(
         self,
-        folder: Path,
-        identity: Mapping[str, str],
-        columns: Sequence[np.ndarray],
+        store: Store,
+        sweep: BlockSweep,
+        columns: Mapping[str, np.ndarray],
         finished: np.ndarray,
-        resume: bool,
+        lock: Lock,
     ) -> None:
-        """Begin a file, or with ``resume`` fill in what an earlier run finished.
-
-        **Arguments:** ``columns``: an array (n,) a quantity, of float or int; ``finished`` (n,): which runs are in
-        them. Both are read again at each `save`.
-        """
-        self.file, self.columns, self.finished = folder / STORE, tuple(columns), finished
-        self.stored = np.zeros_like(finished)
+        self.store, self.sweep, self.finished, self.lock = store, sweep, finished, lock
+        self.columns, self.stored = [columns[name] for name in store.types], finished.copy()
         self.due = time.monotonic() + PERIOD
-        if resume and not self.file.exists():
-            other = f", {ZARR} is one of --scheduler" if (folder / ZARR).exists() else ""
-            told = f"{STORE} is missing{other}; leave out --resume to begin one"
-            raise InputError(f"{folder}: there is no sweep to resume; {told}")
-        self.lock = Lock(folder)
-        try:
-            self.length = self._read(identity) if resume else self._begin(identity)
-            self.descriptor = os.open(self.file, os.O_WRONLY)
-        except BaseException:
-            self.lock.release()
-            raise
 
     def save(self, now: bool = False) -> None:
-        """Store what was finished since the last record, if that is long enough ago or ``now``."""
+        """Store the blocks in which runs were finished since the last time, if that is long enough ago or ``now``."""
         if not now and time.monotonic() < self.due:
             return
         new = np.flatnonzero(self.finished & ~self.stored)
-        if new.size:
-            body = b"".join(map(_bytes, (new, *(column[new] for column in self.columns))))
-            record = memoryview(HEAD.pack(MARK, new.size, zlib.crc32(body)) + body)
-            written = 0
-            with naming(self.file):  # at a fixed place: what an interrupt cut short is written over
-                while written < len(record):
-                    written += os.pwrite(self.descriptor, record[written:], self.length + written)
-                os.fsync(self.descriptor)
-            self.length += len(record)
-            self.stored[new] = True
+        for number in self.sweep.cut.numbers(new):
+            self.store.write(*self._block(int(number)))
+        self.stored[new] = True
         self.due = time.monotonic() + PERIOD
 
     def close(self) -> None:
@@ -103,66 +159,252 @@ class SweepStore:
         try:
             self.save(now=True)
         finally:
-            os.close(self.descriptor)
             self.lock.release()
 
-    def _begin(self, identity: Mapping[str, str]) -> int:
-        text = json.dumps(dict(identity), sort_keys=True).encode()
-        line = b"%08x %b\n" % (zlib.crc32(text), text)
-        write(self.file, line)
-        return len(line)
+    def _block(self, number: int) -> tuple[Block, list[np.ndarray]]:
+        """Return a block and its columns, in which the runs that are not finished are blank.
 
-    def _read(self, identity: Mapping[str, str]) -> int:
-        """Fill in what is stored; returns the length of the file up to the end of its last good record."""
-        with naming(self.file), self.file.open("rb") as file:
-            size = os.fstat(file.fileno()).st_size
-            self._check(file.readline(65536), identity)
-            begin = end = good = file.tell()
-            if size > begin:
-                with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-                    for stop, places, columns in _records(content, begin, self.columns, self.finished.size):
-                        for mine, values in zip(self.columns, columns, strict=True):
-                            mine[places] = values
-                        self.finished[places] = self.stored[places] = True
-                        good += HEAD.size + 8 * places.size * (1 + len(columns))
-                        end = stop
-        if good < size:
-            done = f"{int(self.finished.sum())} of {self.finished.size} runs"
-            warnings.warn(f"{self.file}: {size - good} bytes are damaged; going on with {done}", stacklevel=2)
-            with naming(self.file):
-                os.truncate(self.file, end)
-        return end
-
-    def _check(self, line: bytes, identity: Mapping[str, str]) -> None:
-        """Raise `InputError` unless the file's first line says that it is this sweep's."""
-        check, _, text = line.rstrip(b"\n").partition(b" ")
-        if check != b"%08x" % zlib.crc32(text):
-            raise InputError(f"{self.file} is damaged at its beginning and cannot be resumed; it is left as it is")
-        found = json.loads(text)
-        differing(self.file, identity, found)
+        An interrupt may have come between two columns of a call.
+        """
+        block, sizes = self.sweep.block(number), self.sweep.cut.sizes
+        finished = self.finished.reshape(sizes)[block.region].ravel()
+        parts = (column.reshape(sizes)[block.region].ravel() for column in self.columns)
+        blanks = (EMPTY[kind] for kind in self.store.types.values())
+        return block, [np.where(finished, part, blank) for part, blank in zip(parts, blanks, strict=True)]
 
 
-def _records(
-    content: mmap.mmap, start: int, columns: Sequence[np.ndarray], count: int
-) -> Iterator[tuple[int, np.ndarray, list[np.ndarray]]]:
-    """The end of each good record, the numbers of its runs and their quantities; damaged ones are passed over."""
-    position = content.find(MARK, start)
-    while position >= 0:
-        end = position + 1
-        if position + HEAD.size <= len(content):
-            _, size, check = HEAD.unpack_from(content, position)
-            begin, length = position + HEAD.size, 8 * size * (1 + len(columns))
-            body = content[begin : begin + length]
-            if len(body) == length and zlib.crc32(body) == check:
-                places, *values = np.split(np.frombuffer(body, "<i8"), 1 + len(columns))
-                if places.min(initial=0) >= 0 and places.max(initial=0) < count:
-                    end = begin + length
-                    yield end, places, [v.view(c.dtype) for v, c in zip(values, columns, strict=True)]
-        position = content.find(MARK, end)
+def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[str, str]) -> Store:
+    """Put a store there without any block, in place of what was there; it is whole or not there.
+
+    ``made_on``: the kind of process that makes it.
+    """
+    cut, draft, token = sweep.cut, path.with_name(DRAFT), uuid.uuid4().hex
+    types = _types(sweep.mechanism)
+    about = {
+        **attributes(sweep.mechanism, sweep.template.design, sweep.template.scenario),
+        "settings": json.dumps(_in_words(settings, sweep), sort_keys=True),
+        IDENTITY: json.dumps(_identity(settings, sweep), sort_keys=True),
+        BLOCK: json.dumps(cut.block),
+        KIND: json.dumps(dict(made_on), sort_keys=True),
+        TOKEN: token,
+    }
+    metadata: dict[str, Any] = {GROUP: {"zarr_format": 2}, ATTRIBUTES: about}
+    _removed(draft)
+    with naming(path):
+        draft.mkdir()
+        for name, it in sweep.coordinates().items():
+            metadata |= _coordinate(draft, name, it)
+        for name, kind in types.items():
+            metadata[f"{name}/{ARRAY}"] = _array(cut.sizes, cut.block, kind, -1 if kind == "<i8" else "NaN")
+            described = {"_ARRAY_DIMENSIONS": list(sweep.dims), **_description(sweep.mechanism, name)}
+            metadata[f"{name}/{ATTRIBUTES}"] = described
+        described = {"_ARRAY_DIMENSIONS": ["block_number"], "long_name": "of each block of runs, once it is whole"}
+        metadata[f"{CHECKSUM}/{ARRAY}"] = _array((len(cut),), (1,), "<u8", 0)
+        metadata[f"{CHECKSUM}/{ATTRIBUTES}"] = described
+        metadata[ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
+        for name, it in metadata.items():
+            (draft / name).parent.mkdir(exist_ok=True)
+            (draft / name).write_text(json.dumps(it), encoding="utf-8")
+        _removed(path)
+        draft.rename(path)
+    return Store(path, token, types, cut)
 
 
-def _bytes(array: np.ndarray) -> bytes:
-    return np.ascontiguousarray(array, array.dtype.newbyteorder("<")).tobytes()
+def _identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
+    """Return what makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
+    hashes = {"version": version()}
+    parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
+    for name, part in {**sweep.identity(), **parts}.items():
+        leaves, structure = jax.tree.flatten(part)
+        content = hashlib.sha256(str(structure).encode())
+        for leaf in leaves:
+            content.update(repr(leaf).encode() if isinstance(leaf, str) else np.asarray(leaf, "<f8").tobytes())
+        hashes[name] = content.hexdigest()[:16]
+    return hashes
+
+
+def _in_words(settings: Settings, sweep: BlockSweep) -> dict[str, Any]:
+    return {
+        "rtol [-]": float(settings.rtol),
+        "stabilisation [1/s]": float(settings.stabilisation),
+        "duration [s]": float(sweep.template.duration),
+        "solver": name_of(settings.solver) or "automatic",
+        "trust": settings.trust,
+    }
+
+
+def _types(mechanism: Mechanism) -> dict[str, str]:
+    whole = whole_numbers(mechanism)
+    return {name: "<i8" if name in whole else "<f8" for name in column_names(mechanism)}
+
+
+def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, dict[str, str]]:
+    """Return a store that is there, and the kind of process that made it; the ``sweep`` gets its blocks.
+
+    **Raises:** `InputError` where there is none, it is damaged, or another sweep's.
+    """
+    check_resumable(path)
+    check_codecs(path)
+    known, own = _attributes(path), _identity(settings, sweep)
+    try:
+        other, block, made_on = (json.loads(known[name]) for name in (IDENTITY, BLOCK, KIND))
+        other, made_on, token = dict(other), dict(made_on), str(known[TOKEN])
+        cut = Cut(sweep.cut.sizes, tuple(map(int, block)))
+    except (KeyError, ValueError, TypeError):
+        raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
+    if differ := [name for name in {**own, **other} if own.get(name) != other.get(name)]:
+        remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
+        raise InputError(f"{path} holds another sweep, differing in {_and(differ)}; {remedy}; it is left as it is")
+    for draft in path.rglob(f"*{PARTIAL}"):  # what killed processes left half written
+        draft.unlink(missing_ok=True)
+    sweep.cut = cut
+    return Store(path, token, _types(sweep.mechanism), cut), made_on
+
+
+def existing(path: Path, sweep: BlockSweep) -> Store:
+    """Return the store of a sweep in these blocks, to read it."""
+    return Store(path, str(_attributes(path).get(TOKEN)), _types(sweep.mechanism), sweep.cut)
+
+
+def check_resumable(path: Path) -> None:
+    """Raise `InputError` where there is no store, saying which version wrote what is there in its place."""
+    if path.exists():
+        return
+    former = path.with_name(FORMER)
+    if not former.exists():
+        missing = f"{STORE} is missing; leave out --resume to begin one"
+        raise InputError(f"{path.parent}: there is no sweep to resume; {missing}")
+    try:
+        with former.open("rb") as file:
+            writer = f"jaxbuffer {json.loads(file.readline(65536).partition(b' ')[2])['version']}"
+    except (OSError, ValueError, KeyError, TypeError):
+        writer = "an earlier jaxbuffer"
+    raise InputError(f"{former} is a sweep of {writer}, which {version()} cannot resume; it is left as it is")
+
+
+def is_unfinished(path: Path) -> bool:
+    """Return whether a store lacks blocks."""
+    try:
+        count = json.loads((path / CHECKSUM / ARRAY).read_text(encoding="utf-8"))["shape"][0]
+    except (OSError, ValueError, KeyError, TypeError, IndexError):
+        return False
+    return sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count
+
+
+def check_codecs(path: Path) -> None:
+    """Raise `InputError` for a store whose arrays hold more than numbers and words, before any of them is decoded."""
+    try:
+        listed = json.loads((path / ALL).read_text(encoding="utf-8"))["metadata"]
+        arrays = [it for name, it in listed.items() if name.endswith(ARRAY)]
+        arrays += [json.loads(file.read_text(encoding="utf-8")) for file in path.glob(f"*/{ARRAY}")]
+        for it in arrays:
+            codecs = {(codec or {}).get("id") for codec in (it["compressor"], *(it["filters"] or ()))}
+            if not codecs <= CODECS or not isinstance(it["dtype"], str) or it["dtype"][1:2] not in "fiuU":
+                raise InputError(f"{path} is no store of jaxbuffer: it has arrays of another kind; it is not read")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
+
+
+def opened(path: Path) -> "xr.Dataset":
+    """Return a store as labelled arrays, which are read when they are used.
+
+    **Raises:** `InputError` where it is damaged.
+    """
+    from ..cluster.connect import require  # with Zarr, an optional package
+
+    require()
+    check_codecs(path)
+    import xarray as xr
+
+    try:
+        return xr.open_zarr(path, mask_and_scale=False).drop_vars(CHECKSUM)
+    except Exception as error:  # no store at all, or metadata cut short: all mean the same
+        raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
+
+
+def _description(mechanism: Mechanism, name: str) -> dict[str, Any]:
+    """Return a column's attributes: its unit and meaning, or the meaning of each number as netCDF's conventions say."""
+    if name == "code":
+        codes = {it.name: int(it) for it in mechanism.outcomes}
+        return {"long_name": "how the run ended, -1 where not computed", **_flags(codes)}
+    if name == "trust":
+        verdicts = {name: index for index, name in enumerate(VERDICTS)}
+        return {"long_name": "how far the numbers can be trusted, -1 for no verdict", **_flags(verdicts)}
+    quantity = mechanism.quantities.get(name)
+    return {} if quantity is None else {"units": quantity.unit, "long_name": quantity.description}
+
+
+def _flags(meanings: Mapping[str, int]) -> dict[str, Any]:
+    return {"flag_values": list(meanings.values()), "flag_meanings": " ".join(meanings)}
+
+
+def _coordinate(folder: Path, name: str, labelled: Labelled) -> dict[str, Any]:
+    """Write a coordinate's values and return its metadata."""
+    values, described = np.asarray(labelled.values), {"units": labelled.unit, "long_name": labelled.description}
+    attributes = {key: text for key, text in described.items() if text}
+    if values.dtype.kind == "b":  # as xarray stores truths
+        values, attributes["dtype"] = values.astype("i1"), "bool"
+    values = values.astype(values.dtype.newbyteorder("<"))
+    _write({folder / name / "0": values})
+    empty = "" if values.dtype.kind == "U" else 0
+    return {
+        f"{name}/{ARRAY}": _array(values.shape, values.shape, values.dtype.str, empty),
+        f"{name}/{ATTRIBUTES}": {"_ARRAY_DIMENSIONS": list(labelled.dims), **attributes},
+    }
+
+
+def _array(shape: Sequence[int], chunks: Sequence[int], dtype: str, empty: Any) -> dict[str, Any]:
+    """Return an array's metadata in Zarr's format 2."""
+    return {
+        "zarr_format": 2,
+        "shape": list(shape),
+        "chunks": list(chunks),
+        "dtype": dtype,
+        "compressor": {"id": "zlib", "level": 1},  # with a checksum: whoever reads a damaged file notices
+        "filters": None,
+        "fill_value": empty,
+        "order": "C",
+        "dimension_separator": "/",
+    }
+
+
+def _write(files: Mapping[Path, np.ndarray]) -> None:
+    """Write files of arrays, each whole or not at all, in this order, and none before there was room for all."""
+    drafts = {path: path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}") for path in files}
+    try:
+        for path, values in files.items():
+            content = zlib.compress(values.tobytes(), 1)
+            try:
+                drafts[path].write_bytes(content)
+            except FileNotFoundError:  # the first file of its folder
+                path.parent.mkdir(parents=True, exist_ok=True)
+                drafts[path].write_bytes(content)
+        for path, draft in drafts.items():
+            draft.replace(path)
+    except BaseException:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+        raise
+
+
+def _read(path: Path, dtype: str, shape: tuple[int, ...]) -> np.ndarray:
+    return np.frombuffer(zlib.decompress(path.read_bytes()), dtype).reshape(shape)
+
+
+def _attributes(path: Path) -> dict[str, Any]:
+    try:
+        attributes = json.loads((path / ATTRIBUTES).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return attributes if isinstance(attributes, dict) else {}
+
+
+def _removed(path: Path) -> None:
+    """Rename, then delete, so that an interrupt never leaves a half-deleted store under its real name."""
+    gone = path.with_name(f"{DRAFT}.old")
+    for folder in (gone, path):
+        if folder.exists():
+            shutil.rmtree(folder if folder == gone else path.rename(gone))
 
 
 def _and(words: Sequence[str]) -> str:

@@ -4,14 +4,11 @@ import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.registry import mechanism_of
-from .columns import column_names, doubts
+from .columns import doubts, empty_columns
 from .cut import GridSweep, RunsSweep
 from .result import Sweep
-from .zarr_store import group_of, opened
+from .store import existing, fill, opened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,7 +43,7 @@ class StoredSweep:
     @property
     def mechanism(self) -> Mechanism:
         """Of which these are runs."""
-        return mechanism_of(self.asked.template.design)
+        return self.asked.mechanism
 
     @property
     def outcomes(self) -> dict[str, int]:
@@ -60,8 +57,8 @@ class StoredSweep:
 
     def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
-        group = group_of(self.store)
-        columns = {name: np.asarray(group[name]).ravel() for name in column_names(self.mechanism)}
+        columns = empty_columns(self.mechanism, self.count)
+        fill(existing(self.store, self.asked), self.asked, columns)
         if isinstance(self.asked, RunsSweep):
             return Sweep(self.mechanism, columns, *self.asked.swept[:2])
         template = self.asked.template

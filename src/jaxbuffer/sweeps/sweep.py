@@ -5,7 +5,7 @@ handed to one thread a core: a compiled chunk runs outside Python.
 """
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, overload
@@ -16,22 +16,25 @@ import numpy as np
 from .._types import Scalar
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
+from ..files import Lock
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
-from ..programs.process import check_ready
+from ..programs.process import check_ready, kind
 from ..programs.threads import cores
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .chunk import CHUNK, Settings, columns_of_chunk, runs
 from .columns import empty_columns
-from .cut import GridSweep, RunsSweep, Template
+from .cut import BlockSweep, GridSweep, RunsSweep, Template
 from .distributed import run as run_distributed
+from .distributed import task_size
 from .executor import Where, check_executor, completed
 from .grid import Batch, grid
 from .result import Sweep, SweepInterrupted
-from .store import SweepStore, identity
+from .store import STORE, Saver, begun, check_resumable, fill, resumed
 from .stored import StoredSweep
 
+Cutter = Callable[[int], GridSweep | RunsSweep]  # a sweep in blocks of at most so many runs
 ONE_FOR_ALL = "all runs of a sweep share it"
 
 
@@ -114,7 +117,7 @@ def sweep(
       (`Sweep.verdicts`, as of `jb.trust`); takes about twice as long.
     - ``workers``: threads, by default one a core (one on an accelerator, which gets large chunks).
     - ``progress``: called with runs done and asked for, or True for a bar.
-    - ``folder``: where runs are stored as they are finished (`SweepStore`), over an earlier sweep's, and at the end
+    - ``folder``: where runs are stored as they are finished (``sweep.zarr``), over an earlier sweep's, and at the end
       the result, which `load` and `report` read, without figures (``result.save(folder, force=True)`` draws them).
     - ``resume``: go on with the sweep in ``folder`` instead.
     - ``save``: whether the result is written into ``folder``.
@@ -157,35 +160,28 @@ def sweep(
     where = Where(
         executor if client is None else client, workers, counted(progress, mechanism.view.run_name), folder, resume
     )
-    if client is not None:
-        return _over_cluster((design, scenarios, duration), over, settings, where)
     if over is None:
-        result, batches = Sweep(mechanism, {}, design, scenarios), [Batch(None, design, scenarios)]
+        count = runs(Batch(None, design, scenarios), duration, 1, 1, filled=True).places.size
+        result = Sweep(mechanism, {}, design, scenarios)
+        cut: Cutter = functools.partial(RunsSweep, design, scenarios, duration, count)
     else:
         check_single("duration", duration, "s", ONE_FOR_ALL)
-        result = Sweep(mechanism, {}, design, scenarios, grid(over, design, scenarios))
-        batches = result.grid.batches(design, scenarios)
-    _run(result, batches, duration, settings, where)
+        axes = grid(over, design, scenarios, in_memory=client is None)
+        count, result = len(axes), Sweep(mechanism, {}, design, scenarios, axes)
+        cut = functools.partial(GridSweep, axes, Template(design, scenarios, duration))
+    if client is not None:
+        return run_distributed(cut, count, settings, where)
+    _run(result, cut, duration, settings, where)
     if save and folder is not None:
         result.save(folder, force=True, figures=False)
     return result
 
 
-def _over_cluster(
-    swept: tuple[Part, Part, Any], over: Mapping[str, Any] | None, settings: Settings, where: Where
-) -> StoredSweep:
-    """The sweep of a design, scenarios and durations by the workers of a cluster."""
-    if over is None:
-        count = runs(Batch(None, *swept[:2]), swept[2], 1, 1, filled=True).places.size
-        return run_distributed(lambda size: RunsSweep(*swept, count, size), count, settings, where)
-    check_single("duration", swept[2], "s", ONE_FOR_ALL)
-    asked, template = grid(over, *swept[:2], held=False), Template(*swept)
-    return run_distributed(lambda size: GridSweep(asked, template, size), len(asked), settings, where)
-
-
-def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Settings, where: Where) -> Sweep:
-    """Fill a sweep's columns with all runs of all batches."""
+def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: Where) -> Sweep:
+    """Fill a sweep's columns with all its runs, but those that its folder has if it is resumed."""
     check_ready()
+    design, scenarios, over = result.design, result.scenarios, result.grid
+    batches = [Batch(None, design, scenarios)] if over is None else over.batches(design, scenarios)
     on_cpu = jax.default_backend() == "cpu"
     most, workers = (CHUNK, cores()) if on_cpu else (4096, 1)
     workers = workers if where.workers is None else where.workers
@@ -194,13 +190,19 @@ def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Setti
     result.columns.update(empty_columns(result.mechanism, count))
     finished = np.zeros(count, bool)
     columns = list(result.columns.values())
-    store, progress = _store(batches, duration, settings, where, result, finished), where.progress
+    progress = where.progress
     calls = (
         (part.places[first : first + part.chunk], part.call(first))
         for part in parts
         for first in range(0, part.places.size, part.chunk)
         if not finished[part.places[first : first + part.chunk]].all()
     )
+    saver = None
+    if where.folder is not None:
+        sweep = cut(task_size(count, workers))
+        saver = _saver(Path(where.folder) / STORE, sweep, settings, where.resume, result.columns, finished)
+    elif where.resume:
+        raise InputError("resume needs the folder of the sweep to go on with")
     try:
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
@@ -209,16 +211,16 @@ def _run(result: Sweep, batches: Sequence[Batch], duration: Any, settings: Setti
             for column, those in zip(columns, values, strict=True):
                 column[places] = those[: places.size]
             finished[places] = True
-            if store is not None:
-                store.save()
+            if saver is not None:
+                saver.save()
             if progress is not None:
                 progress(int(finished.sum()), count)
     except KeyboardInterrupt:
         # it may have come between two columns of a call
         raise SweepInterrupted(result.only(finished), finished) from None
     finally:
-        if store is not None:
-            store.close()
+        if saver is not None:
+            saver.close()
     return result
 
 
@@ -228,24 +230,24 @@ def _solved(settings: Settings, call: tuple[np.ndarray, tuple[Any, np.ndarray]])
     return places, columns_of_chunk(*chunk, settings)
 
 
-def _store(
-    batches: Sequence[Batch],
-    duration: Any,
+def _saver(
+    path: Path,
+    sweep: BlockSweep,
     settings: Settings,
-    where: Where,
-    result: Sweep,
+    resume: bool,
+    columns: dict[str, np.ndarray],
     finished: np.ndarray,
-) -> SweepStore | None:
-    """Where runs are stored as they are finished, if anywhere; what an earlier sweep finished is filled in."""
-    if where.folder is None:
-        if where.resume:
-            raise InputError("resume needs the folder of the sweep to go on with")
-        return None
-    alone = len(batches) == 1
-    asked = identity(
-        design=batches[0].design if alone else [(batch.places, batch.design) for batch in batches],
-        scenarios=batches[0].scenarios if alone else [batch.scenarios for batch in batches],
-        options=(duration, *settings),
-        quantities=tuple(result.columns),
-    )
-    return SweepStore(Path(where.folder), asked, list(result.columns.values()), finished, where.resume)
+) -> Saver:
+    """Begin a store, or with ``resume`` fill in what an earlier sweep finished."""
+    if resume:
+        check_resumable(path)
+    lock = Lock(path.parent)
+    try:
+        store = resumed(path, sweep, settings)[0] if resume else begun(path, sweep, settings, kind())
+        if resume:
+            fill(store, sweep, columns)
+            finished[:] = columns["code"] >= 0
+    except BaseException:
+        lock.release()
+        raise
+    return Saver(store, sweep, columns, finished, lock)

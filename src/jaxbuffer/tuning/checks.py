@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from ..fields import get, replace
 from .cases import Case
-from .evaluation import Evaluator, Readings, built_design, measure
+from .evaluation import Evaluator, built_design, measure
 from .goal import Goal
 from .problem import Problem
 
@@ -102,7 +102,15 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
             continue
         design = replace(built, {path: GONE * float(get(built, path)) for path in known.softeners})
         duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
-        run = measure(Readings.of(problem), design, case.scenario, duration, SHARPER * problem.rtol)
+        run = measure(
+            design,
+            case.scenario,
+            mechanism=problem.mechanism,
+            measured=problem.measured,
+            paths=problem.paths,
+            duration=duration,
+            rtol=SHARPER * problem.rtol,
+        )
         if run.code >= problem.mechanism.outcomes["failed_steps"]:
             continue
         factors = dict(case.factors)

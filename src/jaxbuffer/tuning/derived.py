@@ -5,6 +5,7 @@ import functools
 import hashlib
 import inspect
 import re
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -188,12 +189,14 @@ def raised(error: BaseException) -> str:
 def _line(derived: Derived, error: BaseException) -> str:
     """Return where in the function's file an error came about, as text."""
     code = getattr(inspect.unwrap(derived.function), "__code__", None)
-    text, at = "", error.__traceback__
-    while at is not None:
-        if code is not None and at.tb_frame.f_code.co_filename == code.co_filename:
-            text = f" in line {at.tb_lineno}"
-        at = at.tb_next
-    return text
+    line = None if code is None else line_in(code.co_filename, error)
+    return "" if line is None else f" in line {line}"
+
+
+def line_in(file: str, error: BaseException) -> int | None:
+    """Return the line of a file that was the last one there on the way to an error, None for none."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == file]
+    return lines[-1] if lines else None
 
 
 def check_derived(quantities: Any, catalogue: Catalogue) -> dict[str, Derived]:

@@ -109,7 +109,15 @@ class Evaluator:
         points = [np.asarray(point, float) for point in points]
         jobs = [(built_design(problem, point, case), case.scenario) for point in points for case in cases]
         fitting = [(design, scenario) for design, scenario in jobs if design is not None]
-        one = functools.partial(_measure_job, Readings.of(problem), problem.duration, rtol or problem.rtol, with_slopes)
+        one = functools.partial(
+            _measure_job,
+            mechanism=problem.mechanism,
+            measured=problem.measured,
+            paths=problem.paths,
+            duration=problem.duration,
+            rtol=rtol or problem.rtol,
+            slopes=with_slopes,
+        )
         results = iter(self._pool.map(one, fitting))
         # Designs whose parts do not fit are not run, and count: a resumed tuning must count the same.
         runs = [Measurement.lost(problem) if design is None else next(results) for design, _ in jobs]
@@ -165,25 +173,23 @@ class Measurement(NamedTuple):
         )
 
 
-class Readings(NamedTuple):
-    """The names of what is read off each run: quantities, the peak force first, and the paths to differentiate by."""
-
-    mechanism: Mechanism
-    measured: tuple[str, ...]
-    paths: tuple[str, ...]
-
-    @staticmethod
-    def of(problem: Problem) -> "Readings":
-        """Return those of a problem."""
-        return Readings(problem.mechanism, problem.measured, problem.paths)
-
-
 def measure(
-    readings: Readings, design: Part, scenario: Part, duration: Any, rtol: float, slopes: bool = True
+    design: Part,
+    scenario: Part,
+    *,
+    mechanism: Mechanism,
+    measured: Sequence[str],
+    paths: Sequence[str],
+    duration: Any,
+    rtol: float,
+    slopes: bool = True,
 ) -> Measurement:
-    """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero."""
-    mechanism, paths = readings.mechanism, readings.paths
-    rest = [name for name in readings.measured if name != PEAK_FORCE]
+    """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
+
+    **Arguments:** ``mechanism``: whose design it is; ``measured``: names of the quantities to read off; ``paths``: by
+    which they are differentiated.
+    """
+    rest = [name for name in measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     if slopes:
@@ -216,9 +222,9 @@ def measure(
     )
 
 
-def _measure_job(readings: Readings, duration: Any, rtol: float, slopes: bool, job: tuple[Part, Part]) -> Measurement:
+def _measure_job(job: tuple[Part, Part], **options: Any) -> Measurement:
     """Measure a pair of design and scenario: a function of a module, because a pool's tasks are pickled."""
-    return measure(readings, *job, duration, rtol, slopes)
+    return measure(*job, **options)
 
 
 def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,16 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError, check_choice, check_flag, check_number, check_single, check_type, check_whole, suggest
+from ..errors import (
+    InputError,
+    check_choice,
+    check_flag,
+    check_known,
+    check_number,
+    check_single,
+    check_type,
+    check_whole,
+)
 from ..mechanisms import all_mechanisms
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
@@ -172,9 +181,7 @@ class Limits:
         lines = []
         if self.captured and mechanism.success is not None and outcome.name != mechanism.success:
             lines.append(f"not {mechanism.success} ({outcome.reason})")
-        for name in (*self.at_most, *self.at_least):
-            if name not in catalogue:
-                raise InputError(f"constraints.{name} is unknown{suggest(name, catalogue)}")
+        check_known((*self.at_most, *self.at_least), catalogue, "constraints")
         named = {name: float(catalogue[name].of(run)) for name in (*self.at_most, *self.at_least)}
         return lines + self.broken(named, int(run.impact_count), catalogue)
 

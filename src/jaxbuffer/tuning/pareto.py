@@ -54,8 +54,7 @@ class Front(Saved):
     @property
     def values(self) -> Float[np.ndarray, "points k"]:
         """Each objective's worst value over the cases, in its unit."""
-        columns = [self.problem.names.index(name) for name in self.objectives]
-        return np.array([point.after.quantities[:, columns].max(axis=0) for point in self.points])
+        return np.array([_worst(point, self.objectives) for point in self.points])
 
     @property
     def feasible(self) -> Bool[np.ndarray, " points"]:

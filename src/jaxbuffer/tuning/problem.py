@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError, check_choice, check_single, check_type, shown, suggest
+from ..errors import InputError, check_choice, check_known, check_single, check_type, shown
 from ..fields import Part, as_typed, get, limits_of, number, paths, replace, unit, whole
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
@@ -157,9 +157,7 @@ class Problem:
         }
         uses |= {} if self.then is None else {"then": self.then.objective.weights}
         for where, names in uses.items():
-            for name in names:
-                if name not in self.names:
-                    raise InputError(f"{where}.{name} is unknown{suggest(name, self.names)}")
+            check_known(names, self.names, where)
         for name, high in mechanism.tuning.always.items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
@@ -314,9 +312,7 @@ class Settings(Part):
 def settings_of(settings: Mapping[str, Any]) -> Settings:
     """Return settings by name. **Raises:** `InputError` for names that are unknown and values out of range."""
     known = [field.name for field in dataclasses.fields(Settings)]
-    for name in settings:
-        if name not in known:
-            raise InputError(f"tune.{name} is unknown{suggest(name, known)}")
+    check_known(settings, known, "tune")
     if "tolerance" in settings:
         check_single(
             "tune.tolerance",
