@@ -44,7 +44,7 @@ def swept(folder, stop_at=COUNT, **options):
         if done >= stop_at and done < count:
             raise KeyboardInterrupt
 
-    settings = {"workers": 1, "progress": report, "rtol": 1e-6, **options}
+    settings = {"workers": 1, "progress": report, "rtol": 1e-6, "save": False, **options}
     return jb.sweep(jb.table2(), jb.Scenario(approach_speed=SPEEDS), folder=folder, **settings)
 
 
@@ -195,7 +195,7 @@ def test_blocks_are_written_once_a_second_not_once_a_chunk(solved, tmp_path, mon
 def test_a_store_without_zarr(solved, tmp_path):
     """Choices, truths and whole numbers are the coordinates that xarray would write."""
     over = {"scenario.approach_speed": [0.1, 0.2], "contact.law": ["hertz", "adams"]}
-    swept_over = jb.sweep(jb.table2(), jb.Scenario(), over=over, folder=tmp_path)
+    swept_over = jb.sweep(jb.table2(), jb.Scenario(), over=over, folder=tmp_path, save=False)
     data = xr.open_zarr(tmp_path / STORE)
     assert data["contact.law"].values.tolist() == ["hertz", "adams"]
     assert data["scenario.approach_speed"].units == "m/s"

@@ -31,7 +31,8 @@ def test_a_run_without_meshes_has_no_such_files():
         history = object()
 
         class mechanism:
-            meshes = staticmethod(lambda run: [])
+            class view:
+                meshes = staticmethod(lambda run: [])
 
     assert field_files.field_files(Plain()) == {}
 

@@ -132,7 +132,7 @@ def test_a_worst_scenario_that_fails_leaves_the_other_panels(monkeypatch, fails)
             raise InputError("the design is out of its range")
         return made_up_capture(outcome=Outcome.failed_steps)
 
-    monkeypatch.setattr("jaxbuffer.run.simulate.simulate", simulate)
+    monkeypatch.setattr("jaxbuffer.output.results.simulate", simulate)
     lines = []
     files = tuned_files(made_up_tuning(Config().problem()), None, lines.append)
     assert files["tune.png"]().startswith(b"\x89PNG") and files["tuned.json"]()

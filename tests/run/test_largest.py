@@ -50,6 +50,10 @@ class Toy(eqx.Module):
     def rate_observables(self):
         return False, False, False, self.of_rate
 
+    @property
+    def observes_rate(self):
+        return self.of_rate
+
     def observables(self, state, rate, active):
         return jnp.array([self.p * state[0], self.p**2 * state[1], self.p * state[2], rate[2]])
 

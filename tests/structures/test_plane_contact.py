@@ -128,7 +128,7 @@ def test_multipliers_let_nobody_in_and_never_pull():
     for u in displacement[::50]:
         at = system.positions + jnp.asarray(u)
         pairs = contact.surface.pairs(contact.slaves, at, system.search(jnp.asarray(u))[0])
-        assert float(jnp.min(jnp.where(pairs.found, pairs.gap, 1.0))) > -2e-5  # the surface turns within a step
+        assert float(jnp.min(jnp.where(pairs.present, pairs.gap, 1.0))) > -2e-5  # the surface turns within a step
 
 
 def test_defence_nodes_let_in_what_neighbours_push_away():
@@ -181,6 +181,6 @@ def test_the_search_finds_the_segments_that_are_near():
     surface = Segments(ends)
     some = surface.pairs(slaves, positions, jnp.asarray(near))
     every = surface.pairs(slaves, positions, jnp.broadcast_to(jnp.arange(40)[None], (30, 40)))
-    close = np.asarray(every.found) & (np.abs(np.asarray(every.gap)) < 0.1)
+    close = np.asarray(every.present) & (np.abs(np.asarray(every.gap)) < 0.1)
     np.testing.assert_allclose(np.asarray(some.gap)[close], np.asarray(every.gap)[close])
-    assert np.all(np.asarray(some.found)[close]) and np.count_nonzero(close) > 15
+    assert np.all(np.asarray(some.present)[close]) and np.count_nonzero(close) > 15

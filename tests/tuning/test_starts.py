@@ -148,7 +148,7 @@ def test_a_design_that_does_not_fit_is_a_lost_case():
         assert evaluate.captures == 2
 
 
-def hertz(wanted, design, scenario, duration, rtol):
+def hertz(design, scenario, **options):
     """Stands in for `measure`: a first impact of 100 N at an angle of 1, falling with it by 50 N/rad."""
     angle = float(design.cone.half_angle)
     found = Measurement.lost(askew())
@@ -172,7 +172,7 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
     from front.made_up import made_up_tuning
 
     stated_ = askew()
-    monkeypatch.setattr(checks, "measure", lambda *_: Measurement.lost(stated_))
+    monkeypatch.setattr(checks, "measure", lambda *_, **options: Measurement.lost(stated_))
     found = floor(stated_, stated_.start())
     assert found.unknown == 1 and np.isnan(found.lowest)
     tuned = made_up_tuning(stated_)
