@@ -1,7 +1,7 @@
 """Types shared by every room."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NewType
 
 import jax.numpy as jnp
 import numpy as np
@@ -20,3 +20,23 @@ Values = Float[Array, "*batch"]
 def stacked(values: Sequence[Scalar]) -> Float[Array, " n"]:
     """Scalars, Python's or traced, as one array."""
     return jnp.stack([jnp.asarray(value, float) for value in values])
+
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
+    from matplotlib.text import Text
+    from pandas import DataFrame
+    from xarray import Dataset
+else:  # these packages take long to import, and most calls need none of them
+
+    def _named(module, name):
+        """Return a type that has another one's name and stands for any object."""
+        kind = NewType(name, object)
+        kind.__module__ = module
+        return kind
+
+    Axes, PolyCollection = _named("matplotlib.axes", "Axes"), _named("matplotlib.collections", "PolyCollection")
+    Figure, Text = _named("matplotlib.figure", "Figure"), _named("matplotlib.text", "Text")
+    DataFrame, Dataset = _named("pandas", "DataFrame"), _named("xarray", "Dataset")

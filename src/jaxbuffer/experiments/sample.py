@@ -3,13 +3,13 @@
 import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 from rich.table import Table
 
-from .._types import Scalar
+from .._types import DataFrame, Dataset, Scalar
 from ..errors import InputError, check_flag, suggest
 from ..fields import Part
 from ..hybrid import Solver
@@ -25,11 +25,6 @@ from ..sweeps.table import sweep_rows
 from ..tables import html, text
 from .points import METHODS, Points, points
 from .ranges import ranges as checked_ranges
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
 
 ROUNDING = 1e-7  # relative: a tenth of a run's default tolerance, below which differences are no effect
 
@@ -90,11 +85,11 @@ class Sample(RunTable):
             value = f"{factor * np.mean(values):.6g} {unit}".rstrip(" -")
             raise InputError(f"{what} of {name}: it is the same in all runs, {value}, but for rounding: nothing varies")
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> Dataset:
         """The sample as labelled arrays along ``run``; the sampled fields are coordinates, by their dotted paths."""
         return self.found.to_xarray()
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> DataFrame:
         """A row for each run that was computed, as in sample.csv, units in the columns' names."""
         return frame(*sweep_rows(self))
 

@@ -1,13 +1,11 @@
 """Labelled arrays and data frames from named columns. xarray and pandas are imported when a result is converted."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
+from .._types import DataFrame, Dataset
 
 
 class Labelled(NamedTuple):
@@ -27,7 +25,7 @@ class Labelled(NamedTuple):
 
 def dataset(
     variables: Mapping[str, Labelled], coordinates: Mapping[str, Labelled], attributes: Mapping[str, Any]
-) -> "xr.Dataset":
+) -> Dataset:
     """A dataset; units and descriptions become the attributes ``units`` and ``long_name``, as in the CF conventions.
 
     **Arguments:** ``variables``, ``coordinates``: by name; ``attributes``: of the whole, words and numbers.
@@ -55,7 +53,7 @@ def _variable(it: Labelled) -> tuple[Any, ...]:
     return it.dims, np.asarray(it.values), {name: text for name, text in attributes.items() if text}
 
 
-def frame(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> "pd.DataFrame":
+def frame(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> DataFrame:
     """A data frame with a row each; the header's names have their units, as in ``"stroke [m]"``."""
     import pandas as pd
 

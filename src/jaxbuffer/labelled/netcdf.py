@@ -6,19 +6,16 @@ A checksum of the file stands behind its end, where HDF5 does not look: HDF5 its
 import hashlib
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from .._types import Dataset
 from ..errors import InputError
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 SUFFIX = ".nc"
 MARK = b"\njaxbuffer checksum "
 LARGE = 2**14  # bytes, from which on an array is compressed
 
 
-def content(dataset: "xr.Dataset") -> bytes:
+def content(dataset: Dataset) -> bytes:
     """A dataset as a file's content, numbers to the last bit, large arrays compressed."""
     large = {
         name: {"zlib": True} for name, it in dataset.data_vars.items() if it.nbytes > LARGE and it.dtype.kind == "f"
@@ -27,7 +24,7 @@ def content(dataset: "xr.Dataset") -> bytes:
     return written + MARK + _checksum(written)
 
 
-def read(file: Path) -> "xr.Dataset":
+def read(file: Path) -> Dataset:
     """The dataset of a file, wholly in memory. **Raises:** `InputError` where it is none, or damaged.
 
     A file without a checksum is of another program, and read as it is.

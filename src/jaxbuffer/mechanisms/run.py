@@ -1,13 +1,13 @@
 """A simulated run of any mechanism."""
 
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from .._types import Scalar
+from .._types import DataFrame, Dataset, Scalar
 from ..errors import InputError
 from ..fields import Part, Portable, get
 from ..hybrid import Log, Result, moving
@@ -23,10 +23,6 @@ from .outcome import RunOutcome
 from .quantity import IMPACT_UNITS, check_quantities, of_impact
 from .registry import mechanism_of
 from .view import Names
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 CONTACT_UNITS = {
     "gap": "m",
@@ -151,7 +147,7 @@ class Run(Portable, Saved):
         """Whether this is a batch, or traced."""
         return isinstance(self.code, jax.core.Tracer) or bool(np.ndim(self.code))
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> Dataset:
         """The run as labelled arrays, each with its unit in the attribute ``units``.
 
         - Without dimension: the quantities that sweeps have, such as ``peak_force``.
@@ -174,7 +170,7 @@ class Run(Portable, Saved):
         """
         return _dataset(self)
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> DataFrame:
         """The history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
 
         **Raises:** `InputError` for a run without a history.
@@ -297,7 +293,7 @@ def history_columns(run: Run) -> dict[str, np.ndarray]:
     return {name: np.asarray(column) for name, column in columns.items()}
 
 
-def _dataset(run: Run) -> "xr.Dataset":
+def _dataset(run: Run) -> Dataset:
     """See `Run.to_xarray`."""
     if run._many:
         raise InputError(

@@ -4,11 +4,12 @@ import io
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from .._types import Axes
 from ..errors import InputError, check_choice, check_type
 from ..files import write
 from ..mechanisms.run import Run
@@ -17,9 +18,6 @@ from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
 from .pulses import fine_times, pulses
 from .style import COLOURS, drawing, require_matplotlib
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 FORMATS = ("gif", "mp4")
 RATE = 20  # frames a second
@@ -170,7 +168,7 @@ class Stage:
         )
         self.cursor = _curves(self.force, run)
 
-    def _explain_colours(self, axes: "Axes") -> None:
+    def _explain_colours(self, axes: Axes) -> None:
         """Cells are coloured by the first of their values, whose colours mean the same in all frames."""
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
@@ -201,7 +199,7 @@ def speed_in_words(slower: float) -> str:
     return f"slowed {digits} times" if slower >= 1.0 else f"shown {digits} times faster"
 
 
-def _curves(axes: "Axes", run: Run) -> Any:
+def _curves(axes: Axes, run: Run) -> Any:
     """The contact forces over time; returns the cursor."""
     time = fine_times(run)
     force = np.asarray(at_times(run, time).contact_force)

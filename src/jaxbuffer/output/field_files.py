@@ -4,20 +4,14 @@ import importlib.util
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._types import Axes, Figure, PolyCollection
 from ..mechanisms.picture import Meshed
 from ..mechanisms.run import Run
 from .formats import Contents
 from .style import both, panels, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.collections import PolyCollection
-    from matplotlib.figure import Figure
-
 
 WIDTH, HEIGHT = 4.6, 2.8  # inch, of a panel
 EMPTY = "#DDDDDD"  # cells that have no value
@@ -47,7 +41,7 @@ def _meshio() -> bool:
 
 
 @styled
-def fields_figure(seen: Sequence[Meshed]) -> "Figure":
+def fields_figure(seen: Sequence[Meshed]) -> Figure:
     """A row for each instant, a column for each value that is not the same everywhere; a column's colours mean the same
     in all rows."""
     names = [name for name in seen[0].values if any(_varies(mesh.values[name]) for mesh in seen)]
@@ -68,7 +62,7 @@ def _varies(values: np.ndarray) -> bool:
     return bool(np.nanmax(values) > np.nanmin(values))
 
 
-def coloured(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -> "PolyCollection":
+def coloured(axes: Axes, mesh: Meshed, name: str, ends: tuple[float, float]) -> PolyCollection:
     """Draw a mesh, its cells coloured by one of its values between two ``ends``."""
     from matplotlib.collections import PolyCollection
 
@@ -81,7 +75,7 @@ def coloured(axes: "Axes", mesh: Meshed, name: str, ends: tuple[float, float]) -
     return drawn
 
 
-def _frame(axes: "Axes", nodes: np.ndarray) -> None:
+def _frame(axes: Axes, nodes: np.ndarray) -> None:
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     room = MARGIN * (high - low)
     axes.set(xlim=(low[0] - room[0], high[0] + room[0]), ylim=(low[1] - room[1], high[1] + room[1]))

@@ -1,12 +1,13 @@
 """The figure of a run: contact force with its peak enlarged, and what the mechanism draws besides."""
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import numpy as np
 
+from .._types import Axes, Figure
 from ..errors import InputError
 from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
@@ -14,10 +15,6 @@ from ..run.instants import at_times
 from .pulses import fine_times, pulse_around
 from .style import COLOURS, GREY, RED, label, panels, styled
 from .words import newtons, scale_of, seconds
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
@@ -40,7 +37,7 @@ class Window(NamedTuple):
 
 
 @styled
-def run_figure(run: Run) -> "Figure":
+def run_figure(run: Run) -> Figure:
     """Contact force with its peak enlarged, and the mechanism's own panels over time.
 
     **Arguments:** ``run``: one simulated with ``history=True``.
@@ -83,7 +80,7 @@ def in_words(time: float) -> str:
     return f"{factor * time:.4g} {unit}"
 
 
-def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
+def _forces(force: Axes, zoom: Axes, run: Run, window: Window) -> None:
     """The contact force over the run, and around its peak."""
     seen, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
@@ -102,7 +99,7 @@ def _forces(force: "Axes", zoom: "Axes", run: Run, window: Window) -> None:
     label(zoom, title, zoom.get_xlabel(), f"contact force [{unit}]", False)
 
 
-def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
+def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
     """One panel of the mechanism's own; paths are drawn whole."""
     seen = window.inside(time)
     over = window.factor * time[seen]
@@ -131,7 +128,7 @@ def _draw(axes: "Axes", time: np.ndarray, panel: Panel, window: Window) -> None:
     label(axes, panel.title, across, panel.axis, legend, columns=COLUMNS if panel.stacked else 1)
 
 
-def _level(axes: "Axes", level: Level) -> None:
+def _level(axes: Axes, level: Level) -> None:
     """A horizontal line, its name on it at the right end."""
     colour, dashes = (RED, "-") if level.limit else (GREY, "--") if level.label else ("black", "-")
     axes.axhline(level.value, color=colour, linestyle=dashes, linewidth=0.8)
@@ -144,7 +141,7 @@ def _level(axes: "Axes", level: Level) -> None:
         axes.margins(y=0.12)
 
 
-def _pulse(axes: "Axes", run: Run, factor: float) -> None:
+def _pulse(axes: Axes, run: Run, factor: float) -> None:
     """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
     which they are drawn a newton has so many."""
     seen, at = _history(run), float(run.peak_time)

@@ -4,10 +4,11 @@ import dataclasses
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import Dataset
 from ..errors import InputError
 from ..fields import Part, paths
 from ..fields.record import from_json
@@ -17,9 +18,6 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..study.config import load as load_study
 from ..sweeps.store import STORE, is_unfinished, opened
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 DESIGN = "design.toml"
 Record = Mapping[str, Any]
@@ -54,8 +52,8 @@ class Results:
     """
 
     folder: Path
-    run: "xr.Dataset | None" = None
-    sweep: "xr.Dataset | None" = None
+    run: Dataset | None = None
+    sweep: Dataset | None = None
     records: Mapping[str, Record] = dataclasses.field(default_factory=dict)
     design: Part | None = None
 
@@ -179,7 +177,7 @@ def _records(folder: Path) -> dict[str, Record]:
     return {name: record for name, record in found.items() if record is not None}
 
 
-def _run(folder: Path) -> "xr.Dataset | None":
+def _run(folder: Path) -> Dataset | None:
     """The run in a folder, named after what its mechanism calls it."""
     names = [f"{mechanism.view.run_name}{SUFFIX}" for mechanism in all_mechanisms()]
     files = [folder / name for name in dict.fromkeys(names) if (folder / name).is_file()]
@@ -188,7 +186,7 @@ def _run(folder: Path) -> "xr.Dataset | None":
     return _dataset(files[0]) if files else None
 
 
-def _sweep(folder: Path) -> "xr.Dataset | None":
+def _sweep(folder: Path) -> Dataset | None:
     if (folder / "sweep.nc").is_file():
         return _dataset(folder / "sweep.nc")
     if (folder / STORE).is_dir():
@@ -198,7 +196,7 @@ def _sweep(folder: Path) -> "xr.Dataset | None":
     return None
 
 
-def _dataset(file: Path) -> "xr.Dataset":
+def _dataset(file: Path) -> Dataset:
     found = read(file)
     if "kind" not in found.attrs or "outcome" not in {**found, **found.attrs}:
         raise InputError(f"{file} is damaged or no result of jaxbuffer: it names no mechanism and no outcome")

@@ -1,17 +1,13 @@
 """The figure of a comparison of contact laws."""
 
-from typing import TYPE_CHECKING
-
+from .._types import Figure
 from ..mechanisms.probe_cone.comparison import ASKED, CURVE, Comparison
 from .layout import legend_below
 from .style import GREY, MARKS, label, line, panels, styled
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 @styled
-def laws_figure(comparison: Comparison) -> "Figure":
+def laws_figure(comparison: Comparison) -> Figure:
     """Force over penetration and over time in one impact, delivered over asked restitution."""
     figure, grid = panels(13.0, 5.2, 1, 3)
     loops, pulses, delivered = grid[0]

@@ -2,13 +2,11 @@
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-    from matplotlib.text import Text
+from .._types import Figure, Text
 
 POINTS = 72.0  # an inch
 ROOM = 8.0  # points between two texts side by side
@@ -16,7 +14,7 @@ ROUNDS = 4  # of wrapping and leaving out: both move the axes, which changes the
 HANDLE, GAP, EDGE = 2.8, 2.0, 1.0  # of a legend in font sizes: handle with its pad, between columns, around it
 
 
-def fit(figure: "Figure") -> None:
+def fit(figure: Figure) -> None:
     """Place the figure's axes, wrap texts and leave out labels of ticks that there is no room for; fix the result."""
     if figure.get_layout_engine() is None:
         return
@@ -27,7 +25,7 @@ def fit(figure: "Figure") -> None:
     figure.set_layout_engine("none")
 
 
-def legend_below(figure: "Figure", handles: Sequence[Any], names: Sequence[str]) -> None:
+def legend_below(figure: Figure, handles: Sequence[Any], names: Sequence[str]) -> None:
     """Add a legend below the axes, with as many columns as the figure is wide enough for; none of no names."""
     if not names:
         return
@@ -75,7 +73,7 @@ def _lines(line: str, room: float, size: float, separators: tuple[str, ...]) -> 
     return [narrow for part in parts for narrow in _lines(part, room, size, separators[1:])]
 
 
-def _wrap_all(figure: "Figure") -> bool:
+def _wrap_all(figure: Figure) -> bool:
     """Wrap the texts that are too long for where they stand, and return whether there were any."""
     changed = False
     for text, room in _rooms(figure):
@@ -85,7 +83,7 @@ def _wrap_all(figure: "Figure") -> bool:
     return changed
 
 
-def _rooms(figure: "Figure") -> Iterator[tuple["Text", float]]:
+def _rooms(figure: Figure) -> Iterator[tuple["Text", float]]:
     """The figure's title, its axes' titles and labels, and how wide each may be [points]."""
     from matplotlib.text import Text
 
@@ -107,7 +105,7 @@ def _rooms(figure: "Figure") -> Iterator[tuple["Text", float]]:
             yield label, points * length
 
 
-def _thin_out(figure: "Figure") -> bool:
+def _thin_out(figure: Figure) -> bool:
     """Leave out every other tick of an axis on which labels overlap, and return whether there was one."""
     from matplotlib.ticker import FixedFormatter, FixedLocator
 

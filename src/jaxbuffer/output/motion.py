@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 from jaxtyping import Float
 
+from .._types import Axes, Figure
 from ..errors import InputError, check_type
 from ..mechanisms.drawing import Band, Drawing
 from ..mechanisms.run import Run
@@ -16,10 +17,6 @@ from .layout import legend_below
 from .pulses import pulses
 from .sketch import INK, bounds, fills, forces, sketch
 from .style import BLUE, GREY, RED, styled
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 PANELS = 4  # of the chosen times, the start and the end among them
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
@@ -78,7 +75,7 @@ def _round(factor: float) -> float:
     return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= factor * (1.0 + 1e-9))
 
 
-def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
+def draw(run: Run, times: Sequence[float] | None = None) -> Figure:
     """The mechanism at some times of a run, in scale, its contact forces as arrows.
 
     **Arguments:**
@@ -111,7 +108,7 @@ def draw(run: Run, times: Sequence[float] | None = None) -> "Figure":
 
 
 @styled
-def motion_figure(run: Run, times: Sequence[float] | None = None) -> "Figure":
+def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
     """A row for each time: the whole mechanism, and a closer look at the contact.
 
     **Arguments:** ``run``: one with a history; ``times`` [s] (default: telling ones).
@@ -164,7 +161,7 @@ def clock(time: float, end: float, more: int = 0) -> str:
     return f"{time:.{4 + more}f} s" if end > 0.1 else f"{1e3 * time:.{3 + more}f} ms"
 
 
-def whole(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
+def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     """The whole mechanism at the k-th time, with a frame around what the detail shows; the legend's parts."""
     frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
     named = sketch(axes, at.drawing.shapes, frames)
@@ -184,7 +181,7 @@ def whole(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
     return named
 
 
-def closer(axes: "Axes", at: Scene, k: int) -> dict[str, Any]:
+def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     """The detail at the k-th time; the legend's parts that only it has."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None

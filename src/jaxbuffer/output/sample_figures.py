@@ -1,10 +1,11 @@
 """Figures of a sample: quantities over each number, Sobol' indices as bars, predicted against computed."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import Axes, Figure
 from ..experiments.indices import Indices
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
@@ -12,17 +13,12 @@ from .layout import legend_below
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 from .words import field_axis, in_figures, outcome_marks, scaled, shown
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-
 ROWS, COLUMNS = 3, 6  # quantities and numbers that are drawn
 METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gaussian process"}  # others in words
 
 
 @styled
-def sample_figure(sample: Sample) -> "Figure":
+def sample_figure(sample: Sample) -> Figure:
     """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
     mechanism, drawn = sample.mechanism, sample.grid.axes[:COLUMNS]
     names = mechanism.defaults.mapped[:ROWS]
@@ -61,7 +57,7 @@ def sample_figure(sample: Sample) -> "Figure":
 
 
 @styled
-def indices_figure(indices: Indices) -> "Figure":
+def indices_figure(indices: Indices) -> Figure:
     """First-order and total index of each number as bars with their intervals, a panel a quantity."""
     names = list(indices.estimates)
     figure, grid = panels(7.5, (0.45 * len(indices.paths) + 1.3) * len(names) + 0.6, len(names), 1)
@@ -102,7 +98,7 @@ def _warned(surface: Surface) -> str:
 
 
 @styled
-def surfaces_figure(surfaces: Sequence[Surface]) -> "Figure":
+def surfaces_figure(surfaces: Sequence[Surface]) -> Figure:
     """Predicted against computed, by fits that had not seen the run; a panel a quantity."""
     figure, grid = panels(4.6 * len(surfaces), 4.8, 1, len(surfaces))
     for axes, surface in zip(grid[0], surfaces, strict=True):
@@ -110,7 +106,7 @@ def surfaces_figure(surfaces: Sequence[Surface]) -> "Figure":
     return figure
 
 
-def _predicted(axes: "Axes", surface: Surface) -> None:
+def _predicted(axes: Axes, surface: Surface) -> None:
     unit, factor = surface.shown
     unit = "°" if unit == "deg" else unit
     computed, predicted = factor * surface.computed, factor * surface.predicted

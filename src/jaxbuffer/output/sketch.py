@@ -1,16 +1,14 @@
 """A mechanism's drawing on a figure's axes: shapes, and the contact forces as arrows."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from .._types import Axes
 from ..mechanisms.drawing import Band, Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
 from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 FILLS = (SKY, ORANGE, GREEN, GREY, PURPLE, BLUE)  # of parts in their order
 FORCE = "#B2182B"
@@ -21,7 +19,7 @@ ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
 
 
 def sketch(
-    axes: "Axes",
+    axes: Axes,
     shapes: Iterable[Any],
     frames: Frames,
     unit: float = 1.0,
@@ -55,7 +53,7 @@ def fills(shapes: Iterable[Any]) -> dict[str, str]:
     return {part: FILLS[k % len(FILLS)] for k, part in enumerate(parts)}
 
 
-def _draw(axes: "Axes", shape: Any, points: Points, fill: str) -> Any:
+def _draw(axes: Axes, shape: Any, points: Points, fill: str) -> Any:
     if is_filled(shape):
         return axes.fill(*points.T, facecolor=_faint(fill), edgecolor=INK, linewidth=0.8, zorder=2)[0]
     dashes = "--" if getattr(shape, "dashed", False) else "-"
@@ -95,7 +93,7 @@ def outline(shape: Any, frames: Frames) -> Points:
 
 
 def forces(
-    axes: "Axes",
+    axes: Axes,
     drawing: Drawing,
     frames: Frames,
     instant: Any,

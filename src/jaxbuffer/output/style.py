@@ -6,16 +6,13 @@ import io
 import os
 import sys
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import Any, ParamSpec
 
 import numpy as np
 
+from .._types import Axes, Figure
 from ..errors import InputError
 from .layout import fit
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 P = ParamSpec("P")
 
@@ -91,11 +88,11 @@ def drawing() -> Iterator[None]:
         yield
 
 
-def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
     """Draw in our style, with texts that fit, and leave matplotlib's settings as they were."""
 
     @functools.wraps(draw)
-    def styled(*data: P.args, **options: P.kwargs) -> "Figure":
+    def styled(*data: P.args, **options: P.kwargs) -> Figure:
         with drawing():
             figure = draw(*data, **options)
             fit(figure)
@@ -104,7 +101,7 @@ def styled(draw: "Callable[P, Figure]") -> "Callable[P, Figure]":
     return styled
 
 
-def png(figure: "Figure") -> bytes:
+def png(figure: Figure) -> bytes:
     """The figure as a PNG file's content."""
     content = io.BytesIO()
     with drawing():
@@ -113,7 +110,7 @@ def png(figure: "Figure") -> bytes:
     return content.getvalue()
 
 
-def svg(figure: "Figure") -> bytes:
+def svg(figure: Figure) -> bytes:
     """The figure as an SVG file's content; the same figure gives the same bytes."""
     content = io.BytesIO()
     with drawing():
@@ -122,13 +119,13 @@ def svg(figure: "Figure") -> bytes:
     return content.getvalue()
 
 
-def both(name: str, draw: "Callable[[], Figure]") -> dict[str, Callable[[], bytes]]:
+def both(name: str, draw: Callable[[], Figure]) -> dict[str, Callable[[], bytes]]:
     """A figure's two files, NAME.png and NAME.svg, and what makes their contents; it is drawn once."""
     drawn = functools.cache(draw)
     return {f"{name}.png": lambda: png(drawn()), f"{name}.svg": lambda: svg(drawn())}
 
 
-def panels(width: float, height: float, rows: int, columns: int) -> "tuple[Figure, np.ndarray]":
+def panels(width: float, height: float, rows: int, columns: int) -> tuple[Figure, np.ndarray]:
     """A figure [inch] of its own: pyplot's global state stays as it is."""
     from matplotlib.figure import Figure
 
@@ -136,7 +133,7 @@ def panels(width: float, height: float, rows: int, columns: int) -> "tuple[Figur
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def label(axes: "Axes", title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
+def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
     """Title, labels with their units and, if asked for, a legend in columns."""
     from matplotlib.ticker import MaxNLocator
 

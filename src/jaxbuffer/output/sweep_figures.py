@@ -2,21 +2,17 @@
 
 import itertools
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import Axes, Figure
 from ..experiments.rectangle import SafeRectangle
 from ..sweeps.grid import Axis
 from ..sweeps.result import Sweep
 from .layout import legend_below
 from .style import BLUE, COLUMNS, GREY, RED, label, line, panels, styled
 from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks, said, scaled, shown, signed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 FAILED, UNDONE = "failed", "not computed"
 SLICES = 9
@@ -25,7 +21,7 @@ SAFE, UNSAFE = "#B8DCEF", "#F3F3F3"
 
 
 @styled
-def sweep_figure(swept: Sweep) -> "Figure":
+def sweep_figure(swept: Sweep) -> Figure:
     """Over one number lines, one for each combination of choices; over two heat maps of four quantities; over more, or
     choices besides, the peak contact force in slices."""
     axes = swept.grid.axes
@@ -39,7 +35,7 @@ def sweep_figure(swept: Sweep) -> "Figure":
     return _slices(swept, moving)
 
 
-def _lines(swept: Sweep, along: int, by: list[int]) -> "Figure":
+def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
     """Four quantities over one field, a line for each combination of the values of the others (``by``)."""
     figure, grid = panels(9.0, 6.5, 2, 2)
     axis, axes_of = swept.grid.axes[along], swept.grid.axes
@@ -93,7 +89,7 @@ def _places(axis: Axis) -> np.ndarray:
     return in_figures(axis.unit)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
 
 
-def _scaled(axes: "Axes", axis: Axis) -> None:
+def _scaled(axes: Axes, axis: Axis) -> None:
     """The horizontal scale, or a choice's values in words."""
     if axis.unit:
         places = _places(axis)
@@ -103,7 +99,7 @@ def _scaled(axes: "Axes", axis: Axis) -> None:
         axes.set_xlim(-0.5, len(axis) - 0.5)
 
 
-def _maps(swept: Sweep, across: int, up: int) -> "Figure":
+def _maps(swept: Sweep, across: int, up: int) -> Figure:
     figure, grid = panels(11.0, 8.0, 2, 2)
     for axes, name in zip(grid.flat, swept.mechanism.defaults.mapped, strict=True):
         title, unit, factor = _drawn(swept, name)
@@ -116,7 +112,7 @@ def _maps(swept: Sweep, across: int, up: int) -> "Figure":
     return figure
 
 
-def _slices(swept: Sweep, moving: list[int]) -> "Figure":
+def _slices(swept: Sweep, moving: list[int]) -> Figure:
     """The two longest fields span the maps; the values of the others are spread over the panels."""
     numbers = [k for k in moving if swept.grid.axes[k].unit]
     across, up = sorted(sorted(numbers, key=lambda k: -len(swept.grid.axes[k]))[:2])
@@ -149,7 +145,7 @@ def _slices(swept: Sweep, moving: list[int]) -> "Figure":
 
 
 def _map(
-    axes: "Axes", swept: Sweep, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
+    axes: Axes, swept: Sweep, plane: tuple[int, int], values: np.ndarray, cut: tuple[slice, ...], **limits: Any
 ) -> Any:
     """A heat map of a cut through the grid, every run that did not succeed marked."""
     first, second = (swept.grid.axes[k] for k in plane)
@@ -174,7 +170,7 @@ def _map(
     return image
 
 
-def _legend(figure: "Figure", swept: Sweep) -> None:
+def _legend(figure: Figure, swept: Sweep) -> None:
     from matplotlib.lines import Line2D
 
     present = set(_outcomes(swept).ravel())
@@ -223,7 +219,7 @@ def _title(swept: Sweep) -> str:
 
 
 @styled
-def envelope_figure(found: SafeRectangle) -> "Figure":
+def envelope_figure(found: SafeRectangle) -> Figure:
     """A cell a run: safe ones blue, the others marked with what they break; angles in degrees."""
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = found.axes, found.values
@@ -253,7 +249,7 @@ def envelope_figure(found: SafeRectangle) -> "Figure":
     return figure
 
 
-def _border(axes: "Axes", safe: np.ndarray, right: np.ndarray, top: np.ndarray) -> None:
+def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) -> None:
     """The line between safe cells and the others."""
     m, n = safe.shape
     style: dict[str, Any] = {"color": "black", "linewidth": 1.4}
@@ -268,7 +264,7 @@ def _border(axes: "Axes", safe: np.ndarray, right: np.ndarray, top: np.ndarray) 
                 name = ""
 
 
-def _reasons(axes: "Axes", found: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
+def _reasons(axes: Axes, found: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
     reasons, marks = found.reasons, outcome_marks(found.swept.mechanism)
     free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]

@@ -1,10 +1,11 @@
 """Figures of a tuning and of a front."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._types import Axes, Figure
 from ..fields import get
 from ..mechanisms.run import Run
 from ..tuning.pareto import Front
@@ -14,11 +15,6 @@ from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, panels, styled
 from .words import newtons, seconds, shown
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
@@ -30,7 +26,7 @@ NEAR = 0.06  # of an axis: points less apart have their numbers in one text
 
 
 @styled
-def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> "Figure":
+def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     """Peak force in every scenario before and after, variables in their bounds, what is limited, the search.
 
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
@@ -75,7 +71,7 @@ def worst_case(tuned: Tuned) -> int:
     return int(np.argmax(tuned.after.peak_force))
 
 
-def _cases(axes: "Axes", tuned: Tuned) -> None:
+def _cases(axes: Axes, tuned: Tuned) -> None:
     """A row for each scenario, or for those with the largest peaks: its peak force before and after."""
     problem, floor = tuned.problem, tuned.floor
     count = len(problem.cases)
@@ -104,7 +100,7 @@ def _cases(axes: "Axes", tuned: Tuned) -> None:
     label(axes, f"Peak contact force{some}", "peak force [N]", which, legend=False)
 
 
-def _force(axes: "Axes", tuned: Tuned, worst: Sequence[Run]) -> None:
+def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
     """Contact force over time in the worst scenario."""
     until = max(last_contact(run) for run in worst)
     unit, factor = seconds(until)
@@ -120,7 +116,7 @@ def _force(axes: "Axes", tuned: Tuned, worst: Sequence[Run]) -> None:
     label(axes, f"Force in the worst scenario, {named}", f"time [{unit}]", "contact force [N]")
 
 
-def _variables(axes: "Axes", tuned: Tuned) -> None:
+def _variables(axes: Axes, tuned: Tuned) -> None:
     """Where each variable stands between its bounds, before and after, with its value."""
     variables = tuned.problem.variables
     row = np.arange(len(variables))
@@ -171,7 +167,7 @@ def _rows(tuned: Tuned) -> list[Row]:
     return rows
 
 
-def _limits(axes: "Axes", tuned: Tuned) -> None:
+def _limits(axes: Axes, tuned: Tuned) -> None:
     """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
@@ -200,7 +196,7 @@ def _shown(tuned: Tuned) -> list[int]:
     return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
 
 
-def _search(axes: "Axes", tuned: Tuned, stage: int) -> None:
+def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
     """Every design tried in a stage, and the best so far among those within all limits."""
     records = [it for it in tuned.records if it["stage"] == stage]
     kinds: list[tuple[str, str, str, Any]] = [
@@ -226,14 +222,14 @@ def _search(axes: "Axes", tuned: Tuned, stage: int) -> None:
     label(axes, f"Every design tried for:\n{_asked(tuned.problem, asked)}", "evaluation [-]", value, columns=2)
 
 
-def _integer_axis(axes: "Axes") -> None:
+def _integer_axis(axes: Axes) -> None:
     from matplotlib.ticker import MaxNLocator
 
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 @styled
-def front_figure(front: Front) -> "Figure":
+def front_figure(front: Front) -> Figure:
     """The first objective over each other one: the front, its points that did not converge, and those that another one
     is better than."""
     others = front.objectives[1 : PANELS + 1]
@@ -264,7 +260,7 @@ def front_figure(front: Front) -> "Figure":
     return figure
 
 
-def _number(axes: "Axes", points: Sequence[int], x: np.ndarray, y: np.ndarray) -> None:
+def _number(axes: Axes, points: Sequence[int], x: np.ndarray, y: np.ndarray) -> None:
     """Write its number beside each point; points too near each other for a text each have one together."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     groups: list[list[int]] = []
@@ -280,7 +276,7 @@ def _number(axes: "Axes", points: Sequence[int], x: np.ndarray, y: np.ndarray) -
         axes.annotate(text, at, (4, 5), textcoords="offset points", fontsize=8)
 
 
-def _widen(axes: "Axes") -> None:
+def _widen(axes: Axes) -> None:
     """Let each axis span a hundredth of its values at least, so that rounding does not look like a front."""
     for limits, set_limits in ((axes.get_xlim, axes.set_xlim), (axes.get_ylim, axes.set_ylim)):
         low, high = limits()

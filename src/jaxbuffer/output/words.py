@@ -1,14 +1,12 @@
 """What axes and values are called in figures, in their units: angles in degrees, forces from 10 kN on in kN."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import Axes
 from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
 ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
@@ -63,7 +61,7 @@ def seconds(longest: float) -> tuple[str, float]:
     return scale_of(longest, (("s", 1.0), ("ms", 1e3), ("µs", 1e6)))
 
 
-def scaled(axes: "Axes", which: str, scale: str, low: float, high: float) -> None:
+def scaled(axes: Axes, which: str, scale: str, low: float, high: float) -> None:
     """The scale of the "x" or the "y" axis; a logarithmic one with few and plain numbers along it."""
     getattr(axes, f"set_{which}scale")(scale)
     if scale != "log":

@@ -1,13 +1,11 @@
 """What a paper's studies are: cases as data, their runs and rows of numbers, claims and how the rows answer them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from .._types import Figure
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 YES, PARTLY, NO = "borne out", "in part", "not borne out"
 Row = dict[str, str | float | int]

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import equinox as eqx
 import numpy as np
 from rich.table import Table
 
+from .._types import DataFrame, Dataset
 from ..fields import unit_at
 from ..labelled.arrays import Labelled, dataset, frame
 from ..labelled.saved import Saved
@@ -17,10 +18,6 @@ from ..mechanisms.quantity import is_signed, unit_of
 from ..mechanisms.run import Run
 from ..tables import html, table, text
 from .certificate import Certificate
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 FAR = 0.5  # relative change beyond which first order says little of its size
 
@@ -60,7 +57,7 @@ class Sensitivity(eqx.Module, Saved):
         """The run."""
         return self.run
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> Dataset:
         """Labelled arrays: ``gradient``, ``elasticity`` and ``estimated_error`` by ``quantity`` and ``parameter``, with
         ``gradient_unit``, ``quantity_unit`` and ``parameter_unit`` beside them.
 
@@ -73,7 +70,7 @@ class Sensitivity(eqx.Module, Saved):
         """
         return _dataset(self)
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> DataFrame:
         """A row for each pair of quantity and parameter, as in sensitivity.csv."""
         return frame(*sensitivity_rows(self))
 
@@ -193,7 +190,7 @@ def advice(result: Sensitivity) -> list[str]:
     return lines
 
 
-def _dataset(result: Sensitivity) -> "xr.Dataset":
+def _dataset(result: Sensitivity) -> Dataset:
     """See `Sensitivity.to_xarray`."""
     run, both, certificate = result.run, ("quantity", "parameter"), result.certificate
     units = [unit_of(run.mechanism.quantities, name) for name in result.quantities]

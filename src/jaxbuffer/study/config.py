@@ -5,7 +5,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import equinox as eqx
 import tomli_w
@@ -33,12 +33,9 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid, literal
-from ..tuning.problem import Settings
+from ..tuning.problem import Problem, Settings
 from .mistaken import no_file, no_table, no_toml
 from .sample_toml import read_sample
-
-if TYPE_CHECKING:
-    from ..tuning.problem import Problem
 
 T = TypeVar("T", bound=eqx.Module)
 
@@ -106,7 +103,7 @@ class Config:
         """Whose design it is."""
         return mechanism_of(self.design)
 
-    def problem(self) -> "Problem":
+    def problem(self) -> Problem:
         """The design problem; its start must lie within the bounds."""
         from .problem_toml import read_problem
 

@@ -1,10 +1,11 @@
 """The result of a sweep."""
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import DataFrame, Dataset
 from ..labelled.arrays import frame
 from ..mechanisms.mechanism import Mechanism
 from ..tables import html, text
@@ -12,10 +13,6 @@ from .columns import RunTable, empty_columns
 from .grid import Grid
 from .summary import sweep_parts
 from .table import sweep_dataset, sweep_rows
-
-if TYPE_CHECKING:  # both are slow to import
-    import pandas as pd
-    import xarray as xr
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +63,7 @@ class Sweep(RunTable):
         columns = {name: np.where(done, values, blank[name]) for name, values in self.columns.items()}
         return dataclasses.replace(self, columns=columns)
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> Dataset:
         """The sweep as labelled arrays, each with its unit in the attribute ``units``: over a grid a dimension for each
         field, named by its dotted path, with its values; else along ``run``, counted from 0, with the numbers of design
         and scenario that differ as coordinates.
@@ -86,7 +83,7 @@ class Sweep(RunTable):
         """
         return sweep_dataset(self)
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> DataFrame:
         """A row for each run that was computed, as in sweep.csv: the numbers that differ, the outcome and the results,
         columns named with their units."""
         return frame(*sweep_rows(self))

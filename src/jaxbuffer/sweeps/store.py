@@ -15,11 +15,12 @@ import warnings
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import numpy as np
 
+from .._types import Dataset
 from ..errors import InputError
 from ..files import Lock, naming
 from ..hybrid import name_of
@@ -31,9 +32,6 @@ from ..version import version
 from .chunk import Settings
 from .columns import column_names, whole_numbers
 from .cut import Block, BlockSweep, Cut
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
 DRAFT = ".sweep.zarr.draft"
@@ -305,7 +303,7 @@ def check_codecs(path: Path) -> None:
         raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
 
 
-def opened(path: Path) -> "xr.Dataset":
+def opened(path: Path) -> Dataset:
     """Return a store as labelled arrays, which are read when they are used.
 
     **Raises:** `InputError` where it is damaged.

@@ -2,16 +2,14 @@
 
 import dataclasses
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .._types import Dataset
 from ..mechanisms.mechanism import Mechanism
 from .columns import doubts, empty_columns
 from .cut import GridSweep, RunsSweep
 from .result import Sweep
 from .store import existing, fill, opened
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +48,7 @@ class StoredSweep:
         """How many runs ended how."""
         return {self.mechanism.outcomes(code).name: count for code, count in sorted(self.codes.items())}
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> Dataset:
         """The sweep as labelled arrays that are read when they are used: a dimension for each field of a grid, else
         ``run``, with units; `code` is the outcome, -1 where there is none yet."""
         return opened(self.store)

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from .._types import Dataset
 from ..fields import addresses, unit_at, value_at
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.dataset import attributes
@@ -13,13 +14,10 @@ from ..version import version
 from .columns import RunTable
 from .grid import Grid
 
-if TYPE_CHECKING:  # xarray is slow to import
-    import xarray as xr
-
 Rows = tuple[list[str], Iterator[Sequence[Any]]]
 
 
-def sweep_dataset(sweep: RunTable) -> "xr.Dataset":
+def sweep_dataset(sweep: RunTable) -> Dataset:
     """See `Sweep.to_xarray`."""
     if isinstance(sweep.grid, Grid):
         axes = {axis.path: Labelled((axis.path,), axis.values, axis.unit, axis.name) for axis in sweep.grid.axes}

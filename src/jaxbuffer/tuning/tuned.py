@@ -2,12 +2,13 @@
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, SupportsFloat
+from typing import Any, SupportsFloat
 
 import numpy as np
 from jaxtyping import Float
 from rich.table import Table
 
+from .._types import DataFrame
 from ..fields import Part, get, unit
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
@@ -20,9 +21,6 @@ from .message import End, broken_limits, headline
 from .model_step import residual
 from .problem import Problem, Settings
 from .store import Record
-
-if TYPE_CHECKING:
-    import pandas as pd  # takes half a second to import; only `Tuned.to_pandas` needs it
 
 SHOWN = 12  # scenarios in a table
 OWN = 3  # own quantities in that table, in place of the usual ones
@@ -119,7 +117,7 @@ class Tuned(Saved):
             return float("nan")
         return float(np.max(self.after.peak_force) / np.max(self.floor.simulated) - 1.0)
 
-    def to_pandas(self) -> "pd.DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
         from ..labelled.arrays import frame  # imports xarray and pandas, which take a second
 

@@ -1,16 +1,14 @@
 """The modes in which plate and bar bend: whether they are fast enough for a peak."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..bending import build_up, force_line, highest_of_free, highest_of_plate, modes_line, period, too_few
 from ..validity import Limit
 from .design import BarDrop
+from .run import BarDropRun
 from .system import moving_modes
-
-if TYPE_CHECKING:
-    from .run import BarDropRun
 
 
 def rise_time(design: BarDrop, peak_force: Any, penetration: Any) -> Any:
@@ -40,7 +38,7 @@ def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[Limit]:
     return found
 
 
-def told(run: "BarDropRun") -> list[str]:
+def told(run: BarDropRun) -> list[str]:
     """A line on each body that bends: number of modes, its highest period beside the time the force took."""
     design, lines = run.design, []
     if design.plate.modes:

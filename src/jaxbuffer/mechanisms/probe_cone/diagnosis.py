@@ -1,6 +1,6 @@
 """What held back a capture that did not succeed: way left, where the energy went, the impact that turned it round."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -10,11 +10,9 @@ from ...hybrid import Kind
 from ...programs.cache import stored
 from ..energy import energy_text, energy_unit
 from .assembly import T
+from .capture import Capture
 from .outcome import Outcome
 from .system import CONTACTS, CaptureMechanism
-
-if TYPE_CHECKING:
-    from .capture import Capture
 
 
 class Course(NamedTuple):
@@ -68,7 +66,7 @@ class Turn(NamedTuple):
     after: float
 
 
-def turned_round(capture: "Capture", seen: Course) -> Turn | None:
+def turned_round(capture: Capture, seen: Course) -> Turn | None:
     """The last impact before the vehicles' approach changes sign for good; None where they approach at the end."""
     log = capture._located  # its values are those of `log`, which would compute derivatives
     count = min(int(log.count), int(log.room))
@@ -83,7 +81,7 @@ def turned_round(capture: "Capture", seen: Course) -> Turn | None:
     return Turn(number, int(which[at]), float(time[at]), float(approach[at]), float(approach[parted]))
 
 
-def diagnosis(capture: "Capture") -> dict[str, str]:
+def diagnosis(capture: Capture) -> dict[str, str]:
     """What held a run back that did not end captured, by heading; nothing of others."""
     log = capture._located
     if capture.outcome == Outcome.captured or capture.outcome.failed or not int(log.count):
@@ -100,13 +98,13 @@ def diagnosis(capture: "Capture") -> dict[str, str]:
     }
 
 
-def _way(capture: "Capture", seen: Course, last: int) -> str:
+def _way(capture: Capture, seen: Course, last: int) -> str:
     left, begin, speed = (1e3 * float(x) for x in (seen.before[last], seen.before[0], seen.closing[last]))
     ends = "still closes in" if speed > 0.0 else "recedes"
     return f"{left:.4g} mm to the capture plane, {begin:.4g} mm at first; the tip {ends} at {abs(speed):.3g} mm/s"
 
 
-def _energy(capture: "Capture", seen: Course, last: int) -> str:
+def _energy(capture: Capture, seen: Course, last: int) -> str:
     """Along the approach, in the springs, and in other motion, of what there was without the common motion."""
     total = float(capture.energy.total) - float(seen.common[last])
     along, direction = float(seen.along[last]), "closing" if float(seen.approach[last]) > 0.0 else "parting"
@@ -119,14 +117,14 @@ def _energy(capture: "Capture", seen: Course, last: int) -> str:
     )
 
 
-def _lost(capture: "Capture", seen: Course, last: int) -> str:
+def _lost(capture: Capture, seen: Course, last: int) -> str:
     total = float(capture.energy.total) - float(seen.common[last])
     lost = {name.replace("_", " "): float(np.asarray(value)) for name, value in capture.energy.lost.items()}
     most = sorted(lost.items(), key=lambda item: -item[1])
     return ", ".join(f"{name} {_share(value, total)}" for name, value in most if value > 0.0) or "nothing was lost"
 
 
-def _turn(capture: "Capture", seen: Course) -> str:
+def _turn(capture: Capture, seen: Course) -> str:
     turn = turned_round(capture, seen)
     if turn is None:
         return "never: the vehicles still approach each other at the end"

@@ -1,7 +1,7 @@
 """Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, little
 bending by modes that are fast enough, a pin that touches its bush on a small area."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Array, Float
@@ -11,12 +11,10 @@ from ..run import rising
 from ..validity import BEYOND_LAW, Limit
 from .assembly import assemble_contact
 from .bending import bending_frequencies
+from .capture import Capture
 from .design import Design
 from .hinge_play import pin_law
 from .outcome import Outcome
-
-if TYPE_CHECKING:
-    from .capture import Capture
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
 BENT = 0.1  # of the probe's length: up to here the bending is linear
@@ -71,7 +69,7 @@ def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
     return hertz_pressure(peak_force, design.probe.tip_radius, contact.young_modulus, contact.poisson_ratio)
 
 
-def warnings(capture: "Capture") -> list[str]:
+def warnings(capture: Capture) -> list[str]:
     """What the answer of a capture lies beyond, a line each; empty for a valid one."""
     design, depth, force = capture.design, float(capture.penetration), float(capture.peak_force)
     found, lines = validity(design, np.asarray(depth), np.asarray(force)), []
@@ -90,7 +88,7 @@ def warnings(capture: "Capture") -> list[str]:
     return [*lines, *_of_bending(capture), *_of_play(capture), *_of_end(capture)]
 
 
-def _of_end(capture: "Capture") -> list[str]:
+def _of_end(capture: Capture) -> list[str]:
     """Largest values that are those at the end of a captured run, and would go on to rise."""
     if capture.outcome != Outcome.captured:
         return []
@@ -103,7 +101,7 @@ def _of_end(capture: "Capture") -> list[str]:
     return lines
 
 
-def _of_bending(capture: "Capture") -> list[str]:
+def _of_bending(capture: Capture) -> list[str]:
     probe, lines = capture.design.probe, []
     if probe.bending_stiffness is None:
         return []
@@ -122,7 +120,7 @@ def _of_bending(capture: "Capture") -> list[str]:
     return lines
 
 
-def _of_play(capture: "Capture") -> list[str]:
+def _of_play(capture: Capture) -> list[str]:
     """The pin's contact is Hertz's while the radius of the area it touches is small against the pin's, as for the tip:
     √(R δ) ≤ √(0.1) R_pin, with R of M54."""
     hinge = capture.design.hinge

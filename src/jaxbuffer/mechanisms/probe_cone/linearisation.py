@@ -1,8 +1,6 @@
 """The capture mechanism's stiff forces: the buffer's axial spring-damper with its end stop, the torsional one, and the
 normal force and friction of each flank (M89)."""
 
-from typing import TYPE_CHECKING
-
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -10,13 +8,11 @@ from jaxtyping import Array, Float
 from ...hybrid import Linearisation
 from ..linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, linearised
 from .assembly import FLANKS, SIDE, T
-
-if TYPE_CHECKING:
-    from .posture import Posture, ProbeInCone
+from .posture import Posture, ProbeInCone
 
 
 def linearisation(
-    mechanism: "ProbeInCone", state: Float[Array, " state"], active: Float[Array, " contacts"]
+    mechanism: ProbeInCone, state: Float[Array, " state"], active: Float[Array, " contacts"]
 ) -> Linearisation:
     """How the six forces act on the velocities and answer to motion at a state."""
     at = mechanism.posture(state)
@@ -41,7 +37,7 @@ def linearisation(
 
 
 def flank_directions(
-    mechanism: "ProbeInCone", at: "Posture"
+    mechanism: ProbeInCone, at: Posture
 ) -> tuple[Float[Array, "velocities flanks"], Float[Array, "velocities flanks"]]:
     """Columns b with δ̇ = b·w, and columns b with v_t = b·w, of both flanks."""
     origin = at.kin.point(T, (0.0, 0.0))

@@ -1,18 +1,14 @@
 """What to draw of a capture over time."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
 from .assembly import probe_masses
-
-if TYPE_CHECKING:
-    from .capture import Capture
+from .capture import Capture
 
 
-def panels(capture: "Capture") -> list[Panel]:
+def panels(capture: Capture) -> list[Panel]:
     """Gap and distance to capture, energy, stroke and hinge angle, of a capture with a history."""
     seen = capture.history
     assert seen is not None
@@ -40,21 +36,21 @@ def panels(capture: "Capture") -> list[Panel]:
     ]
 
 
-def _bending(capture: "Capture") -> Panel | None:
+def _bending(capture: Capture) -> Panel | None:
     if capture.design.probe.bending_stiffness is None:  # type: ignore[attr-defined]
         return None
     title = f"Bending of the probe, largest {1e3 * float(capture.bending):.3g} mm"
     return Panel(title, "tip off the axis [mm]", (Curve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
 
 
-def _play(capture: "Capture") -> Panel | None:
+def _play(capture: Capture) -> Panel | None:
     if capture.design.hinge.play is None:  # type: ignore[attr-defined]
         return None
     gap = Curve("", 1e6 * capture.history.hinge_gap)  # type: ignore[union-attr]
     return Panel("Hinge, from the pin to its bush", "gap [µm]", (gap,), (Level("", 0.0),))
 
 
-def _energy(capture: "Capture") -> Panel:
+def _energy(capture: Capture) -> Panel:
     """What each part has of the energy that the mechanism can take up: all but that of the common motion."""
     energy, common = capture.history.energy, common_energy(capture)  # type: ignore[union-attr]
     parts = {
@@ -75,7 +71,7 @@ def _energy(capture: "Capture") -> Panel:
     return Panel("Energy without that of the common motion", f"energy [{unit}]", curves, stacked=True)
 
 
-def common_energy(capture: "Capture") -> float:
+def common_energy(capture: Capture) -> float:
     """Kinetic energy [J] of both vehicles' common motion, that of their centre of mass: no force between them changes
     it, and no buffer takes it up (König's theorem). It is read off the start, when nothing bends yet."""
     design, history = capture.design, capture.history
@@ -85,7 +81,7 @@ def common_energy(capture: "Capture") -> float:
     return 0.5 * float(momentum @ momentum) / float(masses.sum())
 
 
-def _stroke(capture: "Capture") -> Panel:
+def _stroke(capture: Capture) -> Panel:
     buffer, largest = capture.design.buffer, 1e3 * float(capture.stroke)  # type: ignore[attr-defined]
     end = 1e3 * float(buffer.end)
     what = "the buffer's end" if buffer.stop_stiffness is None else "the end stop"

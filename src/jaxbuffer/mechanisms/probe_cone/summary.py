@@ -1,22 +1,20 @@
 """A capture in a dozen lines, for people."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import jax
 import numpy as np
 
 from .bending import bending_frequencies
+from .capture import Capture
 from .hinge_play import pin_law
 from .label import scenario_label
 from .law_validity import warnings
 from .outcome import Outcome
 from .system import CONTACTS
 
-if TYPE_CHECKING:
-    from .capture import Capture
 
-
-def summary(capture: "Capture") -> str:
+def summary(capture: Capture) -> str:
     """A capture in a dozen lines, units included."""
     outcome = capture.outcome
     if outcome.failed:
@@ -54,7 +52,7 @@ def summary(capture: "Capture") -> str:
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
 
 
-def _bending(capture: "Capture") -> list[str]:
+def _bending(capture: Capture) -> list[str]:
     probe = capture.design.probe
     if probe.bending_stiffness is None:
         return []
@@ -66,7 +64,7 @@ def _bending(capture: "Capture") -> list[str]:
     ]
 
 
-def _play(capture: "Capture") -> list[str]:
+def _play(capture: Capture) -> list[str]:
     hinge = capture.design.hinge
     if hinge.play is None:
         return []
@@ -74,7 +72,7 @@ def _play(capture: "Capture") -> list[str]:
     return [f"  play in the hinge    {1e3 * float(hinge.play):.4g} mm; the pin goes up to {1e6 * depth:.3g} µm into it"]
 
 
-def _other_losses(capture: "Capture") -> str:
+def _other_losses(capture: Capture) -> str:
     energy, design = capture.energy, capture.design
     there = {
         "end stop": (design.buffer.stop_stiffness, "stop_damper"),
@@ -86,7 +84,7 @@ def _other_losses(capture: "Capture") -> str:
     )
 
 
-def _which_impact(capture: "Capture") -> str:
+def _which_impact(capture: Capture) -> str:
     count, listed = int(capture.impact_count), int(capture.impacts.count)
     which = int(capture.peak_impact) + 1
     if count == listed:
@@ -94,13 +92,13 @@ def _which_impact(capture: "Capture") -> str:
     return f"impact {which or f'after the {listed}th'} of {count}, the first {listed} of which are listed"
 
 
-def _stop(capture: "Capture") -> str:
+def _stop(capture: Capture) -> str:
     if capture.design.buffer.stop_stiffness is None:
         return ""
     return f", end stop {float(capture.peak_stop_force):.6g} N"
 
 
-def _stroke_limits(capture: "Capture") -> str:
+def _stroke_limits(capture: Capture) -> str:
     buffer = capture.design.buffer
     whole = f" of {1e3 * float(buffer.longest_stroke):.6g} mm"
     return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
@@ -111,7 +109,7 @@ def _rising(rate: Any, factor: float, symbol: str) -> str:
     return f", still rising at the end of the run at {factor * float(rate):.3g} {symbol}" if float(rate) > 0.0 else ""
 
 
-def _bottomed(capture: "Capture") -> str:
+def _bottomed(capture: Capture) -> str:
     """What would keep the buffer from its end. By how much it is too short is not said: after the end come further
     impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
     buffer = capture.design.buffer
@@ -121,7 +119,7 @@ def _bottomed(capture: "Capture") -> str:
     return f"none: raise {longer}, buffer.k_A or buffer.c_A; only a run that does not bottom says what stroke it needs"
 
 
-def _margin(capture: "Capture") -> str:
+def _margin(capture: Capture) -> str:
     """The capture margin with what it is a distance of."""
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
@@ -134,12 +132,12 @@ def _margin(capture: "Capture") -> str:
     )
 
 
-def _predicted(capture: "Capture") -> str:
+def _predicted(capture: Capture) -> str:
     peak = float(capture.first_impact.predicted_peak)
     return f"{peak:.4g} N" if np.isfinite(peak) else f"unknown for the law {capture.design.contact.law}"
 
 
-def first_impact_line(capture: "Capture") -> str:
+def first_impact_line(capture: Capture) -> str:
     """The simulated first peak beside its closed form."""
     first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     return (
@@ -148,7 +146,7 @@ def first_impact_line(capture: "Capture") -> str:
     )
 
 
-def first_impact_record(capture: "Capture") -> dict[str, float]:
+def first_impact_record(capture: Capture) -> dict[str, float]:
     """The closed form of the first impact, units in the names."""
     first = capture.first_impact
     return {

@@ -1,15 +1,13 @@
 """The modes in which the rod bends: whether they are fast enough for a peak."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..bending import build_up, force_line, highest_of_free, modes_line, period, too_few
+from ..run import Run
 from ..validity import Limit
 from .design import SliderCrank
-
-if TYPE_CHECKING:
-    from ..run import Run
 
 
 def rise_time(design: SliderCrank, peak_force: Any, penetration: Any) -> Any:
@@ -34,7 +32,7 @@ def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[Limit
     return [too_few("rod", design.rod.modes, rod_period(design), time)]
 
 
-def told(run: "Run", penetration: float) -> list[str]:
+def told(run: Run, penetration: float) -> list[str]:
     """Number of modes of a rod that bends, and the highest's period beside the time the force took."""
     design = run.design
     if not design.rod.modes:

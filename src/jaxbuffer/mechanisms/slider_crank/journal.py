@@ -1,19 +1,15 @@
 """Where a pin is in its bush over a run: its path."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from jaxtyping import Float
 
 from ...errors import InputError, check_choice
-
-if TYPE_CHECKING:
-    from ..run import Run
+from ..run import Run
 
 PINS = ("piston_pin", "crank_pin")
 
 
-def journal_path(run: "Run", pin: str = "piston_pin") -> Float[np.ndarray, "steps 2"]:
+def journal_path(run: Run, pin: str = "piston_pin") -> Float[np.ndarray, "steps 2"]:
     """The pin's centre relative to the bush's at every step of a slider-crank's history, along the slider's line and
     across it [m], shape (steps, 2).
 

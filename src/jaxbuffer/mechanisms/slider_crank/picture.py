@@ -1,18 +1,14 @@
 """What to draw of a slider-crank's run."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
+from ..run import Run
 from .journal import PINS, journal_path
 
-if TYPE_CHECKING:
-    from ..run import Run
 
-
-def panels(run: "Run") -> list[Panel]:
+def panels(run: Run) -> list[Panel]:
     """Path of each pin with play, torque of the drive, the slider's acceleration, energy, of a run with a history."""
     seen = run.history
     assert seen is not None
@@ -38,7 +34,7 @@ def panels(run: "Run") -> list[Panel]:
     ]
 
 
-def _path(run: "Run", pin: str) -> Panel:
+def _path(run: Run, pin: str) -> Panel:
     """The pin's centre relative to the bush's, and how far it can go before it touches."""
     part = getattr(run.design, pin)
     along, across = 1e3 * journal_path(run, pin).T

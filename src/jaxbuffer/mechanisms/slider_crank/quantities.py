@@ -1,17 +1,13 @@
 """The catalogue of a slider-crank's quantities."""
 
-from typing import TYPE_CHECKING
-
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
-
-if TYPE_CHECKING:
-    from ..run import Run
+from ..run import Run
 
 
-def deepest(run: "Run") -> Float[Array, ""]:
+def deepest(run: Run) -> Float[Array, ""]:
     """The deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
     return jnp.maximum(run.maxima["penetration"], 0.0) if "penetration" in run.maxima else run.penetration
 

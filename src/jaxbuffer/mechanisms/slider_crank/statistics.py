@@ -1,6 +1,6 @@
 """What can be said of a motion beyond the impacts that can be foretold one by one: means over turns."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -9,9 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from ...errors import InputError
 from ...hybrid import Kind
-
-if TYPE_CHECKING:
-    from ..run import Run
+from ..run import Run
 
 LEAST_TURNS = 4
 LEAST_BLOCKS = 8
@@ -41,7 +39,7 @@ class TurnStatistics(NamedTuple):
     contact_share: Mean
 
 
-def turn_statistics(run: "Run") -> TurnStatistics:
+def turn_statistics(run: Run) -> TurnStatistics:
     """Impacts, largest force, mean of the impacts' peaks and share of contact by turn of the crank, with the standard
     errors of their means.
 
@@ -81,12 +79,12 @@ def turn_statistics(run: "Run") -> TurnStatistics:
     )
 
 
-def overflown(run: "Run") -> bool:
+def overflown(run: Run) -> bool:
     """Whether events found no room in the log."""
     return bool(np.asarray(run._located.overflown))
 
 
-def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
+def turn_starts(run: Run) -> Float[np.ndarray, " turns"]:
     """When each turn begins, and the last whole one ends [s]. Between two events of the log the crank's angle is the
     cubic through its values and speeds at both."""
     log, scenario = run._located, run.scenario
@@ -100,7 +98,7 @@ def turn_starts(run: "Run") -> Float[np.ndarray, " turns"]:
     return np.interp(np.arange(int(turned[-1] + 1e-9) + 1), turned, times)
 
 
-def contact_shares(run: "Run", starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
+def contact_shares(run: Run, starts: Float[np.ndarray, " turns"]) -> Float[np.ndarray, " turns"]:
     """Share of each turn in which a pin touches its bush."""
     log = run._located
     count = min(int(log.count), log.room)

@@ -1,10 +1,10 @@
 """A slider-crank's run in words: what it lies beyond, and means over turns."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..run import plain_summary
+from ..run import Run, plain_summary
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits as bending_limits
 from .bending import told
@@ -12,9 +12,6 @@ from .design import SliderCrank, SliderCrankScenario
 from .pins import ADAMS, Pin
 from .quantities import deepest
 from .statistics import LEAST_TURNS, overflown, turn_starts, turn_statistics
-
-if TYPE_CHECKING:
-    from ..run import Run
 
 
 def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
@@ -45,7 +42,7 @@ def contact_validity(design: SliderCrank, peak_force: Any) -> list[Limit]:
     return [Limit(wide, np.asarray(peak_force) / least)]
 
 
-def warnings(run: "Run") -> list[str]:
+def warnings(run: Run) -> list[str]:
     """What a run's numbers lie beyond, a line each."""
     lines = []
     if overflown(run):
@@ -61,7 +58,7 @@ def warnings(run: "Run") -> list[str]:
     return lines + [f"{limit.beyond}, by a factor of {float(limit.share):.3g}" for limit in few if limit.passed]
 
 
-def summary(run: "Run") -> str:
+def summary(run: Run) -> str:
     """The usual lines, below the peak the number of modes of a rod that bends, and, of at least four whole turns after
     the first, means over turns."""
     text = with_modes(run, plain_summary(run))
@@ -76,7 +73,7 @@ def summary(run: "Run") -> str:
     return "\n".join([text, *lines])
 
 
-def with_modes(run: "Run", text: str) -> str:
+def with_modes(run: Run, text: str) -> str:
     """A summary with the number of modes below the peak."""
     if run.outcome.failed:
         return text

@@ -1,18 +1,15 @@
 """A figure a study: the quantities the paper plotted, over the same axes as far as its text tells."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..._types import Axes, Figure
 from ...mechanisms.history import History
 from ...output.style import drawing, line, panels
 from ...run.instants import at_times
 from ..study import Studied
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 FORCE, TIME = "contact force [N]", "time [s]"
 DENSE = 400  # instants of a first impact
@@ -20,7 +17,7 @@ FIRST = 1.3  # of the longest first contact, on the time axis of impact forces
 BEYOND = 1.2  # of the latest capture's time; time axes of longer runs end there
 
 
-def figure(studied: Studied) -> "Figure":
+def figure(studied: Studied) -> Figure:
     """The study's figure."""
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)
@@ -44,7 +41,7 @@ def _until(studied: Studied) -> float:
     return min(BEYOND * max(captured, default=max(ends)), max(ends))
 
 
-def _label(axis: "Axes", x: str, y: str, legend: bool = False) -> None:
+def _label(axis: Axes, x: str, y: str, legend: bool = False) -> None:
     axis.set_xlabel(x)
     axis.set_ylabel(y)
     if legend:

@@ -1,9 +1,10 @@
 """A figure a study of the dropped bar: force, displacement and speed of the bar's end, and detailed views."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..._types import Figure
 from ...output.style import COLOURS, drawing, label, line, panels
 from ..study import Studied
 from .bar_rows import STEPS, WINDOW, sampled_at
@@ -11,11 +12,8 @@ from .bar_rows import STEPS, WINDOW, sampled_at
 EARLY = 60e-6  # s from the first contact: the first peak
 FORCE, SINCE = "contact force [N]", "time from the first contact [ms]"
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def figure(studied: Studied) -> "Figure":
+def figure(studied: Studied) -> Figure:
     """The study's figure."""
     with drawing():
         drawn, grid = panels(10.0, 9.0, 3, 2)

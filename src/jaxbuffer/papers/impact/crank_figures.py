@@ -1,9 +1,10 @@
 """A figure a study of the slider-crank: the drive's torque, the force by components, the pin's path, the rod."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..._types import Figure
 from ...mechanisms.slider_crank import journal_path
 from ...output.style import COLOURS, drawing, label, panels
 from ..study import Studied
@@ -13,11 +14,8 @@ START = 4.0  # times what the torque takes to a tenth: the view of the start
 DETAIL = 0.1  # s: the first impacts
 TIME = "time [s]"
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
-
-def figure(studied: Studied) -> "Figure":
+def figure(studied: Studied) -> Figure:
     """The study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
     with drawing():
