@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
+from .signals import ENDING
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
-    from .signals import ENDING
-
     ENDING.listen()
     try:
-        from .entry import main as enter
+        from .entry import main as enter  # here, where a signal during the imports ends them quietly
 
         enter(arguments)
     except KeyboardInterrupt:  # while modules were being imported
