@@ -70,7 +70,7 @@ class Computed:
 
 
 def stand_in(monkeypatch):
-    """Put a `Computed` in the place of what takes long."""
+    """Put a `Computed` in the place of what the commands compute, and of the sweep of `jb.sample`."""
     computed = Computed()
     for name in ("simulate", "sensitivity", "sweep", "tune", "pareto"):
         monkeypatch.setattr(f"jaxbuffer.cli.commands.{name}.compute", getattr(computed, name))

@@ -9,7 +9,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
     ENDING.listen()
     try:
-        from .entry import main as enter  # here, where a signal during the imports ends them quietly
+        # here, so that a signal during the imports ends the process quietly
+        from .entry import main as enter
 
         enter(arguments)
     except KeyboardInterrupt:  # while modules were being imported

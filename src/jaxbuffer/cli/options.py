@@ -81,7 +81,7 @@ def verb(
     def command(ctx: typer.Context, **options: Any) -> int:
         begun, words = time.perf_counter(), ctx.find_root().obj or ()
         general = {option: options.pop(option) for option in shared}
-        request = _imported("request", "CommandLine")(ctx.obj, words=words, begun=begun, **general)
+        request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
         return _imported(module or name, name)(request, **options)
 
     first, *others = shared.values()

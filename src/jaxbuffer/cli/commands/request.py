@@ -22,6 +22,8 @@ class CommandLine:
     that was typed after the program's name; ``begun``: when, of the clock `time.perf_counter` [s]."""
 
     fields: dict[str, str]
+    words: tuple[str, ...]
+    begun: float
     config: Path | None = None
     solver: str | None = None
     rtol: str | None = None
@@ -29,8 +31,6 @@ class CommandLine:
     output: Path | None = None
     force: bool = False
     as_json: bool = False
-    words: tuple[str, ...] = ()
-    begun: float = dataclasses.field(default_factory=time.perf_counter)
 
     def study(self) -> Config:
         """The study with everything the command line overrides; JAX is set up on the way."""
