@@ -67,7 +67,7 @@ def test_estimates_of_rounding_alone_are_refused():
 
 
 def test_a_constant_takes_nothing_from_the_others(monkeypatch, tmp_path, capsys):
-    from jaxbuffer.cli import sample as command
+    from jaxbuffer.cli.commands import sample as command
     from jaxbuffer.cli.entry import run
 
     made = made_up("saltelli", 64, peak_force=lambda shares: 100.0 + shares[:, 0])

@@ -70,11 +70,10 @@ class Computed:
 
 
 def stand_in(monkeypatch):
-    """Put a `Computed` in the place of what takes long."""
+    """Put a `Computed` in the place of what the commands compute, and of the sweep of `jb.sample`."""
     computed = Computed()
-    for module in ("run.simulate", "sensitivities.sensitivity", "sweeps.sweep", "tuning.tune", "tuning.pareto"):
-        function = module.rsplit(".", 1)[-1]
-        monkeypatch.setattr(f"jaxbuffer.{module}.{function}", getattr(computed, function))
+    for name in ("simulate", "sensitivity", "sweep", "tune", "pareto"):
+        monkeypatch.setattr(f"jaxbuffer.cli.commands.{name}.compute", getattr(computed, name))
     monkeypatch.setattr("jaxbuffer.experiments.sample.sweep", computed.sweep)
     monkeypatch.setattr(
         "jaxbuffer.programs.process.configure", lambda **options: computed.calls.append(("configure", options))

@@ -215,7 +215,7 @@ def test_resuming_takes_the_folder_as_it_is(computed, tmp_path):
 def test_on_a_terminal_progress_is_drawn_and_removed(computed, capsys, monkeypatch):
     drawn = io.StringIO()
     terminal = Console(file=drawn, force_terminal=True, width=100)
-    monkeypatch.setattr("jaxbuffer.cli.progress.Console", lambda **_: terminal)
+    monkeypatch.setattr("jaxbuffer.cli.commands.progress.Console", lambda **_: terminal)
     assert run(["tune"]) == 0 and run(["simulate"]) == 0
     assert "tuning" in drawn.getvalue() and "simulating" in drawn.getvalue()
     assert "compiling" not in drawn.getvalue(), "nothing was compiled"

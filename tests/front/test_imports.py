@@ -1,13 +1,20 @@
 """Starting quickly: nothing heavy is imported before it is needed, and no public name is lost by that."""
 
+import importlib
+import inspect
+import pkgutil
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import jaxbuffer
+from jaxbuffer.cli import commands
+from jaxbuffer.cli.app import app
+from jaxbuffer.cli.options import SHARED
 from jaxbuffer.output.records import version
 
 SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]
@@ -31,6 +38,18 @@ def loaded_by(code: str) -> set[str]:
 )
 def test_neither_the_package_nor_its_help_imports_jax_or_numpy(code):
     assert not loaded_by(code) & {"jax", "numpy", "equinox", "diffrax", "optax", "matplotlib"}
+
+
+def test_what_a_command_does_takes_the_options_that_its_help_shows():
+    """Its signature is written twice, so that help need not import what it does."""
+    modules = [
+        importlib.import_module(f"{commands.__name__}.{it.name}") for it in pkgutil.iter_modules(commands.__path__)
+    ]
+    for name, command in get_command(app).commands.items():
+        defined = [vars(module)[name] for module in modules if name in vars(module)]
+        (function,) = [it for it in defined if it.__module__.startswith(commands.__name__)]
+        taken, shown = {*inspect.signature(function).parameters}, {parameter.name for parameter in command.params}
+        assert taken - {"request"} == (shown - {*SHARED} if "request" in taken else shown), name
 
 
 def test_a_capture_needs_neither_optax_nor_matplotlib():

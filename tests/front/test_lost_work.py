@@ -107,7 +107,7 @@ def test_a_file_that_appears_meanwhile_is_left_and_the_result_put_beside_it(comp
         (tmp_path / "out" / "capture.json").write_text("theirs")
         return compute(*arguments, **options)
 
-    monkeypatch.setattr("jaxbuffer.run.simulate.simulate", another_comes)
+    monkeypatch.setattr("jaxbuffer.cli.commands.simulate.compute", another_comes)
     assert run(["simulate", "--output", "out"]) == 0
     shown = capsys.readouterr()
     assert "capture.json appeared meanwhile and is left as it is; the result is in out/capture-1.json" in shown.err

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from jaxbuffer.cli import sweep as command
+from jaxbuffer.cli.commands import sweep as command
 from jaxbuffer.cli.entry import run
 from jaxbuffer.sensitivities.sensitivity import sensitivity
 from jaxbuffer.sweeps.cut import GridSweep, Template
@@ -41,7 +41,7 @@ def test_certificates_and_fronts_ask_it_too(computed, no_figures, words):
     [(["sensitivity"], sensitivity), (["pareto", "--objectives", "peak_force,stroke"], pareto)],
 )
 def test_a_scheduler_that_is_none_is_bad_input(computed, capsys, monkeypatch, words, compute):
-    monkeypatch.setattr(f"{compute.__module__}.{compute.__name__}", compute)
+    monkeypatch.setattr(f"jaxbuffer.cli.commands.{words[0]}.compute", compute)
     assert run([*words, "--scheduler", "lokal"]) == 2
     shown = capsys.readouterr().err
     assert "scheduler lokal is unknown; expected local, processes or an address as in tcp://host:8786" in shown
@@ -84,7 +84,7 @@ def large(monkeypatch, tmp_path, computed):
             raise StoredInterrupted(stored)
         return stored
 
-    monkeypatch.setattr("jaxbuffer.sweeps.sweep.sweep", sweep)
+    monkeypatch.setattr(command, "compute", sweep)
     return ends
 
 
@@ -115,6 +115,6 @@ def test_the_base_needs_nothing_of_the_extra():
         "for name in ('dask', 'distributed', 'zarr', 'numcodecs'): sys.modules[name] = None\n"
         "import jaxbuffer as jb\n"
         "jb.sweep, jb.tune, jb.sample, jb.sensitivity, jb.pareto, jb.load\n"
-        "import jaxbuffer.cli.sweep, jaxbuffer.sweeps.distributed, jaxbuffer.tuning.evaluation\n"
+        "import jaxbuffer.cli.commands.sweep, jaxbuffer.sweeps.distributed, jaxbuffer.tuning.evaluation\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -4,7 +4,6 @@ import tomllib
 
 import pytest
 
-import jaxbuffer.output.results
 import jaxbuffer.programs.process
 from jaxbuffer.cli.entry import run
 from jaxbuffer.study.config import load
@@ -35,7 +34,7 @@ def tune(monkeypatch, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
     monkeypatch.setattr(jaxbuffer.programs.process, "configure", lambda **_: None)
     monkeypatch.setattr(
-        jaxbuffer.output.results, "tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
+        "jaxbuffer.cli.commands.tune.tuned_files", lambda *_: {"design.toml": lambda: "", "tuned.json": lambda: ""}
     )
     monkeypatch.setattr("jaxbuffer.tuning.tuned.Tuned.__repr__", lambda tuned: tuned.message)
     monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 
+from .signals import ENDING
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with its code."""
-    from .signals import ENDING
-
     ENDING.listen()
     try:
+        # here, so that a signal during the imports ends the process quietly
         from .entry import main as enter
 
         enter(arguments)

@@ -6,19 +6,11 @@ import typer
 
 import jaxbuffer
 
-from .animate import animate
-from .laws import laws
-from .overrides import WITH_QUANTITIES, Plain
-from .pareto import pareto
-from .report import compare, report
-from .reproduce import reproduce
-from .request import verb
-from .sample import sample
-from .sensitivity import sensitivity
-from .simulate import simulate
-from .study import check, fields, init, schema
-from .sweep import sweep
-from .tune import tune
+from .many_runs import pareto, sample, sweep, tune
+from .one_run import animate, laws, sensitivity, simulate
+from .options import plain, verb
+from .overrides import WITH_QUANTITIES
+from .studies import check, compare, fields, init, report, reproduce, schema
 
 app = typer.Typer(add_completion=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -69,20 +61,28 @@ def root(
         typer.echo(ctx.get_help())
 
 
-verb(app, "One run: peak forces, stroke, hinge angle, energies.")(simulate)
-verb(app, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)(sensitivity)
-verb(app, "The best design over all scenarios, within bounds and limits.", without=("solver",))(tune)
-verb(app, "The front of two objectives or more.", without=("solver",))(pareto)
-verb(app, "Many runs: every combination of values of some fields.")(sweep)
-verb(app, "Many runs spread over ranges: what matters most, and a fitted surface.")(sample)
-verb(app, "One run as an animation: the mechanism, its contact forces, slow motion around impacts.")(animate)
+verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
+verb(app, sensitivity, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
+verb(app, tune, "The best design over all scenarios, within bounds and limits.", without=("solver",))
+verb(app, pareto, "The front of two objectives or more.", without=("solver",))
+verb(app, sweep, "Many runs: every combination of values of some fields.")
+verb(app, sample, "Many runs spread over ranges: what matters most, and a fitted surface.")
 verb(
-    app, "The contact laws side by side: restitution and one impact.", without=("solver", "rtol", "duration", "as_json")
-)(laws)
-app.command(cls=Plain, short_help="A mechanism's fields and quantities, with units.")(fields)
-app.command(cls=Plain, short_help="A commented study to begin with.")(init)
-app.command(cls=Plain, short_help="What a study says, and what the commands would do with it.")(check)
-app.command(cls=Plain, short_help="The JSON Schema of a mechanism's studies, for editors.")(schema)
-app.command(cls=Plain, short_help="A page for a design review, of folders of results.")(report)
-app.command(cls=Plain, short_help="Designs side by side, of folders of results.")(compare)
-app.command(cls=Plain, short_help="A paper's own studies: figures, and its claims held against the model.")(reproduce)
+    app,
+    animate,
+    "One run as an animation: the mechanism, its contact forces, slow motion around impacts.",
+    module="simulate",
+)
+verb(
+    app,
+    laws,
+    "The contact laws side by side: restitution and one impact.",
+    without=("solver", "rtol", "duration", "as_json"),
+)
+plain(app, fields, "A mechanism's fields and quantities, with units.", "study")
+plain(app, init, "A commented study to begin with.", "study")
+plain(app, check, "What a study says, and what the commands would do with it.", "study")
+plain(app, schema, "The JSON Schema of a mechanism's studies, for editors.", "study")
+plain(app, report, "A page for a design review, of folders of results.", "report")
+plain(app, compare, "Designs side by side, of folders of results.", "report")
+plain(app, reproduce, "A paper's own studies: figures, and its claims held against the model.", "reproduce")

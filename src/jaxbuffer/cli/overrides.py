@@ -91,6 +91,7 @@ class Command(Plain):
 def fields_like(option: str) -> list[str]:
     """The dotted options that one without a section may mean: of the fields whose last part it is or is in, or of the
     field nearest to it; a capture's first."""
+    # here, because both import JAX, for which neither help nor other refusals of options wait
     from ..fields import addresses
     from ..mechanisms import all_mechanisms
 

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import (
@@ -23,8 +23,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-if TYPE_CHECKING:
-    from ..tuning.store import Record
+from ...programs.cache import watched
+from ...tuning.store import Record, in_words
 
 T = TypeVar("T")
 
@@ -42,17 +42,15 @@ def working(text: str, work: Callable[[], T]) -> T:
         return _interruptible(work)
 
 
-def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None = None, most: int | None = None) -> T:
+def tuning(work: Callable[[Callable[[Record], None]], T], success: str | None = None, most: int | None = None) -> T:
     """Run ``work``, which reports each evaluation: a spinner on a terminal; elsewhere plain lines with the time
     elapsed, at first one each, later one every few seconds.
 
     ``success``: how runs should end; ``most`` evaluations that there can be.
     """
-    from ..tuning.store import in_words
-
     begin = said = time.monotonic()
 
-    def line(it: "Record") -> None:
+    def line(it: Record) -> None:
         nonlocal said
         now = time.monotonic()
         if now - begin > PERIOD and now - said < PERIOD:
@@ -66,7 +64,7 @@ def tuning(work: "Callable[[Callable[[Record], None]], T]", success: str | None 
         return _interruptible(lambda: work(report))
 
 
-def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
+def counting(total: int, work: Callable[[Callable[[str], None]], T]) -> T:
     """Run ``work``, which reports what it has finished, ``total`` times: a bar on a terminal, plain lines elsewhere."""
     with _bar("", total, BarColumn(), MofNCompleteColumn(), TEXT, CLOCK) as update:
         report = _line if update is None else lambda text: update(advance=1, description=text)
@@ -74,7 +72,7 @@ def counting(total: int, work: "Callable[[Callable[[str], None]], T]") -> T:
 
 
 def sweeping(
-    count: int, work: "Callable[[Callable[[int, int], None]], T]", doing: str = "sweeping", what: str = "runs"
+    count: int, work: Callable[[Callable[[int, int], None]], T], doing: str = "sweeping", what: str = "runs"
 ) -> T:
     """Run ``work``, which reports ``what`` it has done of ``count``: a bar with their rate on a terminal, a plain line
     every few seconds elsewhere. It runs here, in the main thread: its own threads compute, and Ctrl-C reaches it."""
@@ -125,8 +123,6 @@ def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Cal
 
 def _compiling_said() -> AbstractContextManager[None]:
     """Say once, on a line of its own, that a program is being compiled, if one is."""
-    from ..programs.cache import watched
-
     said = False
 
     def watcher(expected: float | None) -> None:
@@ -140,8 +136,6 @@ def _compiling_said() -> AbstractContextManager[None]:
 
 def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager[None]:
     """Show it in the place of a task's description for as long as it takes."""
-    from ..programs.cache import watched
-
     before = ""
 
     def watcher(expected: float | None) -> None:

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..files import Lock
-from ..output.formats import Contents, check_folder, check_free, write_all
-from .streams import note, show
+from ...files import Lock
+from ...output.formats import Contents, check_folder, check_free, write_all
+from ..streams import note, show
 
 
 class Output:

@@ -1,0 +1,64 @@
+"""`jaxbuffer pareto`: the front of several objectives."""
+
+import dataclasses
+
+from ...errors import InputError
+from ...output.formats import table_json
+from ...output.records import front_rows
+from ...output.results import front_files
+from ...study.config import apply_options
+from ...tuning.pareto import check_front
+from ...tuning.pareto import pareto as compute
+from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
+from ..streams import note
+from .progress import tuning
+from .request import CommandLine, given
+
+
+def pareto(
+    request: CommandLine,
+    objectives: str,
+    points: str,
+    iterations: str | None,
+    starts: str | None,
+    seed: str | None,
+    scheduler: str | None,
+    resume: bool,
+) -> int:
+    """Tune every point of the front."""
+    study = request.study()
+    chosen = given(iterations=iterations, starts=starts, seed=seed)
+    study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
+    problem = study.problem()
+    names = [name.strip() for name in objectives.split(",")]
+    if not (points.isdecimal() and int(points) >= 2):
+        raise InputError(f"--points {points} must be a whole number from 2 up; 9 say")
+    number = int(points)
+    total = check_front(problem, names, number)
+    designs = [f"design-{k + 1}.toml" for k in range(total)]
+    folders = [f"least-{name}" for name in names] + [f"point-{k + 1}" for k in range(1, total)]
+    files = request.files(
+        "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
+    )
+    settings = vars(study.tuning)
+    keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
+    try:
+        front = tuning(
+            lambda report: compute(
+                problem, names, number, **settings, **keeping, save=False, report=report, finished=_said
+            ),
+            problem.mechanism.success,
+        )
+    except KeyboardInterrupt:
+        kept = "nothing is kept without --output DIR"
+        if request.output is not None:
+            kept = f"the points so far are kept; the same command with --resume goes on in {request.output}"
+        note(kept)
+        return INTERRUPTED
+    made = request.made(study, resume)
+    files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
+    return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
+
+
+def _said(done: int, total: int) -> None:
+    note(f"{done} of {total} points of the front are done")

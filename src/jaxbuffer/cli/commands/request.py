@@ -1,0 +1,93 @@
+"""What every command does with its command line: read the study, set JAX up, and check where to write."""
+
+import dataclasses
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from ...errors import InputError, check_choice
+from ...output import style
+from ...output.provenance import made
+from ...programs import process
+from ...study.config import Config, apply_options, apply_overrides, chosen_scenario, load
+from .output import Output
+
+
+@dataclasses.dataclass(frozen=True)
+class CommandLine:
+    """One call of a command, options as typed. ``fields``: design and scenario fields by dotted path; ``words``: all
+    that was typed after the program's name; ``begun``: when, of the clock `time.perf_counter` [s]."""
+
+    fields: dict[str, str]
+    words: tuple[str, ...]
+    begun: float
+    config: Path | None = None
+    solver: str | None = None
+    rtol: str | None = None
+    duration: str | None = None
+    output: Path | None = None
+    force: bool = False
+    as_json: bool = False
+
+    def study(self) -> Config:
+        """The study with everything the command line overrides; JAX is set up on the way."""
+        process.configure(cache=process.cache_folder())
+        study = apply_overrides(load(self.config), self.fields)
+        options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
+        study = dataclasses.replace(study, options=apply_options(study.options, options))
+        process.check_ready()  # before a folder is made
+        return study
+
+    def one_scenario(self, number: str | None) -> Config:
+        """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
+        or that of [scenario], which a line on stderr says where there are several."""
+        study, note = chosen_scenario(self.study(), number)
+        if note:
+            typer.echo(f"note: {note}", err=True)
+        return study
+
+    def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
+        """How the result came about that is known by now, for its record."""
+        options, read = study.options, None
+        if self.config is not None and self.config.is_file():
+            read = self.config.read_text(encoding="utf-8", errors="replace")
+        duration = options.duration if options.duration is not None else study.mechanism.defaults.duration
+        settings = {"solver": options.solver, "rtol [-]": float(options.rtol), "duration [s]": float(duration)}
+        about = made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
+        return {**about, "units": dict(study.units)}
+
+    def files(self, *names: str, resumable: Sequence[str] = (), resume: bool = False) -> Output:
+        """Files to write later; everything that can go wrong with it is found now, before computing them.
+
+        **Arguments:** ``resumable``: files of a run that ``resume`` goes on with; it may overwrite the others.
+        """
+        if resume and self.output is None:
+            raise InputError("--resume needs --output DIR, the folder of the run to go on with")
+        if self.output is not None and any(name.endswith(".png") for name in names):
+            style.require_matplotlib()
+        return Output(self.output, names, self.force, resumable, resume, self.as_json)
+
+
+def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], instead: str) -> dict[str, Any]:
+    """Return what several --over say, by field, each read by ``typed``. **Raises:** `InputError` for a field that is
+    given twice, with what to do ``instead``."""
+    asked = dict[str, Any]()
+    for path, values in map(typed, over):
+        if path in asked:
+            raise InputError(f"--over {path} is given more than once; {instead}")
+        asked[path] = values
+    return asked
+
+
+def given(**options: Any) -> dict[str, Any]:
+    """Those options that were given."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def asked_for(trust: str) -> bool:
+    """Whether it is on."""
+    check_choice("trust", trust, ("on", "off"))
+    return trust == "on"

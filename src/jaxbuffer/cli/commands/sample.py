@@ -1,0 +1,117 @@
+"""`jaxbuffer sample`: runs spread over ranges, and what can be read off them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ...errors import InputError
+from ...experiments.indices import sobol_indices
+from ...experiments.points import METHODS, Points, points
+from ...experiments.ranges import ranges, typed
+from ...experiments.sample import Sample, sample_at
+from ...experiments.surface import response_surface
+from ...mechanisms.quantity import check_quantities
+from ...output.results import sample_files, sample_text, swept_json
+from ...study.config import Config
+from ...sweeps.grid import check_swept_once
+from ...sweeps.result import SweepInterrupted
+from ...sweeps.store import STORE
+from ..exits import INTERRUPTED
+from .output import Output
+from .progress import sweeping, working
+from .request import CommandLine, asked_for, each_once
+from .sweep import any_solved, check_scheduler, kept
+
+
+def sample(
+    request: CommandLine,
+    over: list[str] | None,
+    count: str | None,
+    method: str | None,
+    seed: str | None,
+    of: list[str] | None,
+    indices: bool,
+    surface: bool,
+    scheduler: str | None,
+    resume: bool,
+    trust: str,
+) -> int:
+    """Simulate the runs of a sample, and find indices and response surfaces if they are asked for."""
+    study = request.study()
+    if scheduler is not None:
+        check_scheduler(scheduler, request)
+    points = _points(study, over or [], count, method, seed, indices)
+    check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
+    parts = {"indices": indices, "surface": surface}
+    names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults.mapped[:1])
+    for name in names:
+        if name not in study.mechanism.swept:
+            raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
+    wanted = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
+    wanted += [f"{name}.{kind}" for name, asked in parts.items() if asked for kind in ("csv", "png")]
+    files = request.files(*wanted, resumable=(STORE,), resume=resume)
+    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
+    found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
+    if found is None:
+        return INTERRUPTED
+    made = request.made(study, resume)
+    if interrupted:
+        files.save_and_show(lambda: sample_files(found, made), found, lambda: swept_json(found))
+        return INTERRUPTED
+    return _told(found, names, (indices, surface), files, made)
+
+
+def _points(
+    study: Config, over: list[str], count: str | None, method: str | None, seed: str | None, indices: bool
+) -> Points:
+    section = dict(study.sample)
+    asked = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
+    chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
+    number = _whole("count", count) if count is not None else section.get("count", 256)
+    start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
+    axes = ranges(asked or study.mechanism.defaults.variables, study.design, study.scenario)
+    return points(axes, number, chosen, start)
+
+
+def _whole(name: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"--{name} {text} is not a whole number; 256 say") from None
+
+
+def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tuple[Sample | None, bool]:
+    """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
+    options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
+    asked = (points, study.design, study.scenario, study.options.duration)
+    try:
+        return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False
+    except SweepInterrupted as stop:
+        kept(stop.found, int(stop.done.sum()), stop.done.size, folder)
+        return (stop.found if stop.done.any() else None), True
+
+
+def _told(
+    found: Sample, names: tuple[str, ...], asked: tuple[bool, bool], files: Output, made: Mapping[str, Any]
+) -> int:
+    """Indices and surfaces, if ``asked`` for, saved and printed; where one cannot be had, the sample is saved and it is
+    said why."""
+    (indices, surface), refused = asked, None
+    found_indices, surfaces, varying = None, list[Any](), list[str]()
+    for name in names if indices or surface else ():
+        try:
+            found.check_varies(name, "indices and response surface")
+            varying.append(name)
+        except InputError as error:  # a quantity that is the same everywhere takes nothing from the others
+            refused = error
+    try:
+        if surface:
+            surfaces = working("fitting response surfaces", lambda: [response_surface(found, name) for name in varying])
+        if indices and varying:
+            found_indices = working("resampling", lambda: sobol_indices(found, varying))
+    except InputError as error:
+        refused = error
+    shown = sample_text(found, found_indices, surfaces)
+    files.save_and_show(lambda: sample_files(found, made, found_indices, surfaces), shown, lambda: swept_json(found))
+    if refused is not None:
+        raise refused
+    return any_solved(found)

@@ -1,0 +1,114 @@
+"""One run: `jaxbuffer simulate` and `animate`, and whether a run keeps to [problem.constraints]."""
+
+import dataclasses
+import sys
+
+from ...errors import InputError
+from ...mechanisms.run import Run
+from ...output.animation import FORMATS, animation, check_format, frames_of
+from ...output.field_files import left_out
+from ...output.results import run_files
+from ...run.request import NO_TENTH, tenth
+from ...run.simulate import HISTORY_STEPS
+from ...run.simulate import simulate as compute
+from ...run.trust import Trust, trust
+from ...sensitivities.horizon import horizon
+from ...study.config import Config
+from ...study.own_quantities import own_quantities
+from ...study.problem_toml import limits
+from ...tuning.objective import Constraints
+from ..exits import LIMITS_BROKEN, OK, fail
+from ..streams import note
+from .progress import sweeping, working
+from .request import CommandLine, asked_for
+
+
+def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> int:
+    """Simulate a run, and show how far its numbers can be trusted and whether it keeps to the study's limits."""
+    study = request.one_scenario(scenario_number)
+    limits, name = study_constraints(study), study.mechanism.view.run_name
+    named = (f"{name}.{kind}" for kind in ("json", "png", "txt", "nc"))
+    files = request.files(*named, "history.csv", "motion.json", "force.json", "motion.png")
+    run, closer = simulated(study, request.output is not None, asked_for(trust))
+    if run.outcome.failed:
+        return fail(run.outcome.reason)
+    if study.mechanism.view.chaotic:
+        note(str(horizon(run)))
+    if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
+        note(f"the history holds the first {HISTORY_STEPS} steps only")
+    told = trusted(run, closer) if asked_for(trust) else None
+    contents = run_files(run, request.made(study), limits, told)
+    if request.output is not None and (missing := left_out(contents)):
+        note(missing)
+    files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
+    return keeps_limits(limits, run)
+
+
+def animate(request: CommandLine, scenario_number: str | None, kind: str | None) -> int:
+    """Simulate a run and draw it moving."""
+    study = request.one_scenario(scenario_number)
+    if request.output is None:
+        raise InputError("animate needs --output DIR, the folder for its file, or the file")
+    ending = request.output.suffix.removeprefix(".").lower()
+    if ending in FORMATS and not request.output.is_dir():
+        if kind not in (None, ending):
+            raise InputError(f"--format {kind} and --output {request.output} contradict; keep one")
+        kind, name = ending, request.output.name
+        request = dataclasses.replace(request, output=request.output.parent)
+    else:
+        kind = kind or FORMATS[0]
+        name = f"motion.{kind}"
+    check_format(kind)
+    files = request.files(name)
+    run, _ = simulated(study, history=True, again=False)
+    if run.outcome.failed:
+        return fail(run.outcome.reason)
+    count = len(frames_of(run).times)
+    film = sweeping(count, lambda report: animation(run, kind, report), "drawing", "frames")
+    files.save_and_show(lambda: {name: lambda: film}, run)
+    return OK
+
+
+def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | None]:
+    """The study's run, and, if it is asked for ``again``, the same at a tenth of the tolerance (None where that is not
+    allowed), with a spinner."""
+    options = study.options
+
+    def at(rtol: float) -> Run:
+        asked = (study.design, study.scenario, options.duration)
+        return compute(*asked, solver=options.stepper(), rtol=rtol, history=history)
+
+    closer = tenth(options.rtol) if again else None
+    return working("simulating", lambda: (at(options.rtol), None if closer is None else at(closer)))
+
+
+def trusted(run: Run, closer: Run | None) -> Trust:
+    """How far the run's numbers can be trusted, said; ``closer``: at a tenth of the tolerance, None where there is no
+    such run."""
+    found = Trust({}, "", NO_TENTH) if closer is None else trust(run, closer)
+    if found.verdict == "trusted":
+        print(found, file=sys.stderr, flush=True)
+    else:
+        note(found)
+    return found
+
+
+def study_constraints(study: Config) -> Constraints | None:
+    """Read the study's constraints, or None.
+
+    Call it before the run: own quantities that they name are read from files, which may fail.
+    """
+    if "constraints" not in study.table:
+        return None
+    of_study = limits(study.table, study.mechanism)
+    if not {*of_study.at_most, *of_study.at_least} & set(study.table.get("quantities", {})):
+        return Constraints(of_study, {})
+    return Constraints(of_study, own_quantities(study.table, study.mechanism, study.folder))
+
+
+def keeps_limits(constraints: Constraints | None, run: Run) -> int:
+    """Return the exit code: `LIMITS_BROKEN`, with a line that says which limits, where the run breaks some."""
+    if constraints is None:
+        return OK
+    broken = constraints.broken_by(run)
+    return fail(f"[problem.constraints] not kept: {'; '.join(broken)}", LIMITS_BROKEN) if broken else OK

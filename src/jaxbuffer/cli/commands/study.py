@@ -1,0 +1,58 @@
+"""`jaxbuffer init`, `check`, `schema` and `fields`: a study to begin with, what one says, what studies are made of."""
+
+from pathlib import Path
+
+from ...errors import InputError
+from ...files import write
+from ...mechanisms import all_mechanisms, mechanism_named
+from ...mechanisms.described import described
+from ...mechanisms.mechanism import Mechanism
+from ...output.formats import json_text
+from ...programs import process
+from ...study.config import DEFAULT_KIND, load
+from ...study.example import example_toml
+from ...study.explained import explained
+from ...study.schema import study_schema
+from ..exits import OK
+from ..streams import show
+
+
+def init(file: Path, kind: str, force: bool) -> int:
+    """Write a study to begin with."""
+    text = example_toml(_mechanism(kind))
+    try:
+        write(file, text, overwrite=force)
+    except FileExistsError:
+        raise InputError(f"{file} exists; --force overwrites, another FILE keeps it") from None
+    show(f"wrote {file}; 'jaxbuffer check {file}' says what it holds")
+    return OK
+
+
+def check(file: Path) -> int:
+    """Print what a study says."""
+    process.configure(cache=process.cache_folder())
+    try:
+        show(explained(load(file), str(file)))
+    except InputError as error:
+        raise error if str(error).startswith(f"{file}") else InputError(f"{file}: {error}") from None
+    return OK
+
+
+def schema(kind: str) -> int:
+    """Print the JSON Schema of studies."""
+    show(json_text(study_schema(_mechanism(kind))).rstrip())
+    return OK
+
+
+def fields(kind: str) -> int:
+    """List fields and quantities, or the mechanisms."""
+    if kind:
+        show(described(mechanism_named(kind)))
+        return OK
+    for known in all_mechanisms():
+        show(f'kind = "{known.name}"  {known.view.title}')
+    return OK
+
+
+def _mechanism(kind: str) -> Mechanism:
+    return mechanism_named(kind or DEFAULT_KIND)

@@ -1,0 +1,113 @@
+"""`jaxbuffer sweep`: runs over a grid, and what `sample` shares with it."""
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from ...cluster.connect import require
+from ...errors import InputError
+from ...experiments.rectangle import safe_rectangle
+from ...output.results import swept_files, swept_json
+from ...study.config import Config
+from ...study.problem_toml import limits
+from ...sweeps.columns import RunTable
+from ...sweeps.grid import Grid, check_swept_once, typed
+from ...sweeps.grid import grid as made
+from ...sweeps.result import Sweep, SweepInterrupted
+from ...sweeps.store import STORE
+from ...sweeps.stored import StoredInterrupted, StoredSweep
+from ...sweeps.sweep import sweep as compute
+from ...tuning.objective import Limits
+from ..exits import INTERRUPTED, OK, fail
+from ..streams import note
+from .progress import sweeping
+from .request import CommandLine, asked_for, each_once
+
+LARGEST = 100_000  # runs of a sweep over a scheduler up to which tables and figures are made as well
+
+
+def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, resume: bool, trust: str) -> int:
+    """Simulate every run of a grid, in memory or into the store of a scheduler's workers."""
+    study = request.study()
+    if scheduler is not None:
+        check_scheduler(scheduler, request)
+    asked = _asked(study, over or [])
+    grid = made(asked, study.design, study.scenario, in_memory=scheduler is None)
+    check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
+    told = scheduler is None or len(grid) <= LARGEST
+    if told:
+        grid.batches(study.design, study.scenario)  # checks that the values go together
+    limits = _limits(study, grid) if told else None
+    drawn = () if limits is None else ("envelope.png",)
+    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if told else ()
+    files = request.files(*names, resumable=(STORE,), resume=resume)
+    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
+    found, interrupted = _computed(study, asked, len(grid), folder=request.output, resume=resume, **options)
+    if isinstance(found, StoredSweep) and not told:
+        files.save_and_show(dict, found, lambda: json.dumps(found.outcomes))
+        return INTERRUPTED if interrupted else OK
+    swept = found.load() if isinstance(found, StoredSweep) else found
+    if not swept.done.any():
+        return INTERRUPTED
+    envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
+    shown = swept if envelope is None else f"{swept!r}\n{envelope!r}"
+    about = request.made(study, resume)
+    files.save_and_show(lambda: swept_files(swept, about, envelope), shown, lambda: swept_json(swept))
+    return INTERRUPTED if interrupted else any_solved(swept)
+
+
+def _asked(study: Config, over: list[str]) -> dict[str, Any]:
+    """The values of each field: those of the study, with those of the command line added or in their place."""
+    return {**study.sweep, **each_once(over, typed, "put its values into one")} or dict(study.mechanism.defaults.grid)
+
+
+def _limits(study: Config, over: Grid) -> Limits | None:
+    """The limits of a sweep's envelope: the study's; None where there is no envelope."""
+    mechanism = study.mechanism
+    moving = [axis for axis in over.axes if len(axis) > 1]
+    if len(moving) != 2 or not all(axis.unit for axis in moving):
+        return None
+    asked = limits(study.table, mechanism) if "constraints" in study.table else Limits()
+    in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731
+    found = dataclasses.replace(asked, at_most=in_sweeps(asked.at_most), at_least=in_sweeps(asked.at_least))
+    if left_out := [name for name in (*asked.at_most, *asked.at_least) if name not in mechanism.swept]:
+        note(f"the envelope leaves limits on {', '.join(left_out)} out, which sweeps do not have")
+    limited = found.at_most or found.at_least or found.impacts is not None
+    return found if limited or mechanism.success is not None else None
+
+
+def check_scheduler(scheduler: str, request: CommandLine) -> None:
+    """Raise `InputError` where the extra's packages or a folder for the store are missing."""
+    require()
+    if request.output is None:
+        raise InputError("--scheduler needs --output DIR, where its workers store what they find")
+
+
+def _computed(study: Config, asked: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
+    """A sweep, in memory or stored by workers, and whether it was interrupted."""
+    given = study.options
+    settings = {"over": asked, "solver": given.stepper(), "rtol": given.rtol, "save": False, **options}
+    swept = study.design, study.scenario, given.duration
+    try:
+        return sweeping(count, lambda report: compute(*swept, progress=report, **settings)), False
+    except SweepInterrupted as stop:
+        kept(stop.found, int(stop.done.sum()), stop.done.size, options["folder"])
+        return stop.found, True
+    except StoredInterrupted as stop:
+        kept(stop.found, stop.found.done, stop.found.count, options["folder"])
+        return stop.found, True
+
+
+def kept(found: Any, done: int, count: int, folder: Any) -> None:
+    """Say how many runs of an interrupted sweep or sample are in its folder, if it has one."""
+    if folder is not None:
+        told = f"{done} of {count} {found.mechanism.view.run_name}s are kept"
+        note(f"{told}; the same command with --resume goes on in {folder}")
+
+
+def any_solved(runs: RunTable) -> int:
+    """The exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
+    if runs.solved.any():
+        return OK
+    return fail(f"none of the {int(runs.done.sum())} {runs.mechanism.view.run_name}s was solved; the outcomes say why")

@@ -1,0 +1,181 @@
+"""The commands of many runs: tune, pareto, sweep and sample, as their help shows them."""
+
+from typing import Annotated
+
+import typer
+
+from .options import Scheduler, Trust
+
+Number = Annotated[str | None, typer.Option(metavar="N", help="As for tune.")]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with the run in DIR, however it ended.")]
+
+
+def tune(
+    iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
+    starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
+    seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
+) -> None:
+    """Tune the fields in [problem.variables] for the [problem.objective] over all scenarios.
+
+    Stays within bounds and [problem.constraints]; a start that breaks them is led back first. Without a
+    [problem]: the worst peak contact force, stroke at most 25 mm, by k_A, c_A, k_T, c_T and the tip mass.
+
+    \b
+    Files in DIR:
+      design.toml  the tuned design, a study for the other commands
+      tuned.json   result, floor, evidence, every scenario before and after
+      history.csv  objective, worst values and variables of each evaluation
+      force.json   force over time in the worst scenario, before and after
+      tune.png, .svg  the worst scenario before and after, every scenario, variables, search
+      tune.txt     the tables
+      log.jsonl, state.npz, state.old.npz  kept up while running; --resume needs them
+
+    Ctrl-C saves the best design so far. --scheduler hands the scenarios to a Dask cluster; the search stays here.
+
+    \b
+    Example: jaxbuffer tune optimise/table2.toml --output results/table2
+    """
+
+
+def pareto(
+    objectives: Annotated[
+        str, typer.Option(metavar="A,B", help="Quantities to lower; the first under limits on the others.")
+    ],
+    points: Annotated[str, typer.Option(metavar="N", help="Points of the front, both ends included; default 9.")] = "9",
+    iterations: Number = None,
+    starts: Number = None,
+    seed: Number = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
+) -> None:
+    """Find the front of two objectives or more: designs of which none is better than another in every objective.
+
+    Each point is the least worst value of the first objective under limits on the others, tuned as `tune` does: over
+    all scenarios, within bounds and [problem.constraints]. Its values are simulated again at rtol 1e-9, and
+    its first-order residual tells what is left to gain. The [problem.objective] is put aside. --scheduler hands the
+    scenarios to a Dask cluster, as for tune.
+
+    \b
+    Files in DIR:
+      pareto.csv  objectives, limits, certificate and variables of each point
+      pareto.png, .svg  the front
+      pareto.txt  the table
+      pareto.json  the same and how it came about, for jaxbuffer report
+      design-1.toml, …  each point's design, a study for the other commands
+      least-…, point-…  folders, kept up while running; --resume needs them
+
+    \b
+    Example: jaxbuffer pareto optimise/pareto.toml --objectives peak_force,stroke --points 9 --output results/front
+    """
+
+
+def sweep(
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FIELD=VALUES",
+            help="Values of a field: FROM:TO:COUNT[:log] or A,B,…, numbers or choices; repeatable.",
+        ),
+    ] = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the sweep in DIR, however it ended.")] = False,
+    trust: Trust = "on",
+) -> None:
+    """Simulate every combination of the values of some fields of the design and the scenario, on all cores.
+
+    The grid is that of [sweep] in CONFIG.toml, with the fields of --over added or put in their place. Without either:
+    approach speeds from 0.05 to 0.25 m/s by misalignments from -0.1 to 0.1 rad, 11 of each. A capture that fails is
+    counted and named; it does not touch the others. Ctrl-C ends the sweep and saves what was done; --resume goes on,
+    also after a kill.
+
+    Each is run again at a tenth of the tolerance: those whose numbers may be off, or where little decides what
+    happens, are counted, and marked in the column trust. --trust off takes half the time.
+
+    --scheduler hands the captures to the workers of a Dask cluster, which store them in DIR/sweep.zarr as they are
+    found; "processes" starts some on this machine. Tables and figures are made of up to 100 000 captures, larger sweeps
+    are read from the store. It needs pip install 'jaxbuffer[cluster]'.
+
+    \b
+    In CONFIG.toml:
+      [sweep]
+      scenario.approach_speed = {from = 0.05, to = 0.3, count = 20}        # m/s
+      buffer.k_A = {from = 100, to = 2000, count = 8, scale = "log"}       # N/m
+      buffer.c_A = [2, 5, 10]                                              # N s/m
+      contact.law = ["hertz", "lankarani-nikravesh"]
+
+    \b
+    Files in DIR:
+      sweep.csv  a row for each capture: its values, outcome and results, units in the header
+      sweep.png, .svg  over one field lines, over two heat maps, over more slices of heat maps
+      envelope.png, .svg  over two fields: which runs keep every limit, and the largest rectangle of them
+      sweep.json  how the runs ended, what is safe, how the sweep came about
+      sweep.nc   the same as labelled arrays (netCDF), for xarray or jb.load
+      sweep.txt  the summary, and what is safe
+      sweep.zarr  kept up while running, all captures as labelled arrays for xarray; --resume needs it
+
+    \b
+    Examples:
+      jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20
+      jaxbuffer sweep --over scenario.approach_speed=0.05:0.3:20 --over contact.law=hertz,lankarani-nikravesh
+      jaxbuffer sweep study.toml --over buffer.k_A=100:2000:30:log --over buffer.c_A=2,5,10 --output results/buffer
+    """
+
+
+def sample(
+    over: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FIELD=RANGE", help="A field's range: LOW:HIGH[:log|linear]; repeatable."),
+    ] = None,
+    count: Annotated[str | None, typer.Option(metavar="N", help="Points, a power of two; default 256.")] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(metavar="HOW", help="sobol (default), latin_hypercube, or saltelli (that of --indices)."),
+    ] = None,
+    seed: Annotated[str | None, typer.Option(metavar="N", help="Of the points; default 0.")] = None,
+    of: Annotated[
+        list[str] | None, typer.Option(metavar="QUANTITY", help="What --indices and --surface are of; repeatable.")
+    ] = None,
+    indices: Annotated[bool, typer.Option("--indices", help="Sobol' indices: whose scatter matters most.")] = False,
+    surface: Annotated[bool, typer.Option("--surface", help="Fit a response surface, and tell its error.")] = False,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the sample in DIR, however it ended.")] = False,
+    trust: Trust = "on",
+) -> None:
+    """Simulate runs spread evenly over ranges of some fields of the design and the scenario, on all cores.
+
+    The ranges are those of [sample.ranges] in CONFIG.toml, with those of --over added or put in their place; without
+    either, the bounds that a tuning has by default. A range of more than a decade is spread on a logarithmic scale.
+    A run that fails is counted and named; it does not touch the others. Ctrl-C ends the sample and saves what was
+    done; --resume goes on, also after a kill. --scheduler hands the runs to a Dask cluster, as in sweep.
+
+    Each is run again at a tenth of the tolerance, and marked in the column trust, as in sweep. --trust off takes half
+    the time.
+
+    --indices makes count × (fields + 2) runs. With another --method, indices are those of the response surface.
+
+    \b
+    In CONFIG.toml:
+      [sample]
+      count = 256
+      method = "sobol"
+      [sample.ranges]
+      buffer.k_A = [200, 2000]             # N/m; or [200, 2000, "linear"]
+      scenario.misalignment = [-0.05, 0.05]  # rad
+
+    \b
+    Files in DIR:
+      sample.csv   a row for each run: its values, outcome and results, units in the header
+      sample.png, .svg  the quantities over each field
+      sample.txt   the summary
+      sample.json  indices, surfaces and how the sample came about, for jaxbuffer report
+      sample.nc    the runs as labelled arrays (netCDF), for xarray or jb.load
+      indices.csv, .png, .svg  of --indices: first-order and total indices with their intervals
+      surface.csv, .png, .svg  of --surface: predicted against computed
+      sweep.zarr   kept up while running, the runs as labelled arrays for xarray; --resume needs it
+
+    \b
+    Example:
+      jaxbuffer sample --over buffer.k_A=200:2000 --over scenario.misalignment=-0.05:0.05 --indices --output results/doe
+    """

@@ -1,0 +1,108 @@
+"""Options of several commands, and how a function's signature and docstring become a command.
+
+Such a function has no body: what the command does is a function of the same name in `cli.commands`.
+"""
+
+import functools
+import importlib
+import inspect
+import time
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .overrides import FIELDS, Command, Plain
+
+SHARED = {
+    "config": Annotated[Path | None, typer.Argument(metavar="CONFIG.toml", help="The study; default: Table 2.")],
+    "solver": Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="automatic (default), implicit, explicit, or diffrax:METHOD, diffrax:Kvaerno5 say.",
+            show_default=False,
+        ),
+    ],
+    "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
+    "duration": Annotated[str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
+    "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
+    "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
+    "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],
+}
+
+ScenarioNumber = Annotated[
+    str | None, typer.Option(metavar="N", help="Which of the study's [[scenarios]], from 1; default: the first.")
+]
+
+Trust = Annotated[
+    str, typer.Option(metavar="WHEN", help="Whether to run again at a tenth of the tolerance: on or off.")
+]
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="WHERE",
+        help="Over Dask: local (threads), processes, or an address as tcp://HOST:8786; see docs/clusters.md.",
+        show_default=False,
+    ),
+]
+
+
+def verb(
+    app: typer.Typer,
+    function: Callable[..., None],
+    summary: str,
+    without: Collection[str] = (),
+    epilog: str = FIELDS,
+    module: str = "",
+) -> None:
+    """Make a function of options of its own a command of ``app`` that takes the shared options too.
+
+    **Arguments:** ``summary``: its line in the list of commands; ``without``: names of shared options it has not;
+    ``epilog``: what its help ends with; ``module`` of `cli.commands`, by default of the same name: its function takes a
+    `CommandLine` and the command's own options.
+    """
+    name = function.__name__
+    shared = {
+        option: inspect.Parameter(
+            option,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=False if option in ("force", "as_json") else None,
+            annotation=annotation,
+        )
+        for option, annotation in SHARED.items()
+        if option not in without
+    }
+    own = list(inspect.signature(function).parameters.values())
+    context = inspect.Parameter("ctx", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context)
+
+    def command(ctx: typer.Context, **options: Any) -> int:
+        begun, words = time.perf_counter(), ctx.find_root().obj or ()
+        general = {option: options.pop(option) for option in shared}
+        request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
+        return _imported(module or name, name)(request, **options)
+
+    first, *others = shared.values()
+    keywords = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+    command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]
+    command.__annotations__ = {p.name: p.annotation for p in [context, first, *keywords, *others]}
+    command.__name__, command.__doc__ = name, function.__doc__
+    app.command(cls=Command, epilog=epilog, short_help=summary)(command)
+
+
+def plain(app: typer.Typer, function: Callable[..., None], summary: str, module: str) -> None:
+    """Make a function of options a command of ``app`` without the shared options; what it does is in that ``module``
+    of `cli.commands`."""
+
+    @functools.wraps(function)
+    def command(**options: Any) -> int:
+        return _imported(module, function.__name__)(**options)
+
+    app.command(cls=Plain, short_help=summary)(command)
+
+
+def _imported(module: str, name: str) -> Callable[..., Any]:
+    """Import a name of `cli.commands` only now: these modules import JAX, for which no help waits, nor a refusal."""
+    return getattr(importlib.import_module(f".commands.{module}", __package__), name)

@@ -1,0 +1,108 @@
+"""The commands of studies, folders of results and papers, as their help shows them."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Kind = Annotated[str, typer.Option("--kind", metavar="NAME", help="The mechanism; 'jaxbuffer fields' lists them.")]
+Folders = Annotated[list[Path], typer.Argument(metavar="DIR…", help="Folders that --output named.")]
+Html = Annotated[
+    Path | None, typer.Option("--html", metavar="FILE", help="Where the page goes; default: in the first DIR.")
+]
+
+
+def init(
+    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="The study to write; default: study.toml.")] = Path(
+        "study.toml"
+    ),
+    kind: Kind = "",
+    force: Annotated[bool, typer.Option("--force", help="Overwrite FILE if it exists.")] = False,
+) -> None:
+    """Write an example study of a mechanism: every field with its unit, range, default and meaning.
+
+    It loads as it is; take away the # before what you want to change. Without --kind it is of the capture mechanism.
+
+    \b
+    Example: jaxbuffer init --kind bar_drop drop.toml
+    """
+
+
+def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="The study.")]) -> None:
+    """Say whether a study can be used, what differs from the defaults, and what each command would do with it.
+
+    What is wrong is one line, with the nearest name for one that is unknown, and exit code 2.
+
+    \b
+    Example: jaxbuffer check study.toml
+    """
+
+
+def schema(kind: Kind = "") -> None:
+    """Print the JSON Schema of a mechanism's studies, with which editors complete and check them (docs/studies.md).
+
+    \b
+    Example: jaxbuffer schema --kind bar_drop > jaxbuffer.schema.json
+    """
+
+
+def fields(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="A mechanism's name, as kind in CONFIG.toml.")] = "",
+) -> None:
+    """List a mechanism's fields with units, defaults and ranges, and the quantities of its runs; without KIND, the
+    mechanisms there are.
+
+    \b
+    Example: jaxbuffer fields
+    """
+
+
+def report(
+    folders: Folders,
+    html: Html = None,
+    title: Annotated[str, typer.Option(metavar="TEXT", help="The page's title.")] = "",
+) -> None:
+    """Make a page for a design review of the results in DIR, and print their summaries again.
+
+    The page, report.html, is one file that needs no network: the design, limits, scenarios, forces over time, why a
+    run did not succeed, elasticities, the search, the envelope, samples, fronts, and where the numbers come from.
+    Several folders make one page: of a tuning, of a run of the tuned design, of its sensitivities, of a sweep.
+
+    \b
+    Examples:
+      jaxbuffer report results/table2
+      jaxbuffer report results/tuned results/run results/sensitivity results/sweep --title "Probe B, review 2"
+    """
+
+
+def compare(folders: Folders, html: Html = None) -> None:
+    """Put the designs of several folders side by side: where they differ, what they reach, which limits they keep,
+    their forces over time.
+
+    \b
+    Example: jaxbuffer compare results/before results/after
+    """
+
+
+def reproduce(
+    output: Annotated[Path, typer.Option("--output", metavar="DIR", help="Folder for figures and tables.")],
+    paper: Annotated[str, typer.Argument(metavar="[PAPER]", help="docking or impact.")] = "docking",
+    force: Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")] = False,
+) -> None:
+    """Run a paper's studies, and print claim by claim whether the model bears its text out.
+
+    \b
+    docking  the buffer: rigid against buffered probe, approach speed, angular velocity, misalignment, friction,
+             welded against free tip
+    impact   a bar dropped on a plate: damping, plate and bar that bend, coarse steps;
+             a slider-crank with play in a pin: exponent, stiffness, a rod that bends
+
+    \b
+    Files in DIR:
+      claims.md     every claim and every study's numbers
+      studies.csv, studies.json  the same for machines
+      NAME.png, .svg  a figure a study
+
+    \b
+    Example: jaxbuffer reproduce impact --output results/impact
+    """
