@@ -5,10 +5,10 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 --durations-min 5
-SLOW := slow or whole
+SLOW := slow or whole or long
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-slow lint types smoke bench bench-check bench-docs verify faults docs clean
+.PHONY: run studies test test-slow test-long lint types smoke bench bench-check bench-docs verify faults docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -19,8 +19,11 @@ studies: $(READY)  ## the six studies of optimise/, into results/studies
 test: $(READY)  ## the tests without the slow ones and those of whole runs
 	$(PYTEST) -m "not ($(SLOW))"
 
-test-slow: $(READY)  ## the other tests
-	$(PYTEST) -m "$(SLOW)"
+test-slow: $(READY)  ## the other tests but the longest
+	$(PYTEST) -m "($(SLOW)) and not long"
+
+test-long: $(READY)  ## the longest, which CI leaves out
+	$(PYTEST) -m long
 
 lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff check .

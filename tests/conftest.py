@@ -3,7 +3,8 @@
 Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
 are dropped between files where a process holds too much.
 
-`make test` runs what has neither of the markers `slow` and `whole`, `make test-slow` the rest.
+`make test` runs what has none of the markers `slow`, `whole` and `long`, `make test-slow` what is not `long` of the rest,
+and `make test-long` that.
 """
 
 import ctypes
@@ -37,6 +38,26 @@ MOST_MEMORY = 5 * 2**30  # bytes that a process may hold at the end of a file
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
 # Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
 FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
+# Tests that took over 40 s each on two cores, beside others of the same subject that are quicker. CI has an hour.
+LONG = (
+    "contact/test_registration.py::test_a_law_is_looked_up_when_it_is_used",
+    "front/test_lost_work_tank.py::test_a_tanks_study_that_was_killed_is_resumed_to_the_same_bits",
+    "front/test_reproduce_crank.py::test_the_studies",
+    "mechanisms/test_bending_probe.py::test_elasticities_of_the_first_peak",
+    "mechanisms/test_bending_probe.py::test_many_stiffnesses_at_once",
+    "mechanisms/test_bending_probe.py::test_what_a_run_shows",
+    "mechanisms/test_slider_crank.py::test_no_run_of_thirty_wide_designs_fails",
+    "mechanisms/test_tank_drop.py::test_three_meshes_converge",
+    "mechanisms/test_tank_drop_gradients.py::test_on_a_penalty_support_derivatives_are_those_of_differences",
+    "mechanisms/test_tank_plates.py::test_derivatives_by_a_plate_are_those_of_differences",
+    "test_unused_fields.py::test_a_field_that_does_nothing_alone",
+    "verification/test_diffrax_route.py::test_adjoints",
+    "verification/test_diffrax_route.py::test_how_wrong_plain_differentiation_is",
+    "verification/test_diffrax_route.py::test_its_gradient_gets_no_certificate",
+    "verification/test_gradients.py::test_elasticities_over_random_designs",
+    "verification/test_hard_cases.py::test_tangents_beside_a_touchdown_at_tight_tolerance",
+    "verification/test_located_maxima.py::test_no_accepted_step_exceeds_a_maximum_of_the_campaign",
+)
 TESTS = Path(__file__).parent
 
 
@@ -90,8 +111,13 @@ def pytest_configure(config):
 @pytest.hookimpl(tryfirst=True)  # before tests are selected by their markers
 def pytest_collection_modifyitems(items):
     for item in items:
-        if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(WHOLE):
+        if not item.path.is_relative_to(TESTS):
+            continue
+        place = item.path.relative_to(TESTS).as_posix()
+        if place.startswith(WHOLE):
             item.add_marker("whole")
+        if f"{place}::{item.originalname}" in LONG:
+            item.add_marker("long")
     items.sort(key=lambda item: item.path.name not in FIRST)
 
 
