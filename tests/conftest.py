@@ -3,8 +3,8 @@
 Compiled programs, which take most of the time, are kept in one folder for all processes of a test run. Those in memory
 are dropped between files where a process holds too much.
 
-`make test` runs what has none of the markers `slow`, `whole` and `long`, `make test-slow` the rest that is not `long`, and
-`make test-long` that.
+`make test` runs what has none of the markers `slow`, `whole` and `long`, `make test-slow` what is slow or whole and not
+long, `make test-long` what is long.
 """
 
 import ctypes
