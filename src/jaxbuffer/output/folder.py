@@ -189,7 +189,7 @@ def _run(folder: Path) -> Dataset | None:
 def _sweep(folder: Path) -> Dataset | None:
     if (folder / "sweep.nc").is_file():
         return _dataset(folder / "sweep.nc")
-    if (folder / STORE).is_dir():
+    if (folder / STORE).is_dir() and not (folder / RECORDS["sample"]).is_file():  # a sample's runs are in its table
         return opened(folder / STORE)
     if (folder / "sweep.npz").is_file():
         raise InputError(f"{folder / 'sweep.npz'} was written by {_writer(folder / 'sweep.npz')}; sweep again")

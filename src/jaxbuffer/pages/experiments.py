@@ -24,8 +24,7 @@ def sweep(found: Results) -> Section | None:
     sizes = (
         " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
     )
-    names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
-    outcomes = dict(zip(map(str, names), map(int, counts), strict=True))
+    outcomes = _ends(found)
     record = found.records.get("sweep", {})
     envelope = record.get("envelope")
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
@@ -38,6 +37,17 @@ def sweep(found: Results) -> Section | None:
     warnings = [between["words"]] if between and between["unsafe_runs"] else []
     text += [between["words"]] if between and not between["unsafe_runs"] else []
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
+
+
+def _ends(found: Results) -> dict[str, int]:
+    """Return how many runs of a sweep ended how; of a store alone, from the numbers of the outcomes."""
+    assert found.sweep is not None
+    if "outcome" in found.sweep:
+        names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
+        return dict(zip(map(str, names), map(int, counts), strict=True))
+    codes, counts = np.unique(found.sweep.code.values, return_counts=True)
+    words = [found.mechanism.outcomes(int(code)).name if code >= 0 else OPEN for code in codes]
+    return dict(zip(words, map(int, counts), strict=True))
 
 
 def swept_fields(found: Results) -> dict[str, int]:
