@@ -38,7 +38,7 @@ MOST_MEMORY = 5 * 2**30  # bytes that a process may hold at the end of a file
 WHOLE = ("cluster/", "mechanisms/", "multibody/test_flexible_", "properties/", "verification/")
 # Some tests here take minutes: begun last, one of them would keep one process busy after the other has finished.
 FIRST = ("test_guides.py", "test_lost_work_kills.py", "test_lost_work_tank.py")
-# Tests that took over 40 s each on two cores, beside others of the same subject that are quicker. CI has an hour.
+# Tests that took over 35 s each on two cores. CI, which has an hour, leaves them out.
 LONG = (
     "contact/test_registration.py::test_a_law_is_looked_up_when_it_is_used",
     "front/test_lost_work_tank.py::test_a_tanks_study_that_was_killed_is_resumed_to_the_same_bits",

@@ -24,7 +24,7 @@ def sweep(found: Results) -> Section | None:
     sizes = (
         " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
     )
-    outcomes = _ended(found)
+    outcomes = _outcome_counts(found)
     record = found.records.get("sweep", {})
     envelope = record.get("envelope")
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
@@ -39,7 +39,7 @@ def sweep(found: Results) -> Section | None:
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
 
 
-def _ended(found: Results) -> dict[str, int]:
+def _outcome_counts(found: Results) -> dict[str, int]:
     """Return how many runs of a sweep ended how; of a store alone, from the numbers of the outcomes."""
     assert found.sweep is not None
     if "outcome" in found.sweep:
