@@ -10,6 +10,7 @@ from jaxbuffer.labelled.arrays import Labelled
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps import store as stored
 from jaxbuffer.sweeps import sweep as module
+from jaxbuffer.sweeps import zarr_format
 from jaxbuffer.sweeps.columns import column_names, whole_numbers
 from jaxbuffer.sweeps.result import SweepInterrupted
 from jaxbuffer.sweeps.store import CHECKSUM, FORMER, STORE
@@ -72,7 +73,7 @@ def files(folder):
 def test_a_kill_costs_what_was_not_yet_written(solved, tmp_path, monkeypatch):
     """As after a kill -9 in the middle of a block: its first files are new, the others are missing."""
     whole = swept(tmp_path)
-    write = stored._write
+    write = zarr_format.write
 
     def killed(files):
         if len(solved) > 3 * CHUNK and len(files) > 1:
@@ -80,11 +81,11 @@ def test_a_kill_costs_what_was_not_yet_written(solved, tmp_path, monkeypatch):
             raise KeyboardInterrupt
         write(files)
 
-    monkeypatch.setattr(stored, "_write", killed)
+    monkeypatch.setattr(zarr_format, "write", killed)
     solved.clear()
     with pytest.raises(KeyboardInterrupt):
         swept(tmp_path)
-    monkeypatch.setattr(stored, "_write", write)
+    monkeypatch.setattr(zarr_format, "write", write)
     solved.clear()
     assert same(swept(tmp_path, resume=True), whole) and COUNT - 3 * CHUNK <= len(set(solved)) < COUNT
 
@@ -200,5 +201,7 @@ def test_a_store_without_zarr(solved, tmp_path):
     assert data["contact.law"].values.tolist() == ["hertz", "adams"]
     assert data["scenario.approach_speed"].units == "m/s"
     np.testing.assert_array_equal(data.peak_force.values, swept_over.shaped("peak_force"))
-    truths = stored._coordinate(tmp_path / "other", "moves", Labelled(("moves",), np.array([True, False]), "", ""))
+    truths = zarr_format.write_coordinate(
+        tmp_path / "other", "moves", Labelled(("moves",), np.array([True, False]), "", "")
+    )
     assert truths["moves/.zarray"]["dtype"] == "|i1" and truths["moves/.zattrs"]["dtype"] == "bool"

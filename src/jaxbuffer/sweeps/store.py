@@ -1,8 +1,7 @@
-"""A sweep on disk: one Zarr store (format 2), an array a quantity, cut into files as the sweep is into blocks.
+"""A sweep on disk: one Zarr store, an array a quantity, cut into files as the sweep is into blocks.
 
-Each file is put in place whole. The block's checksum, of all its numbers, comes last: a block whose checksum is missing
-or another one is not done, whatever ended its writer or damaged its files. Zarr itself is needed by those only who read
-a store as labelled arrays: its format is so plain that sweeps write it, and resume, without that package.
+A block's checksum, of all its numbers, is written last: a block whose checksum is missing or another one is not done,
+whatever ended its writer or damaged its files.
 """
 
 import dataclasses
@@ -24,11 +23,11 @@ from .._types import Dataset
 from ..errors import InputError
 from ..files import Lock, naming
 from ..hybrid import name_of
-from ..labelled.arrays import Labelled
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
 from ..run.trust import VERDICTS
 from ..version import version
+from . import zarr_format
 from .chunk import Settings
 from .columns import column_names, whole_numbers
 from .cut import Block, BlockSweep, Cut
@@ -37,9 +36,6 @@ STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by ve
 DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
 IDENTITY, BLOCK, KIND, TOKEN = "identity", "block", "made_on", "token"  # attributes, the last one a word, else JSON
-GROUP, ATTRIBUTES, ARRAY, ALL = ".zgroup", ".zattrs", ".zarray", ".zmetadata"  # in Zarr's format 2
-CODECS = {None, "zlib", "crc32", "zstd", "blosc"}  # ours and xarray's; others run code that a store brings: pickle
-PARTIAL = ".partial"  # ends the name of a file that is being written
 EMPTY = {"<i8": -1, "<f8": np.nan}  # what is in the place of runs that are not computed, by the column's type
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
@@ -58,7 +54,7 @@ class Store:
 
     def check(self) -> None:
         """Raise `InputError` where another store has taken its place, so that nothing is written there."""
-        if _attributes(self.path).get(TOKEN) != self.token:
+        if zarr_format.attributes(self.path).get(TOKEN) != self.token:
             raise InputError(f"{self.path} has become another sweep's meanwhile; nothing was written to it")
 
     def write(self, block: Block, columns: Sequence[np.ndarray]) -> None:
@@ -71,15 +67,15 @@ class Store:
             full[inside] = values.reshape(block.shape)
         files[self._file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
         with naming(self.path):
-            _write(files)
+            zarr_format.write(files)
 
     def read(self, block: Block) -> list[np.ndarray] | None:
         """Return a block's columns, (runs,) each, or None where it is not there, or not whole."""
         inside, columns = tuple(slice(length) for length in block.shape), list[np.ndarray]()
         try:
-            (expected,) = _read(self._file(CHECKSUM, block), "<u8", (1,))
+            (expected,) = zarr_format.read(self._file(CHECKSUM, block), "<u8", (1,))
             for name, kind in self.types.items():
-                columns.append(_read(self._file(name, block), kind, self.cut.block)[inside].ravel())
+                columns.append(zarr_format.read(self._file(name, block), kind, self.cut.block)[inside].ravel())
         except (OSError, ValueError, zlib.error):  # missing, cut off or garbled: all mean the same
             return None
         return columns if self._checksum(block, columns) == expected else None
@@ -186,20 +182,22 @@ def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[st
         KIND: json.dumps(dict(made_on), sort_keys=True),
         TOKEN: token,
     }
-    metadata: dict[str, Any] = {GROUP: {"zarr_format": 2}, ATTRIBUTES: about}
+    metadata: dict[str, Any] = {zarr_format.GROUP: {"zarr_format": 2}, zarr_format.ATTRIBUTES: about}
     _removed(draft)
     with naming(path):
         draft.mkdir()
         for name, it in sweep.coordinates().items():
-            metadata |= _coordinate(draft, name, it)
+            metadata |= zarr_format.write_coordinate(draft, name, it)
         for name, kind in types.items():
-            metadata[f"{name}/{ARRAY}"] = _array(cut.sizes, cut.block, kind, -1 if kind == "<i8" else "NaN")
+            metadata[f"{name}/{zarr_format.ARRAY}"] = zarr_format.array_metadata(
+                cut.sizes, cut.block, kind, -1 if kind == "<i8" else "NaN"
+            )
             described = {"_ARRAY_DIMENSIONS": list(sweep.dims), **_description(sweep.mechanism, name)}
-            metadata[f"{name}/{ATTRIBUTES}"] = described
+            metadata[f"{name}/{zarr_format.ATTRIBUTES}"] = described
         described = {"_ARRAY_DIMENSIONS": ["block_number"], "long_name": "of each block of runs, once it is whole"}
-        metadata[f"{CHECKSUM}/{ARRAY}"] = _array((len(cut),), (1,), "<u8", 0)
-        metadata[f"{CHECKSUM}/{ATTRIBUTES}"] = described
-        metadata[ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
+        metadata[f"{CHECKSUM}/{zarr_format.ARRAY}"] = zarr_format.array_metadata((len(cut),), (1,), "<u8", 0)
+        metadata[f"{CHECKSUM}/{zarr_format.ATTRIBUTES}"] = described
+        metadata[zarr_format.ALL] = {"zarr_consolidated_format": 1, "metadata": dict(metadata)}
         for name, it in metadata.items():
             (draft / name).parent.mkdir(exist_ok=True)
             (draft / name).write_text(json.dumps(it), encoding="utf-8")
@@ -242,8 +240,8 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, d
     **Raises:** `InputError` where there is none, it is damaged, or another sweep's.
     """
     check_resumable(path)
-    check_codecs(path)
-    known, own = _attributes(path), _identity(settings, sweep)
+    zarr_format.check_codecs(path)
+    known, own = zarr_format.attributes(path), _identity(settings, sweep)
     try:
         other, block, made_on = (json.loads(known[name]) for name in (IDENTITY, BLOCK, KIND))
         other, made_on, token = dict(other), dict(made_on), str(known[TOKEN])
@@ -253,7 +251,7 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, d
     if differ := [name for name in {**own, **other} if own.get(name) != other.get(name)]:
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
         raise InputError(f"{path} holds another sweep, differing in {_and(differ)}; {remedy}; it is left as it is")
-    for draft in path.rglob(f"*{PARTIAL}"):  # what killed processes left half written
+    for draft in path.rglob(f"*{zarr_format.PARTIAL}"):  # what killed processes left half written
         draft.unlink(missing_ok=True)
     sweep.cut = cut
     return Store(path, token, _types(sweep.mechanism), cut), made_on
@@ -261,7 +259,7 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, d
 
 def existing(path: Path, sweep: BlockSweep) -> Store:
     """Return the store of a sweep in these blocks, to read it."""
-    return Store(path, str(_attributes(path).get(TOKEN)), _types(sweep.mechanism), sweep.cut)
+    return Store(path, str(zarr_format.attributes(path).get(TOKEN)), _types(sweep.mechanism), sweep.cut)
 
 
 def check_resumable(path: Path) -> None:
@@ -283,24 +281,10 @@ def check_resumable(path: Path) -> None:
 def is_unfinished(path: Path) -> bool:
     """Return whether a store lacks blocks."""
     try:
-        count = json.loads((path / CHECKSUM / ARRAY).read_text(encoding="utf-8"))["shape"][0]
+        count = json.loads((path / CHECKSUM / zarr_format.ARRAY).read_text(encoding="utf-8"))["shape"][0]
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
     return sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count
-
-
-def check_codecs(path: Path) -> None:
-    """Raise `InputError` for a store whose arrays hold more than numbers and words, before any of them is decoded."""
-    try:
-        listed = json.loads((path / ALL).read_text(encoding="utf-8"))["metadata"]
-        arrays = [it for name, it in listed.items() if name.endswith(ARRAY)]
-        arrays += [json.loads(file.read_text(encoding="utf-8")) for file in path.glob(f"*/{ARRAY}")]
-        for it in arrays:
-            codecs = {(codec or {}).get("id") for codec in (it["compressor"], *(it["filters"] or ()))}
-            if not codecs <= CODECS or not isinstance(it["dtype"], str) or it["dtype"][1:2] not in "fiuU":
-                raise InputError(f"{path} is no store of jaxbuffer: it has arrays of another kind; it is not read")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"{path} is damaged or no store of jaxbuffer: {error}") from None
 
 
 def opened(path: Path) -> Dataset:
@@ -311,7 +295,7 @@ def opened(path: Path) -> Dataset:
     from ..cluster.connect import require  # with Zarr, an optional package
 
     require()
-    check_codecs(path)
+    zarr_format.check_codecs(path)
     import xarray as xr
 
     try:
@@ -334,67 +318,6 @@ def _description(mechanism: Mechanism, name: str) -> dict[str, Any]:
 
 def _flags(meanings: Mapping[str, int]) -> dict[str, Any]:
     return {"flag_values": list(meanings.values()), "flag_meanings": " ".join(meanings)}
-
-
-def _coordinate(folder: Path, name: str, labelled: Labelled) -> dict[str, Any]:
-    """Write a coordinate's values and return its metadata."""
-    values, described = np.asarray(labelled.values), {"units": labelled.unit, "long_name": labelled.description}
-    attributes = {key: text for key, text in described.items() if text}
-    if values.dtype.kind == "b":  # as xarray stores truths
-        values, attributes["dtype"] = values.astype("i1"), "bool"
-    values = values.astype(values.dtype.newbyteorder("<"))
-    _write({folder / name / "0": values})
-    empty = "" if values.dtype.kind == "U" else 0
-    return {
-        f"{name}/{ARRAY}": _array(values.shape, values.shape, values.dtype.str, empty),
-        f"{name}/{ATTRIBUTES}": {"_ARRAY_DIMENSIONS": list(labelled.dims), **attributes},
-    }
-
-
-def _array(shape: Sequence[int], chunks: Sequence[int], dtype: str, empty: Any) -> dict[str, Any]:
-    """Return an array's metadata in Zarr's format 2."""
-    return {
-        "zarr_format": 2,
-        "shape": list(shape),
-        "chunks": list(chunks),
-        "dtype": dtype,
-        "compressor": {"id": "zlib", "level": 1},  # with a checksum: whoever reads a damaged file notices
-        "filters": None,
-        "fill_value": empty,
-        "order": "C",
-        "dimension_separator": "/",
-    }
-
-
-def _write(files: Mapping[Path, np.ndarray]) -> None:
-    """Write files of arrays, each whole or not at all, in this order, and none before there was room for all."""
-    drafts = {path: path.with_name(f"{path.name}.{uuid.uuid4().hex}{PARTIAL}") for path in files}
-    try:
-        for path, values in files.items():
-            content = zlib.compress(values.tobytes(), 1)
-            try:
-                drafts[path].write_bytes(content)
-            except FileNotFoundError:  # the first file of its folder
-                path.parent.mkdir(parents=True, exist_ok=True)
-                drafts[path].write_bytes(content)
-        for path, draft in drafts.items():
-            draft.replace(path)
-    except BaseException:
-        for draft in drafts.values():
-            draft.unlink(missing_ok=True)
-        raise
-
-
-def _read(path: Path, dtype: str, shape: tuple[int, ...]) -> np.ndarray:
-    return np.frombuffer(zlib.decompress(path.read_bytes()), dtype).reshape(shape)
-
-
-def _attributes(path: Path) -> dict[str, Any]:
-    try:
-        attributes = json.loads((path / ATTRIBUTES).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return attributes if isinstance(attributes, dict) else {}
 
 
 def _removed(path: Path) -> None:

@@ -1,12 +1,9 @@
 """`jaxbuffer pareto`: the front of several objectives."""
 
-import dataclasses
-
 from ...errors import InputError
 from ...output.formats import table_json
 from ...output.records import front_rows
 from ...output.results import front_files
-from ...study.config import apply_options
 from ...tuning.pareto import check_front
 from ...tuning.pareto import pareto as compute
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
@@ -26,9 +23,7 @@ def pareto(
     resume: bool,
 ) -> int:
     """Tune every point of the front."""
-    study = request.study()
-    chosen = given(iterations=iterations, starts=starts, seed=seed)
-    study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
+    study = request.tuning_study(iterations=iterations, starts=starts, seed=seed)
     problem = study.problem()
     names = [name.strip() for name in objectives.split(",")]
     if not (points.isdecimal() and int(points) >= 2):

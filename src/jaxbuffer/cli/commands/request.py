@@ -41,6 +41,11 @@ class CommandLine:
         process.check_ready()  # before a folder is made
         return study
 
+    def tuning_study(self, **options: str | None) -> Config:
+        """The study with those of the search's ``options`` that are given."""
+        study = self.study()
+        return dataclasses.replace(study, tuning=apply_options(study.tuning, given(**options)))
+
     def one_scenario(self, number: str | None) -> Config:
         """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
         or that of [scenario], which a line on stderr says where there are several."""

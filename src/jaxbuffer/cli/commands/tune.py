@@ -1,12 +1,10 @@
 """`jaxbuffer tune`: the best design, or the best one so far of an interrupted search."""
 
-import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
 from ...output.results import tuned_files
-from ...study.config import apply_options
 from ...study.designs import tuned_toml
 from ...sweeps.grid import check_swept_once
 from ...tuning import Problem
@@ -31,9 +29,7 @@ def tune(
     resume: bool,
 ) -> int:
     """Search for the best design, and save it or, if interrupted, the best one so far."""
-    study = request.study()
-    chosen = given(iterations=iterations, starts=starts, seed=seed)
-    study = dataclasses.replace(study, tuning=apply_options(study.tuning, chosen))
+    study = request.tuning_study(iterations=iterations, starts=starts, seed=seed)
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
