@@ -13,7 +13,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
 
-studies: $(READY)  ## the six studies of optimise/, into results/studies
+studies: $(READY)  ## the studies of optimise/, into results/studies
 	$(BIN)/python -m optimise --resume
 
 test: $(READY)  ## the tests without the slow ones and those of whole runs

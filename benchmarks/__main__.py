@@ -26,12 +26,12 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--octave", action=argparse.BooleanOptionalAction, help="default: in a full run")
     parser.add_argument("--check-baseline", action="store_true", help="status 1 where a ratio fell by over 30 %%")
     parser.add_argument("--store-baseline", action="store_true", help="make this run's ratios the baseline")
-    found = parser.parse_args(arguments)
-    if found.only is None:
-        found.only = [part for part in PARTS if not (found.quick and part in LONG)]
-    if unknown := set(found.only) - set(PARTS):
+    options = parser.parse_args(arguments)
+    if options.only is None:
+        options.only = [part for part in PARTS if not (options.quick and part in LONG)]
+    if unknown := set(options.only) - set(PARTS):
         parser.error(f"no such part: {', '.join(sorted(unknown))}")
-    return found
+    return options
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -43,13 +43,13 @@ class Result:
     end_time: float  # [s]
 
 
-def errors(found: Numbers, exact: Numbers) -> dict[str, float]:
+def errors(result: Numbers, exact: Numbers) -> dict[str, float]:
     """Relative errors [-] of peak force and end time; infinite where the captures differ in kind."""
-    if (found.outcome, found.impacts) != (exact.outcome, exact.impacts):
+    if (result.outcome, result.impacts) != (exact.outcome, exact.impacts):
         return {"peak": float("inf"), "end": float("inf")}
     return {
-        "peak": abs(found.peak_force / exact.peak_force - 1.0),
-        "end": abs(found.end_time / exact.end_time - 1.0),
+        "peak": abs(result.peak_force / exact.peak_force - 1.0),
+        "end": abs(result.end_time / exact.end_time - 1.0),
     }
 
 
@@ -105,9 +105,9 @@ def cheapest(curves: Iterable[Sequence[Setting]], target: float, repeats: int = 
 
     The machine's speed may have changed along a curve: all settings that may be the quickest run once more in a race.
     """
-    found = [setting for curve in curves for setting in reliable(curve, target)]
-    quickest = min((setting.seconds for setting in found), default=0.0)
-    near = race([setting for setting in found if setting.seconds <= NOISE * quickest], repeats, anew=True)
+    settings = [setting for curve in curves for setting in reliable(curve, target)]
+    quickest = min((setting.seconds for setting in settings), default=0.0)
+    near = race([setting for setting in settings if setting.seconds <= NOISE * quickest], repeats, anew=True)
     return min(near, key=lambda setting: setting.seconds, default=None)
 
 

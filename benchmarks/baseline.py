@@ -38,6 +38,6 @@ def load(mode: str, file: Path = FILE) -> dict[str, float]:
 
 def store(mode: str, now: Mapping[str, float], file: Path = FILE) -> None:
     """Put the ratios in place of their baselines; others stay."""
-    kept = json.loads(file.read_text()) if file.exists() else {}
-    merged = {**kept.get(mode, {}), **{key: float(f"{value:.3g}") for key, value in now.items()}}
-    file.write_text(json.dumps({**kept, mode: merged}, indent=1, sort_keys=True) + "\n")
+    stored = json.loads(file.read_text()) if file.exists() else {}
+    merged = {**stored.get(mode, {}), **{key: float(f"{value:.3g}") for key, value in now.items()}}
+    file.write_text(json.dumps({**stored, mode: merged}, indent=1, sort_keys=True) + "\n")

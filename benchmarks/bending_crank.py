@@ -59,7 +59,7 @@ def peaks(of: Equations, duration: float, rtol: float) -> Float[np.ndarray, " im
     state, scales = of.start.copy(), of.scales.copy()
     coordinates = (len(state) - 6) // 2  # three losses, the drive's work, the time, the memory
     scales[2 * coordinates :] *= UNWATCHED
-    t, pressing, found = 0.0, False, []
+    t, pressing, values = 0.0, False, []
     while t < duration:
         active = np.array([float(pressing)])
 
@@ -80,13 +80,13 @@ def peaks(of: Equations, duration: float, rtol: float) -> Float[np.ndarray, " im
             max_step=LONGEST,
         )
         if pressing:
-            found.append(largest(of, piece))
+            values.append(largest(of, piece))
         t, state = piece.t[-1], piece.y[:, -1].copy()
         if len(piece.t_events[0]):
             pressing = not pressing
             if pressing:
                 state[-1] = max(float(of.depth(state)[1]), 1e-5)
-    return np.array(found)
+    return np.array(values)
 
 
 def largest(of: Equations, piece: Any) -> float:

@@ -17,7 +17,7 @@ OCTAVE_SETTINGS = ((1e-7, 1e-9), (1e-6, 1e-11))  # looser ones chatter for minut
 
 def octave_figure(plan: Plan) -> Figure | str:
     """Octave's quickest accurate solve [ms], or why there is none."""
-    found = []
+    figures = []
     for rtol, atol in plan.track(OCTAVE_SETTINGS, "Octave ode15s"):
         try:
             run = octave.capture(plan.table2.parameters, rtol, atol)
@@ -27,8 +27,8 @@ def octave_figure(plan: Plan) -> Figure | str:
             return f"Octave ode15s {run}"
         off = errors(run.capture, plan.table2)
         if max(off.values()) <= TARGET:
-            found.append(Figure("Octave ode15s", 1e3 * run.seconds, "ms", off, f"rtol {rtol:.0e}, atol {atol:.0e}"))
-    return min(found, key=lambda figure: figure.value, default="Octave ode15s: no setting was accurate enough")
+            figures.append(Figure("Octave ode15s", 1e3 * run.seconds, "ms", off, f"rtol {rtol:.0e}, atol {atol:.0e}"))
+    return min(figures, key=lambda figure: figure.value, default="Octave ode15s: no setting was accurate enough")
 
 
 def own_curves(plan: Plan) -> dict[str, list[Setting]]:
@@ -59,10 +59,12 @@ def measure(plan: Plan) -> Part:
     }
     best = {name: cheapest([curve], TARGET) for name, curve in mine.items()}
     best |= {peer: cheapest(of_peer, TARGET) for peer, of_peer in theirs.items()}
-    notes = [f"{name}: no setting within {TARGET:g} can be relied on" for name, found in best.items() if found is None]
+    notes = [
+        f"{name}: no setting within {TARGET:g} can be relied on" for name, choice in best.items() if choice is None
+    ]
     if not compiled.HAS_CVODE:
         notes.append(compiled.MISSING)
-    names = [name for name, found in best.items() if found is not None]
+    names = [name for name, choice in best.items() if choice is not None]
     timed = dict(zip(names, race([best[name] for name in names], plan.repeats), strict=True))
     ratios = []
     if "default" in timed:

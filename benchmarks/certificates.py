@@ -44,17 +44,17 @@ EVERY = 5  # so many random designs hold one with a free tip
 
 def cases(designs: int) -> Iterator[tuple[str, jb.Design, jb.Scenario]]:
     """Name, design, scenario; free tips, another program to compile, come last."""
-    found = [(name, case.design, case.scenario) for name, case in CASES.items()]
+    drawn = [(name, case.design, case.scenario) for name, case in CASES.items()]
     for seed in range(designs):
-        found.append((f"design {seed}", *random_case(seed, free_tip=seed % EVERY == EVERY - 1)))
-    yield from sorted(found, key=lambda case: case[1].probe.free_tip)
+        drawn.append((f"design {seed}", *random_case(seed, free_tip=seed % EVERY == EVERY - 1)))
+    yield from sorted(drawn, key=lambda case: case[1].probe.free_tip)
 
 
 def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
     """One case: elasticities (quantities, parameters), their differences, and what the certificate says."""
     begin = time.perf_counter()
-    found = jb.sensitivity(design, scenario)
-    seconds, certificate, capture = time.perf_counter() - begin, found.certificate, found.capture
+    sensitivity = jb.sensitivity(design, scenario)
+    seconds, certificate, capture = time.perf_counter() - begin, sensitivity.certificate, sensitivity.capture
     record = {
         "name": name,
         "outcome": capture.outcome.name,
@@ -63,15 +63,17 @@ def examined(name: str, design: jb.Design, scenario: jb.Scenario) -> dict:
         "verdicts": [verdict.name for verdict in certificate.verdicts],
         "reason": certificate.reason,
         "swap": None if certificate.peaks is None else certificate.peaks.swap_change,
-        "elasticity": found.elasticities.tolist(),
+        "elasticity": sensitivity.elasticities.tolist(),
         "estimated": certificate.error.tolist(),
         "seconds": seconds,
     }
     if not capture.outcome.failed:
         options = (8.0, ExplicitRungeKutta(), int(capture.code), course_of(capture))
         solve = TightSolve(PROBE_CONE, design, scenario, PARAMETERS, QUANTITIES, *options)
-        tight = TightSolves(solve, found.values, np.abs(found.values), POOL)
-        evidence = each(tight, found.elasticities, np.abs(found.results), np.zeros_like(found.elasticities))
+        tight = TightSolves(solve, sensitivity.values, np.abs(sensitivity.values), POOL)
+        evidence = each(
+            tight, sensitivity.elasticities, np.abs(sensitivity.results), np.zeros_like(sensitivity.elasticities)
+        )
         record |= {"off": evidence.by_differences.tolist(), "uncertainty": evidence.uncertainty.tolist()}
     if name in CASES:
         reference = CASES[name].values["elasticity"]
@@ -141,13 +143,13 @@ def shown(records: list[dict], out: Console) -> None:
         highlight=False,
     )
     reference = [
-        abs(found - exact) / max(abs(exact), FLOOR)
+        abs(elasticity - exact) / max(abs(exact), FLOOR)
         for r in records
         if "reference" in r
-        for found, exact in zip(r["elasticity"][0], r["reference"], strict=True)
+        for elasticity, exact in zip(r["elasticity"][0], r["reference"], strict=True)
     ]
-    held = sum("reference" in r for r in records)
-    out.print(f"against the {held} references' own elasticities: worst {max(reference):.1e}", highlight=False)
+    count = sum("reference" in r for r in records)
+    out.print(f"against the {count} references' own elasticities: worst {max(reference):.1e}", highlight=False)
     first = np.array([simulated / predicted for simulated, predicted in (r["first_peak"] for r in records)])
     out.print(
         f"simulated first peak over its closed form: {first.min():.3f} to {first.max():.3f}, median "
@@ -176,16 +178,16 @@ def main() -> int:
     file.parent.mkdir(parents=True, exist_ok=True)
     known = {r["name"]: r for r in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
     out, note = Console(width=None if sys.stdout.isatty() else 180), Console(stderr=True)
-    wanted = list(cases(options.designs))
-    todo = [case for case in wanted if case[0] not in known]
-    note.print(f"{len(wanted) - len(todo)} of {len(wanted)} captures known from {file}")
+    selection = list(cases(options.designs))
+    todo = [case for case in selection if case[0] not in known]
+    note.print(f"{len(selection) - len(todo)} of {len(selection)} captures known from {file}")
     with file.open("a") as stream:
         for number, case in enumerate(todo, 1):
             record = known[case[0]] = examined(*case)
             stream.write(json.dumps(record) + "\n")
             stream.flush()
             note.print(f"{number} of {len(todo)}: {case[0]}, {record['outcome']}, {record['reason']}", highlight=False)
-    shown([known[name] for name, *_ in wanted], out)
+    shown([known[name] for name, *_ in selection], out)
     return 0
 
 

@@ -17,8 +17,8 @@ RESULTS = ROOT / "benchmarks" / "results" / "results.json"
 
 def tables(results: str) -> str:
     """Return the tables of ``results``, a results.json's text, as Markdown for below a heading of second order."""
-    found = json.loads(results)
-    lines = report.markdown(report.restored(found), found).splitlines()[2:]  # the page has a heading of its own
+    record = json.loads(results)
+    lines = report.markdown(report.restored(record), record).splitlines()[2:]  # the page has a heading of its own
     return "\n".join(f"#{line}" if line.startswith("#") else line for line in lines) + "\n"
 
 

@@ -78,7 +78,7 @@ def moved(given: Problem, young: Any, blocks: Any, backwards: bool = False) -> A
 
     system = system_of(given, young)
     state, _ = march(
-        system, system.start(), given.step, blocks, lambda seen, instant: seen, jnp.zeros(()), backwards=backwards
+        system, system.start(), given.step, blocks, lambda carry, instant: carry, jnp.zeros(()), backwards=backwards
     )
     return state.displacement
 
@@ -138,11 +138,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.elements", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=9, metavar="N")
     parser.add_argument("--sizes", type=int, default=len(SIZES), metavar="N", help="only the N smallest meshes")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     cores = len(os.sched_getaffinity(0))
     print(f"element updates a second, in millions; numba on 1 and on {cores} threads")
     print("elements      ours   numba 1   numba " + f"{cores}   ours/numba 1   memory [MB]   apart [-]")
-    for size in SIZES[: asked.sizes]:
+    for size in SIZES[: options.sizes]:
         given = problem(*size)
         run, memory = ours(given)
         calls = {"ours": run, "one": theirs(given, 1), "all": theirs(given, cores)}
@@ -151,24 +151,24 @@ def main(arguments: list[str] | None = None) -> int:
         if not apart < SAME:
             print(f"{len(given.corners)} elements: not the same: displacements {apart:.1e} of the largest apart")
             return 1
-        best = in_turns({name: calls[name] for name in ("ours", "one")}, asked.rounds)
-        best["all"] = by_the_clock(calls["all"], asked.rounds)
+        best = in_turns({name: calls[name] for name in ("ours", "one")}, options.rounds)
+        best["all"] = by_the_clock(calls["all"], options.rounds)
         rate = {name: 50e-6 * given.blocks * len(given.corners) / seconds for name, seconds in best.items()}
         print(
             f"{len(given.corners):>8}{rate['ours']:>10.2f}{rate['one']:>10.2f}{rate['all']:>10.2f}"
             f"{rate['ours'] / rate['one']:>15.2f}{1e-6 * memory:>14.2f}{apart:>12.1e}"
         )
     print("elements   steps   run [ms]   gradient [runs]   memory [MB]")
-    for size in GRADIENT[: asked.sizes]:
+    for size in GRADIENT[: options.sizes]:
         given = problem(*size)._replace(blocks=40)
         run, pulled, memory = gradient(given)
-        best = in_turns({"run": run, "gradient": pulled}, asked.rounds)
+        best = in_turns({"run": run, "gradient": pulled}, options.rounds)
         print(
             f"{len(given.corners):>8}{50 * given.blocks:>8}{1e3 * best['run']:>11.1f}"
             f"{best['gradient'] / best['run']:>18.2f}{1e-6 * memory:>14.2f}"
         )
     run, pulled = tank_gradient()
-    best = in_turns({"run": run, "gradient": pulled}, asked.rounds)
+    best = in_turns({"run": run, "gradient": pulled}, options.rounds)
     print(f"a drop onto a tank: run {1e3 * best['run']:.1f} ms, gradient {best['gradient'] / best['run']:.2f} runs")
     return 0
 

@@ -64,9 +64,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.evaluation", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=60, metavar="N")
     rounds = parser.parse_args(arguments).rounds
-    asked = {"value alone": (1, "value"), "and one covector": (COUNTS[1], "covector")}
-    asked |= {f"and rows by {count} variables": (count, "rows") for count in COUNTS}
-    calls = {name: partial(looped(*kind), EVALUATIONS) for name, kind in asked.items()}
+    options = {"value alone": (1, "value"), "and one covector": (COUNTS[1], "covector")}
+    options |= {f"and rows by {count} variables": (count, "rows") for count in COUNTS}
+    calls = {name: partial(looped(*kind), EVALUATIONS) for name, kind in options.items()}
     best = in_turns(calls, rounds)
     for name, seconds in best.items():
         print(f"{name:<26}{1e6 * seconds / EVALUATIONS:>8.3f} µs{seconds / best['value alone']:>8.2f}")

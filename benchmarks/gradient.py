@@ -22,8 +22,8 @@ def own_curve(plan: Plan) -> list[Setting]:
     """The product's settings; the first call, which compiles, is not among them."""
     exact = plan.table2.elasticity
 
-    def errors(found: Mapping[str, float]) -> dict[str, float]:
-        return {name: abs(value / exact[name] - 1.0) for name, value in found.items()}
+    def errors(numbers: Mapping[str, float]) -> dict[str, float]:
+        return {name: abs(value / exact[name] - 1.0) for name, value in numbers.items()}
 
     ours.elasticities(ours.RTOLS[-1])
     return [
@@ -38,11 +38,11 @@ def peer_curves(plan: Plan) -> list[list[Setting]]:
     peers = [peer for peer in PEERS if peer in plan.peers]
     jobs = [(peer, parts) for peer in peers for parts in (ABSOLUTE[:1] if plan.quick else ABSOLUTE)]
     steps = {"steps": (1e-2, 3e-3)} if plan.quick else {}
-    found = []
+    curves = []
     for peer, parts in plan.track(jobs, "gradient, peers' differences"):
         solve(peer, parameters, 1e-5, 1e-7)  # compiles
-        found.append(list(search(peer, parameters, exact, TARGET, parts, **steps)))
-    return found
+        curves.append(list(search(peer, parameters, exact, TARGET, parts, **steps)))
+    return curves
 
 
 def measure(plan: Plan) -> Part:

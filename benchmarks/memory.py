@@ -23,15 +23,15 @@ def status(process: int | str, name: str) -> float:
 
 def children(process: int | str = "self") -> list[int]:
     """All processes below that one."""
-    found: list[int] = []
+    pids: list[int] = []
     for task in Path(f"/proc/{process}/task").glob("*/children"):
         try:
             below = [int(word) for word in task.read_text().split()]
         except OSError:
             continue
         for child in below:
-            found += [child, *children(child)]
-    return found
+            pids += [child, *children(child)]
+    return pids
 
 
 class PeakMemory:

@@ -70,13 +70,13 @@ class Watched:
 
     def batch(self, points: Any) -> list[Any]:
         """Evaluate designs together and remember the best."""
-        found = self.evaluator(points)
-        for point in found:
+        evaluations = self.evaluator(points)
+        for point in evaluations:
             value = self.goal.value(point)
             if self.goal.feasible(point) and value < self.best:
                 self.best, self.scaled = value, point.scaled
                 self.history.append((self.evaluator.captures, value))
-        return found
+        return evaluations
 
     def merit(self, point: Any) -> float:
         """What the derivative-free methods minimise."""
@@ -128,7 +128,7 @@ def with_slsqp(problem: Any) -> tuple[Watched, str]:
 
     w = Watched(problem, slopes=True)
     constraint = {"type": "ineq", "fun": lambda z: w.room(w.at(z)), "jac": lambda z: w.room_slope(w.at(z))}
-    found = minimize(
+    result = minimize(
         lambda z: (w.goal.value(w.at(z)) / w.scale, w.slope(w.at(z))),
         problem.start(),
         jac=True,
@@ -137,7 +137,7 @@ def with_slsqp(problem: Any) -> tuple[Watched, str]:
         method="SLSQP",
         options={"maxiter": 100},
     )
-    return w, found.message
+    return w, result.message
 
 
 def with_trust_constr(problem: Any) -> tuple[Watched, str]:
@@ -148,7 +148,7 @@ def with_trust_constr(problem: Any) -> tuple[Watched, str]:
     constraint = NonlinearConstraint(
         lambda z: w.room(w.at(z)), 0.0, float("inf"), jac=lambda z: w.room_slope(w.at(z)), hess=BFGS()
     )
-    found = minimize(
+    result = minimize(
         lambda z: w.goal.value(w.at(z)) / w.scale,
         problem.start(),
         jac=lambda z: w.slope(w.at(z)),
@@ -158,7 +158,7 @@ def with_trust_constr(problem: Any) -> tuple[Watched, str]:
         method="trust-constr",
         options={"maxiter": 100},
     )
-    return w, found.message
+    return w, result.message
 
 
 def with_differential_evolution(problem: Any) -> tuple[Watched, str]:
@@ -167,7 +167,7 @@ def with_differential_evolution(problem: Any) -> tuple[Watched, str]:
     from scipy.optimize import differential_evolution
 
     w = Watched(problem, slopes=False)
-    found = differential_evolution(
+    result = differential_evolution(
         lambda population: np.array([w.merit(p) for p in w.batch(population.T)]),
         [(0.0, 1.0)] * len(problem.variables),
         rng=0,
@@ -176,7 +176,7 @@ def with_differential_evolution(problem: Any) -> tuple[Watched, str]:
         polish=False,
         maxiter=30,
     )
-    return w, found.message
+    return w, result.message
 
 
 def with_cma(problem: Any) -> tuple[Watched, str]:
@@ -187,8 +187,8 @@ def with_cma(problem: Any) -> tuple[Watched, str]:
     options = {"bounds": [[0.0] * size, [1.0] * size], "maxfevals": 1500, "seed": 1, "verbose": -9, "tolfun": 1e-6}
     strategy = cma.CMAEvolutionStrategy([0.5] * size, 0.3, options)
     while not strategy.stop():
-        asked = strategy.ask()
-        strategy.tell(asked, [w.merit(point) for point in w.batch(asked)])
+        candidates = strategy.ask()
+        strategy.tell(candidates, [w.merit(point) for point in w.batch(candidates)])
     return w, ", ".join(strategy.stop())
 
 
@@ -250,12 +250,12 @@ def main(arguments: list[str] | None = None) -> int:
     from rich.console import Console
     from rich.table import Table
 
-    stated, record, out = problems(), {}, Console(width=None if sys.stdout.isatty() else 150)
+    by_name, record, out = problems(), {}, Console(width=None if sys.stdout.isatty() else 150)
     for name in options.only.split(","):
         print(name, file=sys.stderr)
-        rows = compared(stated[name], options.methods.split(","))
-        record[name] = {"objective": str(stated[name].objective), "cases": len(stated[name].cases), "methods": rows}
-        table = Table(title=f"{name}: {stated[name].objective}, {len(stated[name].cases)} cases")
+        rows = compared(by_name[name], options.methods.split(","))
+        record[name] = {"objective": str(by_name[name].objective), "cases": len(by_name[name].cases), "methods": rows}
+        table = Table(title=f"{name}: {by_name[name].objective}, {len(by_name[name].cases)} cases")
         for heading in ("method", "objective [N]", "above best", "feasible", "captures", "until 0.1 %", "s", "message"):
             table.add_column(heading)
         for row in rows:

@@ -35,15 +35,15 @@ def ran(name: str, seed: int, **settings: int) -> dict[str, Any]:
 
     problem = dataclasses.replace(load(FOLDER / f"{name}.toml").problem(), then=None)
     tuned = tune(problem, seed=seed, **settings)
-    found = tuned.objective[1] if tuned.feasible else float("inf")
+    objective = tuned.objective[1] if tuned.feasible else float("inf")
     return {
         "problem": name,
         "scenarios": len(problem.cases),
         "seed": seed,
         "captures": tuned.captures,
         "screened": tuned.screened,
-        "objective [N]": found,
-        "above_best [-]": found / BEST[name] - 1.0,
+        "objective [N]": objective,
+        "above_best [-]": objective / BEST[name] - 1.0,
         "converged": tuned.converged,
         "message": tuned.message,
         "values": {v.path: tuned.problem.values(tuned.after.scaled)[k] for k, v in enumerate(problem.variables)},

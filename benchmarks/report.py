@@ -70,7 +70,7 @@ def record(parts: Sequence[Part], run: Mapping[str, Any]) -> dict[str, Any]:
     )
 
 
-def restored(found: Mapping[str, Any]) -> list[Part]:
+def restored(record: Mapping[str, Any]) -> list[Part]:
     """The parts of a `record`, plots left out."""
 
     def figure(of: Mapping[str, Any]) -> Figure:
@@ -89,7 +89,7 @@ def restored(found: Mapping[str, Any]) -> list[Part]:
             notes=tuple(part["notes"]),
             figures=tuple(figure(of) for of in part.get("figures", ())),  # results of before had none
         )
-        for part in found["parts"]
+        for part in record["parts"]
     ]
 
 
@@ -144,14 +144,14 @@ def figure_row(figure: Figure) -> tuple[str, ...]:
 
 def markdown(parts: Sequence[Part], run: Mapping[str, Any]) -> str:
     """results.md."""
-    found = run["machine"]
-    versions = ", ".join(f"{name} {found[name]}" for name in ("python", *PACKAGES))
+    machine = run["machine"]
+    versions = ", ".join(f"{name} {machine[name]}" for name in ("python", *PACKAGES))
     lines = [
         "# Results",
         "",
         f"`python -m benchmarks{' --quick' if run['mode'] == 'quick' else ''}`, {run['date']}, "
-        f"{run['seconds'] / 60:.0f} min on {found['cores']} cores of {found['processor']}, "
-        f"load average {found['load']} at the start; {versions}.",
+        f"{run['seconds'] / 60:.0f} min on {machine['cores']} cores of {machine['processor']}, "
+        f"load average {machine['load']} at the start; {versions}.",
         "Times are the best of several warm runs. A ratio above 1 means that jaxbuffer is quicker.",
     ]
     for part in parts:

@@ -31,8 +31,8 @@ def measure(plan: Plan) -> Part:
             f"scaling/{count}",
             named(count),
             *(
-                Figure(label, 1e3 * found[count]["seconds"], "ms", setting.errors, setting.tolerances)
-                for (label, found), setting in zip(sides, (pick.own, pick.theirs), strict=True)
+                Figure(label, 1e3 * row[count]["seconds"], "ms", setting.errors, setting.tolerances)
+                for (label, row), setting in zip(sides, (pick.own, pick.theirs), strict=True)
             ),
         )
         for count in theirs
@@ -44,16 +44,15 @@ def measure(plan: Plan) -> Part:
             "captures",
             f"{quantity} [{unit}]",
             tuple(
-                Curve(label, tuple(map(float, found)), tuple(one[name] for one in found.values()))
-                for label, found in sides
+                Curve(label, tuple(map(float, row)), tuple(one[name] for one in row.values())) for label, row in sides
             ),
             line,
         )
         for quantity, name, unit, line in (("time", "seconds", "s", None), ("peak memory", "mebibytes", "MiB", MEMORY))
     )
     checks = tuple(
-        Check(f"peak memory of {named(count)}", Figure("jaxbuffer", found["mebibytes"], "MiB"), MEMORY)
-        for count, found in mine.items()
+        Check(f"peak memory of {named(count)}", Figure("jaxbuffer", row["mebibytes"], "MiB"), MEMORY)
+        for count, row in mine.items()
     )
-    rates = ", ".join(f"{count}: {count / found['seconds']:.0f}/s" for count, found in mine.items())
+    rates = ", ".join(f"{count}: {count / row['seconds']:.0f}/s" for count, row in mine.items())
     return Part("scaling", "Time and memory over the number of captures", ratios, checks, plots, (f"rates: {rates}",))

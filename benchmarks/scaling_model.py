@@ -22,7 +22,7 @@ import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.cluster.spread import spread
 from jaxbuffer.cluster.workers import Workers
-from jaxbuffer.sweeps import distributed
+from jaxbuffer.sweeps import chunk, distributed
 from jaxbuffer.sweeps.chunk import Settings
 from jaxbuffer.sweeps.cut import Block, GridSweep, Template
 from jaxbuffer.sweeps.distributed import Job, Report
@@ -83,26 +83,26 @@ def sweep_of(captures: int, size: int) -> GridSweep:
 
 def solving(captures: int, processes: int, folder: Path) -> tuple[float, float]:
     """Seconds of a core for a capture, and captures a second of all, over so many processes that have the program."""
-    sweep = sweep_of(captures, distributed.TASK)
+    sweep = sweep_of(captures, chunk.TASK)
     over = {axis.path: axis.values for axis in sweep.grid.axes}
-    asked = (jb.table2(), jb.Scenario(), 8.0)
+    inputs = (jb.table2(), jb.Scenario(), 8.0)
     with connected("processes", processes) as client:
         warm = {"scenario.approach_speed": [0.1], "buffer.k_A": np.linspace(200.0, 900.0, 64 * processes)}
-        jb.sweep(*asked, over=warm, rtol=TOLERANCE, client=client, folder=folder / f"warm-{processes}")
-        told: list[Report] = []
-        distributed.spread = lambda *rest: _noted(spread(*rest), told)
+        jb.sweep(*inputs, over=warm, rtol=TOLERANCE, client=client, folder=folder / f"warm-{processes}")
+        reports: list[Report] = []
+        distributed.spread = lambda *rest: _noted(spread(*rest), reports)
         try:
             begin = time.perf_counter()
-            jb.sweep(*asked, over=over, rtol=TOLERANCE, client=client, folder=folder / f"solving-{processes}")
+            jb.sweep(*inputs, over=over, rtol=TOLERANCE, client=client, folder=folder / f"solving-{processes}")
             seconds = time.perf_counter() - begin
         finally:
             distributed.spread = spread
-    return min(it.solving / it.runs for it in told), captures / seconds
+    return min(it.solving / it.runs for it in reports), captures / seconds
 
 
-def _noted(found: Iterator[Report], told: list[Report]) -> Iterator[Report]:
-    for it in found:
-        told.append(it)
+def _noted(source: Iterator[Report], reports: list[Report]) -> Iterator[Report]:
+    for it in source:
+        reports.append(it)
         yield it
 
 
@@ -127,7 +127,7 @@ def _stored(store: Store, block: Block) -> float:
 
 def nothing(job: Job, block: Block) -> Report:
     """A task of the sweep's size that takes no time."""
-    return Report(block.number, 1, False, {0: 1}, {-1: 1}, 0.0, 0.0)
+    return Report(1, {0: 1}, {-1: 1}, 0.0)
 
 
 def scheduling(tasks: int) -> tuple[float, list[float]]:
@@ -162,7 +162,7 @@ def predicted(costs: Costs) -> list[str]:
     least = f"{enough[0]} captures" if enough else "none of up to 16384 captures"
     lines.append(f"least task with an efficiency of {WORTH} on 1000 cores: {least}")
     for cores in CORES[2:]:
-        size = distributed.task_size(LARGE, cores)
+        size = chunk.task_size(LARGE, cores)
         shown = f"tasks of {size}, efficiency {costs.efficiency(size, cores):.2f}, {costs.task(size):.2f} s each"
         lines.append(
             f"{LARGE} captures on {cores} cores: {shown}, {cores / costs.task(size) * costs.files:.0f} files/s"
@@ -181,16 +181,16 @@ def main() -> None:
         folder = Path(name)
         os.environ["JAXBUFFER_CACHE"] = str(options.cache or folder / "cache")
         jb.configure(cache=os.environ["JAXBUFFER_CACHE"])
-        found = {processes: solving(options.captures, processes, folder) for processes in (1, 2)}
+        costs = {processes: solving(options.captures, processes, folder) for processes in (1, 2)}
         block, number, files = storing(folder)
         scheduler, memory = scheduling(options.tasks)
-    for processes, (capture, rate) in found.items():
+    for processes, (capture, rate) in costs.items():
         print(f"processes: {processes}; {rate:.0f} captures/s, {1e3 * capture:.2f} ms of a core each")
-    print(f"scaling from 1 to 2 processes: {found[2][1] / found[1][1]:.2f}")
+    print(f"scaling from 1 to 2 processes: {costs[2][1] / costs[1][1]:.2f}")
     print(f"storing a block: {1e3 * block:.1f} ms in {files} files, and {1e6 * number:.2f} µs a capture")
     print(f"a task: {1e3 * scheduler:.2f} ms of scheduler and driver together")
     print(f"driver's memory along {options.tasks} tasks: " + ", ".join(f"{it:.0f}" for it in memory) + " MiB")
-    print("\n".join(predicted(Costs(found[1][0], block, number, scheduler, files))))
+    print("\n".join(predicted(Costs(costs[1][0], block, number, scheduler, files))))
 
 
 if __name__ == "__main__":

@@ -45,11 +45,11 @@ def own_peaks(design: jb.SliderCrank, rtol: float, duration: float = WINDOW) -> 
     return np.asarray(jb.simulate(design, duration=duration, rtol=rtol).impacts.peak_force)[:IMPACTS]
 
 
-def peak_errors(found: np.ndarray, exact: np.ndarray) -> dict[str, float]:
+def peak_errors(peaks: np.ndarray, exact: np.ndarray) -> dict[str, float]:
     """The largest relative error [-] of the first peaks."""
-    if len(found) < len(exact):
+    if len(peaks) < len(exact):
         return {"peaks": float("inf")}
-    return {"peaks": float(np.max(np.abs(found[: len(exact)] / exact - 1.0)))}
+    return {"peaks": float(np.max(np.abs(peaks[: len(exact)] / exact - 1.0)))}
 
 
 def own_curve(design: jb.SliderCrank, exact: np.ndarray, repeats: int) -> list[Setting]:
@@ -186,8 +186,8 @@ def own_slopes(design: jb.SliderCrank, rtol: float) -> np.ndarray:
     from jaxbuffer.sensitivities.gradients import gradients
 
     values = np.array([float(jb.get(design, path)) for path in PARAMETERS])
-    found = gradients(SLIDER_CRANK, design, jb.SliderCrankScenario(), tuple(PARAMETERS), values, SHORT, rtol=rtol)
-    return np.asarray(found.by_impact["peak_force"])[:3] * values / np.asarray(found.run.impacts.peak_force)[:3, None]
+    result = gradients(SLIDER_CRANK, design, jb.SliderCrankScenario(), tuple(PARAMETERS), values, SHORT, rtol=rtol)
+    return np.asarray(result.by_impact["peak_force"])[:3] * values / np.asarray(result.run.impacts.peak_force)[:3, None]
 
 
 def differences(peaks: Callable[..., np.ndarray], step: float) -> np.ndarray:
@@ -211,9 +211,9 @@ def hand_slopes(rtol: float, step: float) -> np.ndarray:
     return differences(peaks, step)
 
 
-def slope_errors(found: np.ndarray, exact: np.ndarray) -> dict[str, float]:
+def slope_errors(slopes: np.ndarray, exact: np.ndarray) -> dict[str, float]:
     """Of the nine elasticities the largest relative error [-]."""
-    return {"elasticities": float(np.max(np.abs(found / exact - 1.0)))}
+    return {"elasticities": float(np.max(np.abs(slopes / exact - 1.0)))}
 
 
 def gradient(plan: Plan) -> Part:
@@ -262,14 +262,14 @@ def costs(plan: Plan, name: str) -> tuple[Figure, ...]:
 
 def plate_costs(plan: Plan) -> tuple[Figure, ...]:
     """The default drop of a bar on a plate of several modes."""
-    found = []
+    costs = []
     for modes in (0, 2, 4, 8):
         run = partial(dropped, jb.replace(jb.BarDrop(), {"plate.modes": modes}))
         impacts = run()  # compiles
         seconds = best_of(plan.repeats, run)[1]
         name = f"a plate of {modes} modes" if modes else "a rigid plate"
-        found.append(Figure(f"bar dropped on {name}", 1e3 * seconds, "ms", setting=f"{impacts} impacts"))
-    return tuple(found)
+        costs.append(Figure(f"bar dropped on {name}", 1e3 * seconds, "ms", setting=f"{impacts} impacts"))
+    return tuple(costs)
 
 
 def dropped(design: jb.BarDrop) -> int:

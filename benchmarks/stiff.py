@@ -52,9 +52,9 @@ def explicit(design: Design, exact: ours.Result) -> tuple[Figure, str]:
         tried.append(setting)
         if setting.error == float("inf"):
             break
-    found = cheapest([tried], TARGET)
-    if found is not None:
-        return milliseconds(found), "against explicit"
+    choice = cheapest([tried], TARGET)
+    if choice is not None:
+        return milliseconds(choice), "against explicit"
     return milliseconds(
         tried[-1], f"{ours.NAME}, explicit, without result"
     ), "against explicit, which gives up: at least"
@@ -76,7 +76,7 @@ def problem(plan: Plan, name: str) -> Part:
     if own is None or apart > AGREE:
         notes.append(f"{name}: " + ("no exact solution" if own else f"the product is nowhere within {TARGET:g}"))
     else:
-        best = [found for of_peer in theirs.values() if (found := cheapest(of_peer, TARGET)) is not None]
+        best = [choice for of_peer in theirs.values() if (choice := cheapest(of_peer, TARGET)) is not None]
         own, *best = race([own, *best], plan.repeats)
         figure, how = explicit(design, exact)
         ratios.append(Ratio(f"stiff/{key}/explicit", f"{name}, {how}", milliseconds(own), figure, TIMES))

@@ -47,9 +47,9 @@ def exact_sample(plan: Plan) -> tuple[list[Parameters], list[Result]]:
     return cases, values
 
 
-def most(found: Sequence[Numbers], exact: Sequence[Result]) -> dict[str, float]:
+def most(numbers: Sequence[Numbers], exact: Sequence[Result]) -> dict[str, float]:
     """The errors [-] that nine captures in ten don't exceed."""
-    off = [errors(one, other) for one, other in zip(found, exact, strict=True)]
+    off = [errors(one, other) for one, other in zip(numbers, exact, strict=True)]
     return {name: float(np.quantile([one[name] for one in off], MOST, method="higher")) for name in ("peak", "end")}
 
 
@@ -82,9 +82,9 @@ def peer_curve(
     judge = partial(most, exact=exact)
     for rtol in SWEEP_RTOLS:
         label = f"rtol {rtol:.0e}, atol {parts[0]:g} and {parts[1]:g} of it"
-        found = measured(peer, label, partial(run, rtol), judge, peer=peer, rtol=rtol, parts=parts)
-        yield found
-        if found.error > TARGET:
+        setting = measured(peer, label, partial(run, rtol), judge, peer=peer, rtol=rtol, parts=parts)
+        yield setting
+        if setting.error > TARGET:
             return
 
 

@@ -48,13 +48,13 @@ def main(count: int) -> None:
     progress = counted(True, "run")
     for number, (design, scenario) in enumerate(drawn(count)):
         run, closer, *tight = (jb.simulate(design, scenario, rtol=rtol) for rtol in (1e-6, 1e-7, TIGHT, TIGHTER))
-        found = trust(run, closer)
-        verdicts[found.verdict] += 1
+        result = trust(run, closer)
+        verdicts[result.verdict] += 1
         known = changes(*tight)
         for name, error in changes(run, tight[1]).items():
             unknown[name] += known[name] > KNOWN
             wrong[name] += error > DOUBTFUL
-            silent[name] += error > DOUBTFUL >= found.errors[name] and found.verdict != "ill-conditioned"
+            silent[name] += error > DOUBTFUL >= result.errors[name] and result.verdict != "ill-conditioned"
         if progress is not None:
             progress(number + 1, count)
     print(f"{count} designs: {', '.join(f'{n} {verdict}' for verdict, n in verdicts.most_common())}")

@@ -61,12 +61,12 @@ def differentiated(case: Any, count: int, rtol: float, quantities: int = 1) -> j
 
 def compiled(case: Any, counts: list[int]) -> dict[int, float]:
     """Time of the first call [s] of a capture (0 variables) and of a gradient by each number of variables."""
-    found = {}
+    seconds = {}
     for count in (0, *counts):
         begin = time.perf_counter()
         differentiated(case, count, RTOLS[0]) if count else captured(case, RTOLS[0])
-        found[count] = time.perf_counter() - begin
-    return found
+        seconds[count] = time.perf_counter() - begin
+    return seconds
 
 
 def by_variables(case: Any, counts: list[int], rtol: float, rounds: int) -> list[Row]:
@@ -134,13 +134,13 @@ def main(arguments: list[str] | None = None) -> int:
                     f"{row['attempts']:>10}{row['accepted']:>10}",
                     flush=True,
                 )
-    asked = by_quantities(designs[0], counts[-1], options.rounds)
+    choice = by_quantities(designs[0], counts[-1], options.rounds)
     print(
         f"by {counts[-1]} variables, over one quantity: "
-        + ", ".join(f"{row['quantities']} quantities {row['ratio']:.3f}" for row in asked)
+        + ", ".join(f"{row['quantities']} quantities {row['ratio']:.3f}" for row in choice)
     )
     options.output.parent.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(json.dumps({"first": first, "variables": rows, "quantities": asked}, indent=1) + "\n")
+    options.output.write_text(json.dumps({"first": first, "variables": rows, "quantities": choice}, indent=1) + "\n")
     print(f"wrote {options.output}")
     return 0
 

@@ -57,14 +57,14 @@ def measured(designs, scenarios):
     """Outcome, error of energy, touchdowns, attempts, peak force and penetration of each capture."""
 
     def one(design, scenario):
-        found = jb.simulate(design, scenario)
+        run = jb.simulate(design, scenario)
         return (
-            found.code,
-            found.balance.energy,
-            found.impact_count,
-            found.attempts,
-            found.peak_force,
-            found.penetration,
+            run.code,
+            run.balance.energy,
+            run.impact_count,
+            run.attempts,
+            run.peak_force,
+            run.penetration,
         )
 
     return jax.vmap(one)(designs, scenarios)

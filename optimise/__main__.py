@@ -7,7 +7,19 @@ import os
 import sys
 from pathlib import Path
 
-STUDIES = ("speeds", "misalignment", "pareto", "tip", "robust", "bending", "bar", "slider_crank", "tank")
+STUDIES = (
+    "speeds",
+    "misalignment",
+    "pareto",
+    "tip",
+    "robust",
+    "bending",
+    "bar",
+    "slider_crank",
+    "tank",
+    "full_tank",
+    "card",
+)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -20,37 +20,37 @@ SCANNED = ("peak_force", "penetration", "plate_deflection")
 def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """The tuning, the scan beside it, and the tuned design's peak with more modes."""
     study = config("bar")
-    found = tuned(study, folder, resume, client)
+    result = tuned(study, folder, resume, client)
     rows = scan(study, Sweeps(folder, resume, client))
     best = min((row for row in rows if row[-1]), key=lambda row: row[3])
-    worst = found.after.quantities.max(axis=0)
-    most = simulate(replace(found.design, {"plate.modes": MANY}), highest(study), study.options.duration)
-    told = [
-        ["tuned", *(float(value) for value in values_of(found)), float(worst[0])],
+    worst = result.after.quantities.max(axis=0)
+    most = simulate(replace(result.design, {"plate.modes": MANY}), highest(study), study.options.duration)
+    lines = [
+        ["tuned", *(float(value) for value in values_of(result)), float(worst[0])],
         ["scanned", *best[:4]],
-        [f"tuned, {MANY} modes", *(float(value) for value in values_of(found)), float(most.peak_force)],
+        [f"tuned, {MANY} modes", *(float(value) for value in values_of(result)), float(most.peak_force)],
     ]
     names = [variable.path for variable in study.problem().variables]
-    write(folder, "bar.csv", csv_text(["design", *names, "peak_force [N]"], told))
+    write(folder, "bar.csv", csv_text(["design", *names, "peak_force [N]"], lines))
     write(folder, "scan.csv", csv_text([*names, "peak_force [N]", "penetration [m]", "deflection [m]", "kept"], rows))
-    peaks = [f"{row[-1]:.6g} N" for row in told]
+    peaks = [f"{row[-1]:.6g} N" for row in lines]
     print(f"tuned {peaks[0]}, best of {len(rows)} scanned {peaks[1]}, tuned with {MANY} modes {peaks[2]}")
 
     def draw(axes: Any) -> None:
-        kept, left = [np.array([row for row in rows if row[-1] == flag]) for flag in (True, False)]
+        feasible, left = [np.array([row for row in rows if row[-1] == flag]) for flag in (True, False)]
         for one, k, name in zip(axes, range(3), names, strict=True):
             one.loglog(left[:, k], left[:, 3], ".", color="#BBBBBB", markersize=2, label="beyond a limit")
-            one.loglog(kept[:, k], kept[:, 3], ".", color="C0", markersize=2, label="within limits")
-            one.loglog(values_of(found)[k], worst[0], "*", color="C3", markersize=10, label="tuned")
+            one.loglog(feasible[:, k], feasible[:, 3], ".", color="C0", markersize=2, label="within limits")
+            one.loglog(values_of(result)[k], worst[0], "*", color="C3", markersize=10, label="tuned")
             one.set(xlabel=name, ylabel="peak force from 194 mm [N]")
         axes[0].legend()
 
     figure(folder, "bar.png", draw, columns=3)
 
 
-def values_of(found: Tuned) -> list[float]:
+def values_of(result: Tuned) -> list[float]:
     """The tuned variables."""
-    design = found.design
+    design = result.design
     return [float(x) for x in (design.impact.stiffness, design.impact.damping, design.plate.thickness)]
 
 
@@ -72,11 +72,11 @@ def scan(study: Config, sweeps: Sweeps) -> list[list[Any]]:
         grid = np.array(list(itertools.product(*axes)))
         changes = {variable.path: grid[:, k] for k, variable in enumerate(problem.variables)}
         many, options = replace(problem.design, changes), study.options
-        found = sweeps.found(many, highest(study), options.duration, options.rtol)
-        values = np.array([getattr(found, name) for name in SCANNED]).T
-        kept = (values[:, 1] <= limits["penetration"]) & (values[:, 2] <= limits["plate_deflection"])
+        sweep = sweeps.found(many, highest(study), options.duration, options.rtol)
+        values = np.array([getattr(sweep, name) for name in SCANNED]).T
+        feasible = (values[:, 1] <= limits["penetration"]) & (values[:, 2] <= limits["plate_deflection"])
         numbers = np.concatenate([grid, values], axis=1)
-        rows += [[*map(float, row), bool(good)] for row, good in zip(numbers, kept, strict=True)]
-        best = int(np.argmin(np.where(kept, values[:, 0], np.inf)))
+        rows += [[*map(float, row), bool(good)] for row, good in zip(numbers, feasible, strict=True)]
+        best = int(np.argmin(np.where(feasible, values[:, 0], np.inf)))
         centre, width = np.log(grid[best]), NARROWER * width
     return rows

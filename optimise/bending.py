@@ -36,10 +36,10 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
         ("peaks", PEAKS, peaks, draw_peaks),
         ("elasticities", ELASTICITIES, functools.partial(elasticities, client), draw_elasticities),
     ):
-        found = [[(x, what(design, scenario)) for x, design in designs] for designs in (bent, play)]
-        for first, rows in zip(("frequency [Hz]", "play [m]"), found, strict=True):
+        tables = [[(x, what(design, scenario)) for x, design in designs] for designs in (bent, play)]
+        for first, rows in zip(("frequency [Hz]", "play [m]"), tables, strict=True):
             write(folder, f"{kind}_by_{first.split()[0]}.csv", csv_text([first, *header], [(x, *r) for x, r in rows]))
-        figure(folder, f"{kind}.png", lambda axes, found=found, draw=draw: draw(axes, *found), columns=2)
+        figure(folder, f"{kind}.png", lambda axes, tables=tables, draw=draw: draw(axes, *tables), columns=2)
 
 
 PEAKS = [
@@ -83,9 +83,9 @@ def peaks(design: Design, scenario: Scenario) -> list[Any]:
 def elasticities(client: Any, design: Design, scenario: Scenario) -> list[Any]:
     """By the buffer's numbers and the tip's mass, with a verdict on each quantity's."""
     paths = [*(f"buffer.{name}" for name in PARAMETERS), "probe.tip_mass"]
-    found = sensitivity(design, scenario, wrt=paths, quantities=QUANTITIES, client=client)
-    assert found.certificate is not None
-    return [*(float(x) for x in np.ravel(found.elasticities)), *(v.name for v in found.certificate.verdicts)]
+    certified = sensitivity(design, scenario, wrt=paths, quantities=QUANTITIES, client=client)
+    assert certified.certificate is not None
+    return [*(float(x) for x in np.ravel(certified.elasticities)), *(v.name for v in certified.certificate.verdicts)]
 
 
 def draw_peaks(axes: Any, bent: list[tuple[float, list[Any]]], play: list[tuple[float, list[Any]]]) -> None:

@@ -10,7 +10,7 @@ from jaxbuffer import pareto
 from jaxbuffer.output.formats import csv_text
 from jaxbuffer.output.records import front_rows
 
-from .study import config, figure, told, write
+from .study import config, figure, print_record, write
 
 LIMITS = (0.025, 0.02, 0.016, 0.013, 0.01, 0.008, 0.006)  # m
 
@@ -26,7 +26,7 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
         folder=folder,
         resume=resume,
         client=client,
-        report=told,
+        report=print_record,
         **settings,
     )
     print(front, flush=True)

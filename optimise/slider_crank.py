@@ -21,23 +21,23 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """The tuning, the random search beside it, and the tuned design with more modes and at a tighter tolerance."""
     study = config("slider_crank")
     problem = study.problem()
-    found = tuned(study, folder, resume, client)
+    result = tuned(study, folder, resume, client)
     rows = searched(study, Sweeps(folder, resume, client))
     best = rows[int(np.argmin(np.where(rows[:, -1] > 0.0, rows[:, -2], np.inf)))]
-    told = [
-        ["tuned", *(float(x) for x in seen_of(study, found.design, {}))],
+    lines = [
+        ["tuned", *(float(x) for x in seen_of(study, result.design, {}))],
         ["random search", *(float(x) for x in best)],
-        [f"tuned, {MORE} modes", *(float(x) for x in seen_of(study, found.design, {"rod.modes": MORE}))],
-        [f"tuned, rtol {TIGHT:g}", *(float(x) for x in seen_of(study, found.design, {}, TIGHT))],
+        [f"tuned, {MORE} modes", *(float(x) for x in seen_of(study, result.design, {"rod.modes": MORE}))],
+        [f"tuned, rtol {TIGHT:g}", *(float(x) for x in seen_of(study, result.design, {}, TIGHT))],
         ["start", *(float(x) for x in seen_of(study, problem.design, {}))],
     ]
     headings = [*(v.path for v in problem.variables), *(f"{a} [{b}]" for a, b in zip(SEEN, UNITS, strict=True))]
     headings += ["objective [N]", "kept"]
-    write(folder, "slider_crank.csv", csv_text(["design", *headings], told))
+    write(folder, "slider_crank.csv", csv_text(["design", *headings], lines))
     write(folder, "search.csv", csv_text(headings, rows.tolist()))
-    for name, *numbers in told:
+    for name, *numbers in lines:
         print(f"{name:20}", *(f"{x:.5g}" for x in numbers))
-    draw_search(folder, problem, rows, found)
+    draw_search(folder, problem, rows, result)
 
 
 def seen_of(study: Config, design: Any, changes: dict[str, Any], rtol: float | None = None) -> np.ndarray:
@@ -48,7 +48,7 @@ def seen_of(study: Config, design: Any, changes: dict[str, Any], rtol: float | N
     runs = [simulate(one, each, options.duration, rtol=rtol or options.rtol) for each in problem.scenarios_met]
     values = np.array([[[float(run.quantity(name)) for name in SEEN]] for run in runs])
     chosen = np.array([[float(x) for x in values_of(problem, design)]])
-    return judged(problem, chosen, values)[0]
+    return worst_rows(problem, chosen, values)[0]
 
 
 def values_of(problem: Problem, design: Any) -> list[float]:
@@ -56,14 +56,14 @@ def values_of(problem: Problem, design: Any) -> list[float]:
     return [float(get(design, variable.path)) for variable in problem.variables]
 
 
-def judged(problem: Problem, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
+def worst_rows(problem: Problem, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Rows of designs: ``chosen`` (designs, variables) and ``values`` (speeds, designs, quantities) as in `seen_of`."""
     weights = problem.objective.vector(SEEN)
     objective = np.max(values @ weights, axis=0)
     worst = np.max(values, axis=0)
     limits = np.array([problem.limits.at_most.get(name, np.inf) for name in SEEN])
-    kept = np.all(worst <= limits * (1.0 + 1e-9), axis=1)
-    return np.column_stack([chosen, worst, objective, kept])
+    feasible = np.all(worst <= limits * (1.0 + 1e-9), axis=1)
+    return np.column_stack([chosen, worst, objective, feasible])
 
 
 def searched(study: Config, sweeps: Sweeps) -> np.ndarray:
@@ -78,23 +78,23 @@ def searched(study: Config, sweeps: Sweeps) -> np.ndarray:
         many = replace(problem.design, {v.path: chosen[:, k] for k, v in enumerate(problem.variables)})
         runs = [sweeps.found(many, each, options.duration, options.rtol) for each in problem.scenarios_met]
         values = np.array([np.array([getattr(run, name) for name in SEEN]).T for run in runs])
-        rows = np.concatenate([rows, judged(problem, chosen, values)])
+        rows = np.concatenate([rows, worst_rows(problem, chosen, values)])
         best = rows[int(np.argmin(np.where(rows[:, -1] > 0.0, rows[:, -2], np.inf)))]
         centre = np.array([v.scaled(x) for v, x in zip(problem.variables, best, strict=False)])
         width *= NARROWER
     return rows
 
 
-def draw_search(folder: Path, problem: Problem, rows: np.ndarray, found: Tuned) -> None:
+def draw_search(folder: Path, problem: Problem, rows: np.ndarray, result: Tuned) -> None:
     """Objective over each variable, of the random designs and of the tuned one."""
     names = [variable.path for variable in problem.variables]
 
     def draw(axes: Any) -> None:
-        kept, left = rows[rows[:, -1] > 0.0], rows[rows[:, -1] == 0.0]
+        feasible, left = rows[rows[:, -1] > 0.0], rows[rows[:, -1] == 0.0]
         for one, k, name in zip(axes, range(len(names)), names, strict=True):
             one.plot(left[:, k], left[:, -2], ".", color="#BBBBBB", markersize=2, label="beyond a limit")
-            one.plot(kept[:, k], kept[:, -2], ".", color="C0", markersize=2, label="within limits")
-            one.plot(values_of(problem, found.design)[k], found.objective[1], "*", color="C3", label="tuned")
+            one.plot(feasible[:, k], feasible[:, -2], ".", color="C0", markersize=2, label="within limits")
+            one.plot(values_of(problem, result.design)[k], result.objective[1], "*", color="C3", label="tuned")
             one.set(xlabel=name, ylabel="objective [N]")
         axes[0].legend()
 

@@ -31,13 +31,14 @@ def tuned(study: Config, folder: Path, resume: bool, client: Any = None, problem
     settings = {field.name: getattr(study.tuning, field.name) for field in dataclasses.fields(study.tuning)}
     problem = problem or study.problem()
     resume = resume and (folder / "log.jsonl").exists()
-    found = tune(problem, **settings, folder=folder, resume=resume, client=client, report=told)
-    write(folder, "design.toml", design_toml(found.design, problem.scenarios_met, tuned_comment(found)))
-    write(folder, "tuned.json", json_text(tuned_record(found)))
-    write(folder, "history.csv", csv_text(*tuning_history(found)))
-    write(folder, "tune.png", png(tune_figure(found)))
-    print(found, flush=True)
-    return found
+    solver = study.options.solver
+    result = tune(problem, **settings, solver=solver, folder=folder, resume=resume, client=client, report=print_record)
+    write(folder, "design.toml", design_toml(result.design, problem.scenarios_met, tuned_comment(result)))
+    write(folder, "tuned.json", json_text(tuned_record(result)))
+    write(folder, "history.csv", csv_text(*tuning_history(result)))
+    write(folder, "tune.png", png(tune_figure(result)))
+    print(result, flush=True)
+    return result
 
 
 class Sweeps:
@@ -80,6 +81,6 @@ def figure(folder: Path, name: str, draw: Callable[[Any], None], columns: int = 
         write(folder, name, png(drawn))
 
 
-def told(record: dict[str, Any]) -> None:
+def print_record(record: dict[str, Any]) -> None:
     """One evaluation on stderr."""
     print(in_words(record), file=sys.stderr, flush=True)

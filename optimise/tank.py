@@ -21,28 +21,28 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     """The tuning, CMA-ES beside it, and the best of each in all cases."""
     study = config("tank")
     problem = study.problem()
-    found = tuned(study, folder, resume, client)
+    result = tuned(study, folder, resume, client)
     rows = searched(highest(problem))
     best = rows[int(np.argmin(rows[:, -1]))]
     with Evaluator(problem, slopes=False, client=client) as evaluator:
-        start, gradients, without = evaluator([problem.start(), found.after.scaled, best[: len(problem.variables)]])
+        start, gradients, without = evaluator([problem.start(), result.after.scaled, best[: len(problem.variables)]])
     with Evaluator(with_sound(problem, SOUND), slopes=False, client=client) as evaluator:
-        (real,) = evaluator([found.after.scaled])
-    told = [
+        (real,) = evaluator([result.after.scaled])
+    lines = [
         [name, *(float(x) for x in problem.values(one.scaled)), *worst(problem, one), excess(problem, one)]
         for name, one in (("start", start), ("tuned", gradients), ("CMA-ES", without), (f"tuned, {SOUND:g} m/s", real))
     ]
-    limited = [f"{name} [{problem.catalogue[name].unit}]" for name in asked(problem)]
-    write(folder, "tank.csv", csv_text(["design", *problem.paths, *limited, "excess [-]"], told))
+    limited = [f"{name} [{problem.catalogue[name].unit}]" for name in limit_names(problem)]
+    write(folder, "tank.csv", csv_text(["design", *problem.paths, *limited, "excess [-]"], lines))
     write(folder, "cma.csv", csv_text([*problem.paths, "wall_mass [kg]", "excess [-]", "merit [-]"], rows.tolist()))
-    for name, *numbers in told:
+    for name, *numbers in lines:
         print(f"{name:8}", *(f"{x:.5g}" for x in numbers))
 
     def draw(axes: Any) -> None:
-        kept = np.where(rows[:, -2] <= 0.0, rows[:, -3], np.inf)
+        feasible = np.where(rows[:, -2] <= 0.0, rows[:, -3], np.inf)
         axes.plot(1 + np.arange(len(rows)), rows[:, -3], ".", color="#BBBBBB", label="CMA-ES, each design")
-        axes.plot(1 + np.arange(len(rows)), np.minimum.accumulate(kept), color="C0", label="CMA-ES, within limits")
-        axes.axhline(found.objective[1], color="C3", label="tuned")
+        axes.plot(1 + np.arange(len(rows)), np.minimum.accumulate(feasible), color="C0", label="CMA-ES, within limits")
+        axes.axhline(result.objective[1], color="C3", label="tuned")
         axes.set(xlabel="designs", ylabel="mass of the wall [kg]")
         axes.legend()
 
@@ -62,7 +62,7 @@ def highest(problem: Problem) -> Problem:
     )
 
 
-def asked(problem: Problem) -> list[str]:
+def limit_names(problem: Problem) -> list[str]:
     """The objective's quantity, then those with a limit."""
     return [*problem.objective.weights, *problem.limits.at_least, *problem.limits.at_most]
 
@@ -70,7 +70,7 @@ def asked(problem: Problem) -> list[str]:
 def worst(problem: Problem, one: Evaluation) -> list[float]:
     """Of each quantity asked for the worst over the cases."""
     least = problem.limits.at_least
-    columns = {name: one.quantities[:, problem.names.index(name)] for name in asked(problem)}
+    columns = {name: one.quantities[:, problem.names.index(name)] for name in limit_names(problem)}
     return [float(values.min() if name in least else values.max()) for name, values in columns.items()]
 
 

@@ -19,9 +19,9 @@ def main(folder: Path, resume: bool = False, client: Any = None) -> None:
     for free in (False, True):
         for scenario in study.scenarios:
             design: Design = replace(study.design, {"probe.free_tip": free, "probe.tip_mass": MASSES})
-            found = sweeps.found(design, scenario, study.options.duration, study.options.rtol)
+            sweep = sweeps.found(design, scenario, study.options.duration, study.options.rtol)
             first = sweeps.found(design, scenario, FIRST, study.options.rtol)
-            for mass, peak, begin, code in zip(MASSES, found.peak_force, first.peak_force, found.code, strict=True):
+            for mass, peak, begin, code in zip(MASSES, sweep.peak_force, first.peak_force, sweep.code, strict=True):
                 closed = first_impact(replace(design, {"probe.tip_mass": float(mass)}), scenario)
                 numbers = [float(x) for x in (mass, peak, begin, closed.elastic_peak, closed.effective_energy)]
                 rows.append([free, float(scenario.approach_speed), *numbers, int(code)])

@@ -31,8 +31,8 @@ class Evidence:
         test = os.environ.get("PYTEST_CURRENT_TEST", "").split(" ")[0].split("[")[0]
         record = {"topic": topic, "claim": claim, "measured": measured, "tolerance": tolerance, "source": source}
         self.add([{**record, "unit": unit, "detail": detail, "test": test, "count": 1}])
-        told = f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
-        assert 0.0 <= measured <= tolerance, told
+        text = f"{claim}: {measured:.3g} {unit} against {tolerance:.3g} ({source}) {detail}"
+        assert 0.0 <= measured <= tolerance, text
 
     def add(self, records: list[dict[str, Any]]) -> None:
         """What was measured, here or in another process: the worst of each claim is kept."""

@@ -65,8 +65,8 @@ def test_what_may_be_the_quickest_runs_once_more():
         return Setting(name, "", {"peak": 0.0}, seconds, lambda: (runs.append(name), time.sleep(truly)))
 
     settings = [timed(1.0, 0.02, "in luck"), timed(1.5, 0.005, "unlucky"), timed(1.7, 0.0, "too slow")]
-    found = cheapest([settings], 1e-4)
-    assert found.solver == "unlucky" and 0.005 <= found.seconds < 0.02
+    result = cheapest([settings], 1e-4)
+    assert result.solver == "unlucky" and 0.005 <= result.seconds < 0.02
     assert runs == ["in luck", "unlucky"] * 3
 
 
@@ -111,25 +111,25 @@ def test_baselines_of_modes_and_parts_are_kept_apart(tmp_path):
 @pytest.fixture
 def measured(monkeypatch, tmp_path):
     """The command with made-up parts, and a baseline of its own."""
-    found = {"capture": part(), "sweep": RuntimeError("no setting is accurate enough")}
+    result = {"capture": part(), "sweep": RuntimeError("no setting is accurate enough")}
 
     class Stub:
         def __init__(self, name):
             self.name = name
 
         def measure(self, plan):
-            if isinstance(found[self.name], Exception):
-                raise found[self.name]
-            return found[self.name]
+            if isinstance(result[self.name], Exception):
+                raise result[self.name]
+            return result[self.name]
 
-    for name in found:
+    for name in result:
         monkeypatch.setitem(sys.modules, f"benchmarks.{name}", Stub(name))
     file = tmp_path / "baseline.json"
     load, store = baseline.load, baseline.store
     monkeypatch.setattr(baseline, "FILE", file)
     monkeypatch.setattr(baseline, "load", lambda mode: load(mode, file))
     monkeypatch.setattr(baseline, "store", lambda mode, now: store(mode, now, file))
-    return found
+    return result
 
 
 def run(tmp_path, *words):
@@ -152,8 +152,8 @@ def test_a_part_that_fails_is_told_and_leaves_the_others(measured, tmp_path, cap
     assert run(tmp_path, "--only", "capture,sweep") == 1
     shown = capsys.readouterr().out
     assert "failed: no setting is accurate enough" in shown and "against the best peer" in shown
-    found = json.loads((tmp_path / "out" / "results.json").read_text())
-    assert [len(one["ratios"]) for one in found["parts"]] == [1, 0]
+    record = json.loads((tmp_path / "out" / "results.json").read_text())
+    assert [len(one["ratios"]) for one in record["parts"]] == [1, 0]
     assert (tmp_path / "out" / "a-plot.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -42,10 +42,10 @@ def certified(claimed, gather=together, changes=0.0, peaks=FAR, truth=ELASTICITI
 
 @pytest.mark.parametrize("gather", [together, each])
 def test_right_gradients_are_trusted(gather):
-    found = certified(ELASTICITIES, gather)
-    assert found.verdict == Verdict.trusted and found.verdicts == (Verdict.trusted,) * 2
-    assert np.all(found.error < TRUSTED)
-    assert found.reason.startswith("two tolerances and differences of tight solves agree within")
+    certificate = certified(ELASTICITIES, gather)
+    assert certificate.verdict == Verdict.trusted and certificate.verdicts == (Verdict.trusted,) * 2
+    assert np.all(certificate.error < TRUSTED)
+    assert certificate.reason.startswith("two tolerances and differences of tight solves agree within")
 
 
 @pytest.mark.parametrize("gather", [together, each])
@@ -53,23 +53,25 @@ def test_right_gradients_are_trusted(gather):
 def test_one_elasticity_off_by_a_per_cent_is_found_by_either_kind(gather, parameter):
     claimed = ELASTICITIES.copy()
     claimed[0, parameter] *= 1.01
-    found = certified(claimed, gather)
-    assert found.verdicts == (Verdict.check, Verdict.trusted)
+    certificate = certified(claimed, gather)
+    assert certificate.verdicts == (Verdict.check, Verdict.trusted)
     whose = "an elasticity of peak_force" if gather is together else f"peak_force by {PATHS[parameter]}"
-    assert found.reason.startswith(f"{whose} may be off by") and found.reason.endswith("by differences of tight solves")
-    assert found.error[0, parameter] > 0.9e-2
+    assert certificate.reason.startswith(f"{whose} may be off by") and certificate.reason.endswith(
+        "by differences of tight solves"
+    )
+    assert certificate.error[0, parameter] > 0.9e-2
 
 
 @pytest.mark.parametrize("gather", [together, each])
 def test_a_wrong_sign_is_refused(gather):
-    found = certified(ELASTICITIES * np.array([[1.0, -1.0, 1.0], [1.0, 1.0, 1.0]]), gather)
-    assert found.verdicts[0] == Verdict.refused and np.max(found.error[0]) > HOPELESS
+    certificate = certified(ELASTICITIES * np.array([[1.0, -1.0, 1.0], [1.0, 1.0, 1.0]]), gather)
+    assert certificate.verdicts[0] == Verdict.refused and np.max(certificate.error[0]) > HOPELESS
 
 
 def test_gradients_that_change_with_the_tolerance_must_be_checked():
-    found = certified(ELASTICITIES, changes=1e-4)
-    assert found.verdict == Verdict.check
-    assert found.reason == "peak_force by probe.tip_mass may be off by 5 %, by its change with the tolerance"
+    certificate = certified(ELASTICITIES, changes=1e-4)
+    assert certificate.verdict == Verdict.check
+    assert certificate.reason == "peak_force by probe.tip_mass may be off by 5 %, by its change with the tolerance"
 
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.48, Verdict.check), (0.52, Verdict.refused)])
@@ -78,9 +80,9 @@ def test_from_half_of_an_elasticity_on_it_is_refused(share, verdict):
 
 
 def test_a_kink_nearby_must_be_checked_and_says_which_impact():
-    found = certified(ELASTICITIES, peaks=NEAR)
-    assert found.verdicts == (Verdict.check, Verdict.trusted) and abs(NEAR.swap_change) < KINK
-    assert found.reason == (
+    certificate = certified(ELASTICITIES, peaks=NEAR)
+    assert certificate.verdicts == (Verdict.check, Verdict.trusted) and abs(NEAR.swap_change) < KINK
+    assert certificate.reason == (
         "peak_force has a kink nearby: impact 3 comes within 0.04 % of the peak, "
         "and -0.2 % of buffer.k_A would swap them"
     )
@@ -101,22 +103,22 @@ def test_without_differences_nothing_is_trusted():
             return False
 
     evidence = each(Hemmed(), ELASTICITIES, np.ones(2), np.zeros(ELASTICITIES.shape))
-    found = judge(made_up_capture(), NAMES, PATHS, ELASTICITIES, evidence, FAR)
-    assert found.verdict == Verdict.check and "no differences could be taken" in found.reason
+    certificate = judge(made_up_capture(), NAMES, PATHS, ELASTICITIES, evidence, FAR)
+    assert certificate.verdict == Verdict.check and "no differences could be taken" in certificate.reason
 
 
 def test_what_is_not_finite_is_refused():
     claimed = ELASTICITIES.copy()
     claimed[1, 2] = np.nan
-    found = certified(claimed)
-    assert found.verdicts == (Verdict.trusted, Verdict.refused)
-    assert found.reason == "stroke or its gradient is not finite; the run has 1 impacts"
+    certificate = certified(claimed)
+    assert certificate.verdicts == (Verdict.trusted, Verdict.refused)
+    assert certificate.reason == "stroke or its gradient is not finite; the run has 1 impacts"
 
 
 def test_a_failed_capture_is_refused_with_its_reason():
     capture = made_up_capture(outcome=Outcome.failed_step_size)
-    found = judge(capture, NAMES, PATHS, np.full((2, 3), np.nan), None, None)
-    assert found.verdict == Verdict.refused and found.reason == Outcome.failed_step_size.reason
+    certificate = judge(capture, NAMES, PATHS, np.full((2, 3), np.nan), None, None)
+    assert certificate.verdict == Verdict.refused and certificate.reason == Outcome.failed_step_size.reason
     assert peak_report(capture, np.zeros((3, 3)), PATHS) is None
 
 
@@ -145,12 +147,12 @@ def test_a_change_with_the_tolerance_is_taken_as_an_elasticity(monkeypatch, rtol
     run, paths, names = made_up_capture(), ("buffer.k_A", "probe.rod_mass"), ("peak_force", "stroke")
     at = np.array([jb.get(jb.table2(), path) for path in paths])
     results = np.array([float(run.peak_force), float(run.stroke)])
-    slopes, asked = np.array([[0.2, 3.0], [-1e-5, 2e-3]]), []
+    slopes, calls = np.array([[0.2, 3.0], [-1e-5, 2e-3]]), []
     apart = np.array([[1e-3, 2e-3], [4e-3, 8e-3]])  # of each elasticity's unit: d ln quantity / d ln parameter
 
     class Solved:
         def __init__(self, tolerance):
-            asked.append(tolerance)
+            calls.append(tolerance)
             self.run, self.by_impact = run, {"peak_force": np.zeros((3, 2))}
             self.slopes = slopes if tolerance == rtol else slopes + apart * results[:, None] / at
 
@@ -162,21 +164,21 @@ def test_a_change_with_the_tolerance_is_taken_as_an_elasticity(monkeypatch, rtol
         np.testing.assert_allclose(sizes, results, rtol=1e-15)
         return Evidence(changes, 0.0 * changes, 0.0 * changes, 0, False)
 
-    monkeypatch.setattr(module, "gradients", lambda *_, rtol, solver: Solved(rtol))
+    monkeypatch.setattr(module, "gradients", lambda *_, rtol, solver, names: Solved(rtol))
     monkeypatch.setattr(module, "together", gathered)
-    found = jb.sensitivity(jb.table2(), wrt=paths, quantities=names, rtol=rtol)
-    np.testing.assert_allclose(sorted(asked), sorted([rtol, other]), rtol=1e-12)
-    size = np.maximum(np.abs(found.elasticities), FLOOR)
-    np.testing.assert_allclose(found.certificate.by_tolerance * size, apart, rtol=1e-10)
+    sensitivity = jb.sensitivity(jb.table2(), wrt=paths, quantities=names, rtol=rtol)
+    np.testing.assert_allclose(sorted(calls), sorted([rtol, other]), rtol=1e-12)
+    size = np.maximum(np.abs(sensitivity.elasticities), FLOOR)
+    np.testing.assert_allclose(sensitivity.certificate.by_tolerance * size, apart, rtol=1e-10)
 
 
 @pytest.mark.slow
 def test_a_parameter_at_its_bound_is_differenced_from_one_side():
     """Without an axial damper only more of it is possible."""
     design = jb.replace(jb.table2(), {"buffer.c_A": 0.0})
-    found = jb.sensitivity(design, certify="thorough", quantities=("peak_force", "stroke"))
-    assert found.certificate.verdict == Verdict.trusted
-    assert np.all(np.isfinite(found.certificate.error)) and np.all(np.abs(found.gradients[:, 1]) > 1e-5)
+    sensitivity = jb.sensitivity(design, certify="thorough", quantities=("peak_force", "stroke"))
+    assert sensitivity.certificate.verdict == Verdict.trusted
+    assert np.all(np.isfinite(sensitivity.certificate.error)) and np.all(np.abs(sensitivity.gradients[:, 1]) > 1e-5)
 
 
 def test_a_flank_touched_and_left_at_once_is_no_landmark():
@@ -186,11 +188,11 @@ def test_a_flank_touched_and_left_at_once_is_no_landmark():
         count = len(flanks)
         times = np.linspace(0.0, 0.1, count)
         hits = Impacts(times, np.array(flanks), np.zeros(count), np.array(forces), times, np.asarray(count))
-        found = made_up_capture(peak=max(forces))
-        object.__setattr__(found, "impacts", hits)
-        return found
+        made = made_up_capture(peak=max(forces))
+        object.__setattr__(made, "impacts", hits)
+        return made
 
     run = capture([0, 1, 1, 0], [200.0, 1e-9, 250.0, 10.0])
     tight = TightSolve(PROBE_CONE, jb.table2(), jb.Scenario(), PATHS, NAMES, 8.0, None, int(run.code), course_of(run))
-    assert tight.seen(capture([0, 1, 0], [200.0, 251.0, 260.0]))[0] == 251.0
-    assert np.isnan(tight.seen(capture([0, 0, 1], [200.0, 20.0, 251.0]))[0])
+    assert tight.values_of(capture([0, 1, 0], [200.0, 251.0, 260.0]))[0] == 251.0
+    assert np.isnan(tight.values_of(capture([0, 0, 1], [200.0, 20.0, 251.0]))[0])

@@ -10,8 +10,8 @@ SETTLED = np.full(3, 1e-9)
 
 def differentiated(evaluate, inside, settled, noise):
     """One difference, of a function of the move."""
-    (found,) = side_by_side([difference(inside, settled, noise)], lambda asked: [evaluate(move) for _, move in asked])
-    return found
+    (result,) = side_by_side([difference(inside, settled, noise)], lambda moves: [evaluate(move) for _, move in moves])
+    return result
 
 
 def smooth(move):
@@ -33,28 +33,28 @@ def test_smooth_functions(inside, sided):
         assert inside(move)
         return smooth(move)
 
-    found = differentiated(evaluate, inside, SETTLED, noise=1e-15)
-    assert np.all(np.abs(found.value - EXACT) <= found.uncertainty + 1e-12)
-    assert np.all(found.uncertainty < (1e-7 if sided else 1e-9))
+    estimate = differentiated(evaluate, inside, SETTLED, noise=1e-15)
+    assert np.all(np.abs(estimate.value - EXACT) <= estimate.uncertainty + 1e-12)
+    assert np.all(estimate.uncertainty < (1e-7 if sided else 1e-9))
 
 
 def test_two_extrapolations_are_compared_at_least():
     """Of a straight line, whose differences are all the same; an extrapolation takes two steps, the next one more."""
-    found = differentiated(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
-    np.testing.assert_allclose(found.value, 2.0, rtol=1e-12)
-    assert found.steps == 3
+    estimate = differentiated(lambda move: 2.0 * move + np.zeros(3), lambda move: True, SETTLED, noise=1e-15)
+    np.testing.assert_allclose(estimate.value, 2.0, rtol=1e-12)
+    assert estimate.steps == 3
 
 
 def test_noise_stops_the_halving_where_it_takes_over():
     """Values good to 1e-8 give differences good to 1e-8 over the step; the uncertainty says so, and no luck helps."""
     draw = np.random.default_rng(1)
     for _ in range(20):
-        found = differentiated(
+        estimate = differentiated(
             lambda move: smooth(move) * (1.0 + 1e-8 * draw.uniform(-1.0, 1.0, 3)), lambda move: True, SETTLED, 2e-8
         )
-        assert np.all(np.abs(found.value - EXACT) < 3.0 * found.uncertainty)
-        assert np.all(found.uncertainty > 2e-8 * np.abs(smooth(0.0)) / COARSEST / 2)
-        assert found.steps == STEPS
+        assert np.all(np.abs(estimate.value - EXACT) < 3.0 * estimate.uncertainty)
+        assert np.all(estimate.uncertainty > 2e-8 * np.abs(smooth(0.0)) / COARSEST / 2)
+        assert estimate.steps == STEPS
 
 
 def test_a_jump_and_a_bend_are_uncertain():
@@ -63,15 +63,15 @@ def test_a_jump_and_a_bend_are_uncertain():
     def evaluate(move):
         return np.array([abs(move - 0.7e-3), 1.0 + (move > 1e-5), 1.0 if move <= 0.0 else np.nan])
 
-    found = differentiated(evaluate, lambda move: True, SETTLED, noise=1e-15)
-    assert np.all(found.uncertainty[1:] > 1.0) and np.isinf(found.uncertainty[2])
+    estimate = differentiated(evaluate, lambda move: True, SETTLED, noise=1e-15)
+    assert np.all(estimate.uncertainty[1:] > 1.0) and np.isinf(estimate.uncertainty[2])
     # The bend lies between two steps: the finer ones see one side of it only, and agree.
-    np.testing.assert_allclose(found.value[0], -1.0, rtol=1e-9)
+    np.testing.assert_allclose(estimate.value[0], -1.0, rtol=1e-9)
 
 
 def test_nothing_is_evaluated_where_no_move_is_inside():
-    found = differentiated(lambda move: pytest.fail("evaluated"), lambda move: False, SETTLED, noise=1e-15)
-    assert np.all(np.isnan(found.value)) and np.all(np.isinf(found.uncertainty)) and found.steps == 0
+    estimate = differentiated(lambda move: pytest.fail("evaluated"), lambda move: False, SETTLED, noise=1e-15)
+    assert np.all(np.isnan(estimate.value)) and np.all(np.isinf(estimate.uncertainty)) and estimate.steps == 0
 
 
 def test_a_balanced_direction_weighs_every_parameter_the_same():
@@ -84,9 +84,9 @@ def test_a_balanced_direction_weighs_every_parameter_the_same():
 
 
 def test_bounds_are_asked_for_as_far_as_one_sided_steps_reach():
-    asked = []
-    differentiated(np.exp, lambda move: asked.append(move) is None, np.zeros(()), 0.0)
-    assert sorted(asked) == [-2.0 * COARSEST, 2.0 * COARSEST]
+    calls = []
+    differentiated(np.exp, lambda move: calls.append(move) is None, np.zeros(()), 0.0)
+    assert sorted(calls) == [-2.0 * COARSEST, 2.0 * COARSEST]
 
 
 def test_several_are_halved_side_by_side():
@@ -98,16 +98,16 @@ def test_several_are_halved_side_by_side():
 
     functions, rounds = (smooth, rough), []
 
-    def evaluate(asked):
-        rounds.append([k for k, _ in asked])
-        return [functions[k](move) for k, move in asked]
+    def evaluate(moves):
+        rounds.append([k for k, _ in moves])
+        return [functions[k](move) for k, move in moves]
 
     anywhere = lambda move: True  # noqa: E731
-    found = side_by_side([difference(anywhere, SETTLED, 1e-15) for _ in functions], evaluate)
-    pairs = [2 * (one.steps - FIRST) for one in found]
+    result = side_by_side([difference(anywhere, SETTLED, 1e-15) for _ in functions], evaluate)
+    pairs = [2 * (one.steps - FIRST) for one in result]
     assert rounds[0] == [0] * 2 * FIRST + [1] * 2 * FIRST
-    assert found[1].steps == STEPS > found[0].steps
-    assert [sum(asked.count(k) for asked in rounds[1:]) for k in (0, 1)] == pairs
-    for function, one in zip(functions, found, strict=True):
+    assert result[1].steps == STEPS > result[0].steps
+    assert [sum(moves.count(k) for moves in rounds[1:]) for k in (0, 1)] == pairs
+    for function, one in zip(functions, result, strict=True):
         alone = differentiated(function, anywhere, SETTLED, 1e-15)
         assert np.array_equal(one.value, alone.value) and np.array_equal(one.uncertainty, alone.uncertainty)

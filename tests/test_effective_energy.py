@@ -14,7 +14,7 @@ from verification.test_first_impact import SCENARIOS, closed_form
 
 
 def test_two_discs():
-    """½ m1 m2/(m1 + m2) (ẋ2 - ẋ1)² (seed 002); 1 kg at 4.4294 m/s and 1.4e8 N/m^1.5 give 12.366 kN."""
+    """½ m1 m2/(m1 + m2) (ẋ2 - ẋ1)² (the load paper); 1 kg at 4.4294 m/s and 1.4e8 N/m^1.5 give 12.366 kN."""
     first, second, speeds = 1.5, 3.0, (4.0, -0.4294)
     system = System((Body(first, 0.1), Body(second, 0.2)))
     kin = Kinematics(jnp.zeros(6), jnp.array([speeds[0], 0.0, 0.7, speeds[1], 0.0, -0.3]))
@@ -31,9 +31,9 @@ def test_two_discs():
 def test_capture_mechanism_against_the_paper_s_equations_in_numpy(scenario, free):
     design = jb.replace(jb.table2(), {"probe.free_tip": free})
     expected, mass = closed_form(design, SCENARIOS[scenario])
-    found = jb.first_impact(design, SCENARIOS[scenario])
-    assert_allclose(float(found.effective_mass), mass, rtol=1e-12)
-    assert_allclose(float(found.elastic_peak), expected, rtol=1e-12)
+    impact = jb.first_impact(design, SCENARIOS[scenario])
+    assert_allclose(float(impact.effective_mass), mass, rtol=1e-12)
+    assert_allclose(float(impact.elastic_peak), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("hysteresis", [0.0, 1e-6, 1.01e-4, 0.01, 0.1425, 0.75, 2.0])

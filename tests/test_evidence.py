@@ -9,21 +9,21 @@ from verify.report import STATE, markdown, note_state, page, uncaught
 from evidence import Evidence
 
 
-def told(measured, tolerance=1e-3, claim="claim"):
+def record(measured, tolerance=1e-3, claim="claim"):
     return {"topic": "topic", "claim": claim, "measured": measured, "tolerance": tolerance, "source": "source"}
 
 
 @pytest.mark.parametrize("measured", [2e-3, float("nan"), -1e-9, float("inf")])
 def test_what_is_above_its_tolerance_or_no_number_fails(measured):
     with pytest.raises(AssertionError, match="claim"):
-        Evidence()(**told(measured))
+        Evidence()(**record(measured))
 
 
 def test_the_worst_of_a_claim_is_kept(tmp_path):
     evidence = Evidence()
     for measured in (1e-4, 5e-4, 2e-4):
-        evidence(**told(measured))
-    evidence(**told(0.0, 0.0, "another"))
+        evidence(**record(measured))
+    evidence(**record(0.0, 0.0, "another"))
     evidence.write(tmp_path / "a" / "evidence.json")
     first, second = json.loads((tmp_path / "a" / "evidence.json").read_text())
     assert (first["measured"], first["count"], first["test"]) == (
@@ -36,12 +36,12 @@ def test_the_worst_of_a_claim_is_kept(tmp_path):
 
 def test_the_worst_of_all_processes_is_kept():
     here, there = Evidence(), Evidence()
-    here(**told(1e-4))
-    there(**told(5e-4))
-    there(**told(2e-4))
-    there(**told(1e-5, claim="another"))
+    here(**record(1e-4))
+    there(**record(5e-4))
+    there(**record(2e-4))
+    there(**record(1e-5, claim="another"))
     with pytest.raises(AssertionError):
-        there(**told(float("nan"), claim="failed"))
+        there(**record(float("nan"), claim="failed"))
     here.add(list(there.records.values()))
     first, second, third = here.records.values()
     assert (first["measured"], first["count"]) == (5e-4, 3)
@@ -51,9 +51,9 @@ def test_the_worst_of_all_processes_is_kept():
 
 def test_what_fails_is_in_the_report_too():
     evidence = Evidence()
-    evidence(**told(1e-4))
+    evidence(**record(1e-4))
     with pytest.raises(AssertionError):
-        evidence(**told(float("nan")))
+        evidence(**record(float("nan")))
     assert "| claim | nan | 0.001 |" in markdown(list(evidence.records.values()), None, [], {})
 
 
@@ -70,7 +70,7 @@ def test_a_breakage_nobody_noticed_and_a_check_that_cannot_fail_are_named():
 
 def test_the_page_of_an_empty_folder_lists_everything_and_says_that_nothing_was_run(tmp_path):
     text = page(tmp_path)
-    assert text.count("Nothing has been run for these sources") == 4  # claims, breakages, two papers
+    assert text.count("Nothing has been run for these sources") == 6  # claims, breakages, four papers
     assert all(f"| {breakage.name} | {breakage.what} |" in text for breakage in BREAKAGES)
     assert "| Captured at all approach speeds | 8, fig. 10 |" in text and "| any measurement |" in text
     assert "| `contact/test_damping.py` | Damping factors by author, for any spring. |" in text
@@ -78,7 +78,7 @@ def test_the_page_of_an_empty_folder_lists_everything_and_says_that_nothing_was_
 
 def test_results_of_other_sources_do_not_count(tmp_path):
     (tmp_path / "evidence.json").write_text(
-        json.dumps([told(1e-4) | {"unit": "", "detail": "", "test": "t", "count": 1}])
+        json.dumps([record(1e-4) | {"unit": "", "detail": "", "test": "t", "count": 1}])
     )
     note_state(tmp_path, ["tests"])
     assert "| claim | 0.0001 | 0.001 |" in page(tmp_path)

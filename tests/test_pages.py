@@ -18,8 +18,8 @@ README = ROOT / "README.md"
 
 @pytest.mark.slow
 def test_examples_of_the_readme_run_in_a_process_of_their_own(tmp_path, programs):
-    kept = f"import jaxbuffer\njaxbuffer.configure(cache={str(programs)!r})\n"
-    command = [sys.executable, "-W", "error", "-c", kept + blocks(README)]
+    prologue = f"import jaxbuffer\njaxbuffer.configure(cache={str(programs)!r})\n"
+    command = [sys.executable, "-W", "error", "-c", prologue + blocks(README)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
 

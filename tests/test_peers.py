@@ -63,9 +63,9 @@ def test_the_watched_rate_is_that_of_the_force(rolling, cone_length):
 @pytest.mark.parametrize("peer", COMPILED)
 def test_compiled_peers_reach_the_reference_captures(peer):
     for case in load(REFERENCES)[:3]:  # welded, free tip, fast
-        found = solve(peer, case.parameters, 1e-9, 1e-12)
-        assert max(errors(found, case).values()) < 1e-6, case.name
-        assert found.peak_time == pytest.approx(case.peak_time, abs=1e-7)
+        result = solve(peer, case.parameters, 1e-9, 1e-12)
+        assert max(errors(result, case).values()) < 1e-6, case.name
+        assert result.peak_time == pytest.approx(case.peak_time, abs=1e-7)
 
 
 @pytest.mark.parametrize("peer", COMPILED)

@@ -18,6 +18,7 @@ from jax._src import compilation_cache
 from jaxbuffer.programs import cache, identity
 from jaxbuffer.programs import store as program_files
 from jaxbuffer.programs.cache import Static, stored
+from jaxbuffer.programs.process import PACKAGES, kind
 from jaxbuffer.programs.store import store_in
 
 CACHE = ("jax_compilation_cache_dir", "jax_persistent_cache_min_compile_time_secs")
@@ -77,17 +78,17 @@ def traced():
     return (lambda: stored(squares)), traces
 
 
-def asked(values=(3.0, 1.0, 2.0), scale=2.0):
+def inputs(values=(3.0, 1.0, 2.0), scale=2.0):
     return Polynomial(np.array(values), np.asarray(scale)), np.asarray(4)
 
 
 def test_another_process_runs_what_was_kept_without_tracing(folder, traced):
     fresh, traces = traced
     for values, scale in (((3.0, 1.0, 2.0), 2.0), ((5.0, 4.0, 6.0), 1.0)):
-        found, rest = fresh()(*asked(values, scale))
-        np.testing.assert_array_equal(found.coefficients, np.sort(np.array(values) * scale) ** 2)
-        assert float(found.scale) == 4.0 * max(values) * scale
-        assert (found.kind, int(rest["times"])) == ("odd", 4)
+        result, rest = fresh()(*inputs(values, scale))
+        np.testing.assert_array_equal(result.coefficients, np.sort(np.array(values) * scale) ** 2)
+        assert float(result.scale) == 4.0 * max(values) * scale
+        assert (result.kind, int(rest["times"])) == ("odd", 4)
     assert len(traces) == 1 and len(files(folder)) == 1
 
 
@@ -128,9 +129,9 @@ def test_a_stiffness_given_in_one_process_is_no_yield_stress_in_the_next(tmp_pat
 
 def test_other_shapes_static_fields_and_sources_are_other_programs(folder, traced, monkeypatch):
     fresh, traces = traced
-    polynomial, times = asked()
+    polynomial, times = inputs()
     fresh()(polynomial, times)
-    fresh()(*asked((1.0, 2.0)))
+    fresh()(*inputs((1.0, 2.0)))
     fresh()(Polynomial(polynomial.coefficients, polynomial.scale, "odd"), times)
     monkeypatch.setattr(cache, "_made_from", lambda: b"another version")
     fresh()(polynomial, times)
@@ -139,11 +140,11 @@ def test_other_shapes_static_fields_and_sources_are_other_programs(folder, trace
 
 def test_the_cache_of_jax_has_what_was_compiled_of_a_program(folder, traced):
     fresh, _ = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     (compiled,) = of_jax(folder, file)
     before = compiled.read_bytes()
-    fresh()(*asked())
+    fresh()(*inputs())
     assert of_jax(folder, file) == [compiled] and compiled.read_bytes() == before
 
 
@@ -151,35 +152,90 @@ def test_the_cache_of_jax_has_what_was_compiled_of_a_program(folder, traced):
 def test_what_is_damaged_in_the_cache_of_jax_is_compiled_anew(folder, traced, harm):
     """JAX alone would read a file that is damaged at every start, and never replace it."""
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     (compiled,) = of_jax(folder, file)
     compiled.unlink() if harm is None else compiled.write_bytes(harm(compiled.read_bytes()))
     for _ in range(2):
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 2 and len(of_jax(folder, file)) == 1
+
+
+@pytest.fixture
+def shipped(folder, traced, tmp_path, monkeypatch):
+    """The folder of a package that came with the program of `traced`, on a machine of another processor."""
+    traced[0]()(*inputs())
+    into = tmp_path / "shipped"
+    program_files.ship(folder, into)
+    monkeypatch.setattr(program_files, "SHIPPED", into)
+    monkeypatch.setattr(cache, "_made_from", lambda: b"another processor")
+    return into
+
+
+def test_a_program_of_the_package_is_not_traced(folder, traced, shipped):
+    fresh, traces = traced
+    (one,) = files(shipped)
+    before = one.read_bytes()
+    for _ in range(2):  # the second is read from the folder
+        result, _ = fresh()(*inputs((5.0, 4.0, 6.0), 1.0))
+        np.testing.assert_array_equal(result.coefficients, [16.0, 25.0, 36.0])
+    assert len(traces) == 1 and len(files(folder)) == 2
+    assert all(len(of_jax(folder, file)) == 1 for file in files(folder)), "JAX's cache has each"
+    assert one.read_bytes() == before and len(list(shipped.iterdir())) == 1
+
+
+@pytest.mark.parametrize("harm", ["another version", "cut", "wrong", "of nobody"])
+def test_a_program_of_the_package_that_is_none_of_these_versions_or_damaged_is_ignored(
+    folder, traced, shipped, harm, monkeypatch
+):
+    fresh, traces = traced
+    (one,) = files(shipped)
+    content = one.read_bytes()
+    if harm == "another version":
+        monkeypatch.setattr(cache, "_traced_from", lambda: b"another version of JAX")
+    elif harm == "cut":
+        one.write_bytes(content[:-9])
+    elif harm == "wrong":
+        one.write_bytes(content[:-9] + b"#" + content[-8:])
+    else:  # a right checksum of what no JAX reads
+        stored = program_files.read_shipped(one.name)
+        program_files.write(one, stored._replace(exported=[b"nothing"]), None)
+    there = one.read_bytes()
+    result, _ = fresh()(*inputs())
+    np.testing.assert_array_equal(result.coefficients, [4.0, 16.0, 36.0])
+    assert len(traces) == 2 and one.read_bytes() == there
+
+
+def test_what_the_package_came_with_is_for_any_processor_but_no_other_version(monkeypatch):
+    def traced_from(**others):
+        monkeypatch.setattr(cache, "kind", lambda: kind() | others)
+        return cache._traced_from.__wrapped__()
+
+    assert traced_from() == traced_from(processor="another") == traced_from(Python="3.11.99")
+    versions = (*PACKAGES, "jaxbuffer", "backend", "XLA")
+    assert len({traced_from(), *(traced_from(**{name: "another"}) for name in versions)}) == 1 + len(versions)
 
 
 def test_a_program_that_was_not_finished_is_begun_anew(folder, traced):
     """As by a process that was killed between JAX's file and the program's."""
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     file.unlink()
     of_jax(folder, file)[0].write_bytes(b"half")
     for _ in range(2):
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 2
 
 
 @pytest.mark.parametrize("content", [b"", b"\x80\x04K\x01.", b"garbage"])
 def test_a_broken_file_is_compiled_and_written_anew(folder, traced, content):
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     file.write_bytes(content)
     for _ in range(2):
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 2
 
 
@@ -187,41 +243,41 @@ def test_a_folder_that_cannot_be_written_is_no_error(tmp_path, traced):
     (tmp_path / "file").write_text("")
     store_in(tmp_path / "file")
     try:
-        assert float(traced[0]()(*asked())[0].scale) == 24.0
+        assert float(traced[0]()(*inputs())[0].scale) == 24.0
     finally:
         store_in(None)
 
 
 @pytest.mark.parametrize("kept_on_disk", [True, False])
 def test_what_passes_through_stays_outside_and_numbers_share_an_array(tmp_path, kept_on_disk):
-    seen = []
+    calls = []
 
     @stored
     def scaled(polynomial, by, label):
-        seen.append(label.value)
+        calls.append(label.value)
         return {"polynomial": polynomial, "scaled": polynomial.coefficients * by * polynomial.scale}
 
     store_in(tmp_path if kept_on_disk else None)
     try:
         polynomial = Polynomial(np.array([1.0, 2.0]), 0.1)
         for by in (2.0, np.asarray(3.0), jnp.asarray(4.0)):
-            found = scaled(polynomial, by, Static("a"))
-            assert found["polynomial"].scale is polynomial.scale
-            assert found["polynomial"].coefficients is polynomial.coefficients
-            np.testing.assert_allclose(found["scaled"], np.array([0.1, 0.2]) * float(by), rtol=1e-15)
+            result = scaled(polynomial, by, Static("a"))
+            assert result["polynomial"].scale is polynomial.scale
+            assert result["polynomial"].coefficients is polynomial.coefficients
+            np.testing.assert_allclose(result["scaled"], np.array([0.1, 0.2]) * float(by), rtol=1e-15)
         np.testing.assert_array_equal(scaled(polynomial, 2, Static("a"))["scaled"], [0.2, 0.4])
         scaled(polynomial, 2.0, Static("b"))
     finally:
         store_in(None)
-    assert seen == ["a", "a", "b"], "an integer is no number to share an array; another label is another program"
+    assert calls == ["a", "a", "b"], "an integer is no number to share an array; another label is another program"
 
 
 def test_of_threads_that_come_at_once_one_compiles(traced):
     fresh, traces = traced
     function = fresh()
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(lambda _: float(function(*asked())[0].scale), range(8)))
-    assert found == [24.0] * 8 and len(traces) == 1
+        result = list(pool.map(lambda _: float(function(*inputs())[0].scale), range(8)))
+    assert result == [24.0] * 8 and len(traces) == 1
 
 
 def test_a_part_of_a_larger_program_is_traced_once(traced):
@@ -240,7 +296,7 @@ def test_transformations_and_no_folder_are_jit(folder, traced):
     assert float(jax.jit(total)(3.0)) == 24.0 and float(jax.jacfwd(total)(3.0)) == 8.0
     np.testing.assert_array_equal(jax.vmap(total)(jnp.arange(3.0)), [0.0, 8.0, 16.0])
     store_in(None)
-    fresh()(*asked())
+    fresh()(*inputs())
     assert not files(folder), "nothing was stored"
 
 
@@ -250,11 +306,11 @@ def test_files_long_unused_go_once_another_is_written(folder, traced):
     for file, age in ((old, 31), (recent, 29)):
         file.touch()
         os.utime(file, (time.time() - age * 86400,) * 2)
-    fresh()(*asked())
+    fresh()(*inputs())
     assert recent.exists() and not old.exists()
     (written,) = set(files(folder)) - {recent}
     os.utime(written, (0, 0))
-    fresh()(*asked())
+    fresh()(*inputs())
     assert time.time() - written.stat().st_mtime < 86400
 
 
@@ -264,11 +320,11 @@ def test_a_planted_pickle_is_not_run(folder, traced, tmp_path):
             return os.system, (f"touch {tmp_path / 'ran'}",)
 
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     for content in (pickle.dumps(Command()), program_files.MAGIC + pickle.dumps(Command())):
         file.write_bytes(content)
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert not (tmp_path / "ran").exists() and len(traces) == 3
     assert file.read_bytes().startswith(program_files.MAGIC), "replaced by a program"
 
@@ -277,7 +333,7 @@ def test_a_planted_pickle_is_not_run(folder, traced, tmp_path):
 @pytest.mark.parametrize("harm", ["flip", "cut"])
 def test_a_damaged_file_is_replaced_before_it_is_looked_into(folder, traced, place, harm, monkeypatch):
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     whole = file.read_bytes()
     damaged = bytearray(whole)
@@ -286,9 +342,9 @@ def test_a_damaged_file_is_replaced_before_it_is_looked_into(folder, traced, pla
     loaded = []
     with monkeypatch.context() as patched:
         patched.setattr(cache.export, "deserialize", lambda *_: loaded.append(1))
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 2 and not loaded
-    assert float(fresh()(*asked())[0].scale) == 24.0 and len(traces) == 2, "whole again"
+    assert float(fresh()(*inputs())[0].scale) == 24.0 and len(traces) == 2, "whole again"
 
 
 PROCESS = """
@@ -374,10 +430,10 @@ def test_code_that_is_wrong_behind_a_right_checksum_ends_one_process_at_most(tmp
 
 def test_a_file_being_loaded_by_another_process_is_left_alone(folder, traced):
     fresh, traces = traced
-    fresh()(*asked())
+    fresh()(*inputs())
     (file,) = files(folder)
     with program_files.being_loaded(file):
-        assert float(fresh()(*asked())[0].scale) == 24.0
+        assert float(fresh()(*inputs())[0].scale) == 24.0
     assert len(traces) == 1 and files(folder) == [file] and not list(folder.glob("*.loading"))
 
 
@@ -387,7 +443,7 @@ def test_a_full_disk_leaves_nothing_behind(folder, traced, monkeypatch):
 
     fresh, _ = traced
     monkeypatch.setattr(program_files.files, "write", full)
-    assert float(fresh()(*asked())[0].scale) == 24.0
+    assert float(fresh()(*inputs())[0].scale) == 24.0
     assert not files(folder)
 
 
@@ -395,8 +451,8 @@ def test_a_result_with_a_class_of_someone_elses_is_not_kept(folder):
     class Local(eqx.Module):
         value: jax.Array
 
-    found = stored(lambda value: Local(value + 1.0))(2.0)
-    assert float(found.value) == 3.0 and not files(folder)
+    result = stored(lambda value: Local(value + 1.0))(2.0)
+    assert float(result.value) == 3.0 and not files(folder)
 
 
 def private(folder):
@@ -424,7 +480,7 @@ def test_a_folder_where_others_may_write_is_not_used(tmp_path, mode, traced):
     folder.chmod(mode)
     said = store_in(folder)
     assert said == f"others may write to {folder}; once you trust what is in it: chmod 700 '{folder}'"
-    assert float(traced[0]()(*asked())[0].scale) == 24.0
+    assert float(traced[0]()(*inputs())[0].scale) == 24.0
     assert not any(folder.iterdir())
     folder.chmod(0o700)
     assert private(folder) == ""
@@ -493,11 +549,11 @@ def test_a_class_redefined_under_its_name_is_another_program_in_memory(folder):
 
 def test_watched_is_called_where_a_program_is_compiled(folder, traced):
     fresh, _ = traced
-    seen = []
-    with cache.watched(seen.append):
+    calls = []
+    with cache.watched(calls.append):
         for _ in range(2):
-            fresh()(*asked())
-    assert seen == [cache.UNKNOWN, None], "the second is read"
+            fresh()(*inputs())
+    assert calls == [cache.UNKNOWN, None], "the second is read"
 
 
 def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
@@ -505,9 +561,9 @@ def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
         time.sleep(0.3)  # while it is traced
         return 2.0 * x
 
-    seen = []
-    with cache.watched(seen.append):
+    calls = []
+    with cache.watched(calls.append):
         for shape in (1, 2):
             stored(slow)(np.ones(shape))
-    assert seen[0] == cache.UNKNOWN and seen[1] is seen[3] is None
-    assert 0.3 < seen[2] < 5.0
+    assert calls[0] == cache.UNKNOWN and calls[1] is calls[3] is None
+    assert 0.3 < calls[2] < 5.0

@@ -23,7 +23,7 @@ def test_nothing_is_shown_unasked(capsys):
         pass
 
     assert counted(None, "run") is None and counted(False, "run") is None and counted(mine, "run") is mine
-    for asked, told in ((None, None), (False, None), (mine, mine)):
-        with reported(asked, str) as report:
-            assert report is told
+    for moves, shown in ((None, None), (False, None), (mine, mine)):
+        with reported(moves, str) as report:
+            assert report is shown
     assert capsys.readouterr() == ("", "")

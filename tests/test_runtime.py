@@ -35,10 +35,10 @@ def test_all_flags_of_a_version_that_was_tried(flags):
 
 
 def test_what_is_set_already_stays(flags):
-    found = flags("--xla_cpu_parallel_codegen_split_count=8 --xla_force_host_platform_device_count=2")
-    assert found[:2] == ["--xla_cpu_parallel_codegen_split_count=8", "--xla_force_host_platform_device_count=2"]
-    assert len(found) == 1 + len(OURS)
-    assert flags(" ".join(found)) == found
+    result = flags("--xla_cpu_parallel_codegen_split_count=8 --xla_force_host_platform_device_count=2")
+    assert result[:2] == ["--xla_cpu_parallel_codegen_split_count=8", "--xla_force_host_platform_device_count=2"]
+    assert len(result) == 1 + len(OURS)
+    assert flags(" ".join(result)) == result
 
 
 def test_a_version_that_was_not_tried_gets_no_flags_that_may_end_it(flags):

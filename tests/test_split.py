@@ -28,17 +28,17 @@ def steps(base, times, label):
 
 
 @after(steps)
-def report(base, times, label, found):
-    return base, found["power"] * 2.0 + found[label.value], label
+def report(base, times, label, peak):
+    return base, peak["power"] * 2.0 + peak[label.value], label
 
 
 def test_both_parts_together(tmp_path):
     for folder in (None, tmp_path, tmp_path):
         report.programs.clear()
         store_in(folder)
-        base, found, label = report(1.5, 4.0, Static("base"))
+        base, peak, label = report(1.5, 4.0, Static("base"))
         assert (base, label.value) == (1.5, "base")
-        assert found == pytest.approx(1.5**4 * 2.0 + 1.5, rel=1e-15)
+        assert peak == pytest.approx(1.5**4 * 2.0 + 1.5, rel=1e-15)
     assert [len(program.parts) for program in report.programs.values()] == [2]
 
 
@@ -67,13 +67,16 @@ def test_the_time_loop_is_in_the_first_program_alone(asked):
             Request(PROBE_CONE, (design, scenario, gain), duration, (rtol, rtol), Options(max_events=8)),
             CHECKED,
         ),
-        _gradients: (PROBE_CONE, (design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",)), None),
+        _gradients: (
+            *(PROBE_CONE, (design, scenario, duration, rtol), jnp.array([500.0]), Static(("buffer.k_A",))),
+            *(None, None),
+        ),
         solve_chunk: (PROBE_CONE, runs, jnp.array([True, False]), rtol, gain, None),
     }[asked]
     arrays, rest = eqx.partition(arguments, eqx.is_array)
     whole = lambda arrays: eqx.combine(arrays, rest)  # noqa: E731
-    first, found = jax.make_jaxpr(lambda arrays: asked.first(*whole(arrays)), return_shape=True)(arrays)
-    last = jax.make_jaxpr(lambda arrays, found: asked.last(*whole(arrays), found))(arrays, found)
+    first, result = jax.make_jaxpr(lambda arrays: asked.first(*whole(arrays)), return_shape=True)(arrays)
+    last = jax.make_jaxpr(lambda arrays, result: asked.last(*whole(arrays), result))(arrays, result)
     loops = [str(part).count("custom_vmap_call[") for part in (first, last)]
     assert loops[0] >= 1 and loops[1] == 0, "runs are stepped one by one: sequential_vmap"
 

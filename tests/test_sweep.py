@@ -22,27 +22,27 @@ def together(names):
 
 def test_all_reference_captures_at_once():
     design, scenarios, expected = together(WELDED)
-    seen = []
-    found = jb.sweep(design, scenarios, progress=lambda done, count: seen.append((done, count)))
-    assert [outcome.name for outcome in found.outcomes] == [v["outcome"] for v in expected]
+    calls = []
+    sweep = jb.sweep(design, scenarios, progress=lambda done, count: calls.append((done, count)))
+    assert [outcome.name for outcome in sweep.outcomes] == [v["outcome"] for v in expected]
     for name, tolerance in (("peak_force", 1e-4), ("stroke", 1e-4), ("end_time", 1e-3)):
-        np.testing.assert_allclose(getattr(found, name), [v[name] for v in expected], rtol=tolerance)
-    np.testing.assert_array_equal(found.impact_count, [v["impacts"] for v in expected])
-    assert seen[-1] == (len(WELDED), len(WELDED))
-    assert "captured" in repr(found) and "peak_force [N]" in repr(found)
+        np.testing.assert_allclose(getattr(sweep, name), [v[name] for v in expected], rtol=tolerance)
+    np.testing.assert_array_equal(sweep.impact_count, [v["impacts"] for v in expected])
+    assert calls[-1] == (len(WELDED), len(WELDED))
+    assert "captured" in repr(sweep) and "peak_force [N]" in repr(sweep)
 
 
 def test_a_capture_cut_short_leaves_the_others_alone():
     duration = np.array([8.0, 1e-3])
-    found = jb.sweep(jb.table2(), jb.Scenario(approach_speed=np.array([0.1, 0.1])), duration)
-    assert [outcome.name for outcome in found.outcomes] == ["captured", "timeout"]
-    np.testing.assert_allclose(found.peak_force, [253.13152694328107, 141.5785], rtol=1e-5)
+    sweep = jb.sweep(jb.table2(), jb.Scenario(approach_speed=np.array([0.1, 0.1])), duration)
+    assert [outcome.name for outcome in sweep.outcomes] == ["captured", "timeout"]
+    np.testing.assert_allclose(sweep.peak_force, [253.13152694328107, 141.5785], rtol=1e-5)
 
 
 def test_one_capture():
-    found = jb.sweep(jb.table2(), jb.Scenario(), workers=1)
-    assert len(found) == 1
-    np.testing.assert_allclose(found.peak_force, 253.13152694328107, rtol=1e-4)
+    sweep = jb.sweep(jb.table2(), jb.Scenario(), workers=1)
+    assert len(sweep) == 1
+    np.testing.assert_allclose(sweep.peak_force, 253.13152694328107, rtol=1e-4)
 
 
 def test_one_program_for_any_number_of_runs():
@@ -55,8 +55,8 @@ def test_one_program_for_any_number_of_runs():
         np.testing.assert_array_equal(few.peak_force, all_runs.peak_force[-count:])
     assert len(solve_chunk.programs) == 1
     part = runs(Batch(None, jb.table2(), jb.Scenario(approach_speed=speeds)), 0.05, 16, 1, filled=True)
-    found = solve_chunk.first(PROBE_CONE, *part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
-    assert np.all((np.asarray(found.attempts) > 0) == (np.arange(16) < 3))
+    result = solve_chunk.first(PROBE_CONE, *part.call(16), np.asarray(1e-6), np.asarray(20.0), None)
+    assert np.all((np.asarray(result.attempts) > 0) == (np.arange(16) < 3))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_an_interrupt_hands_over_what_was_done(monkeypatch):
     speeds = np.array([0.1, 0.1, 0.1])
     with pytest.raises(SweepInterrupted, match=r"[12] of 3 captures done") as stop:
         jb.sweep(jb.table2(), jb.Scenario(approach_speed=speeds), workers=1, progress=interrupt)
-    done, found = stop.value.done, stop.value.found
+    done, result = stop.value.done, stop.value.found
     assert 1 <= done.sum() <= 2, "no more than two are under way at a time"
-    np.testing.assert_allclose(found.peak_force[done], 253.13152694328107, rtol=1e-4)
-    assert np.isnan(found.peak_force[~done]).all()
+    np.testing.assert_allclose(result.peak_force[done], 253.13152694328107, rtol=1e-4)
+    assert np.isnan(result.peak_force[~done]).all()

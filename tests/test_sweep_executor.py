@@ -89,7 +89,7 @@ def test_what_can_not_compute_is_said():
 
 def test_a_process_of_other_bits_is_refused(monkeypatch):
     monkeypatch.setattr(module, "prepared", lambda address, cache: {**module.kind(), "processor": "another"})
-    home = module.Home("elsewhere", module.kind(), None)
+    rest = module.kind(), None, "item"
     with pytest.raises(InputError, match="differs from this one in processor, and so might its bits"):
-        module._checked(home, len, "item")
-    assert module._checked(home._replace(address=module._address()), len, "item") == 4
+        module._checked(len, "elsewhere", *rest)
+    assert module._checked(len, module._address(), *rest) == 4

@@ -11,12 +11,13 @@ from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.sweeps import store as stored
 from jaxbuffer.sweeps import sweep as module
 from jaxbuffer.sweeps import zarr_format
-from jaxbuffer.sweeps.columns import column_names, whole_numbers
+from jaxbuffer.sweeps.columns import column_names, column_types
 from jaxbuffer.sweeps.result import SweepInterrupted
 from jaxbuffer.sweeps.store import CHECKSUM, FORMER, STORE
 from test_files import room_for
 
-COLUMNS, WHOLE = column_names(PROBE_CONE), whole_numbers(PROBE_CONE)
+COLUMNS = column_names(PROBE_CONE)
+WHOLE = [name for name, kind in column_types(PROBE_CONE).items() if kind == "<i8"]
 
 COUNT = 100
 SPEEDS = np.linspace(0.1, 0.2, COUNT)
@@ -205,3 +206,67 @@ def test_a_store_without_zarr(solved, tmp_path):
         tmp_path / "other", "moves", Labelled(("moves",), np.array([True, False]), "", "")
     )
     assert truths["moves/.zarray"]["dtype"] == "|i1" and truths["moves/.zattrs"]["dtype"] == "bool"
+
+
+@pytest.fixture
+def captured(solved, monkeypatch):
+    """The same, each solved with the first outcome."""
+    chunk = module.columns_of_chunk
+    whole = [name in WHOLE for name in COLUMNS]
+    zeros = lambda *call: [0 * it if w else it for w, it in zip(whole, chunk(*call), strict=True)]  # noqa: E731
+    monkeypatch.setattr(module, "columns_of_chunk", zeros)
+    return solved
+
+
+def killed(folder, **options):
+    """As a kill after some blocks leaves it: without results."""
+    with pytest.raises(SweepInterrupted):
+        swept(folder, 3 * CHUNK, save=True, **options)
+
+
+def test_a_sweep_begun_beside_the_results_of_another_is_named(captured, tmp_path):
+    """The results stay those of the first one, and `load` says so until the second one is finished."""
+    swept(tmp_path, save=True)
+    assert jb.load(tmp_path).sweep.sizes["run"] == COUNT, "its own store is no other sweep"
+    killed(tmp_path, rtol=1e-5)
+    two = (
+        r"holds two sweeps, differing in options: sweep\.nc is of one, sweep\.zarr of the other, which is not finished"
+    )
+    with pytest.warns(UserWarning, match=two):
+        assert jb.load(tmp_path).sweep.sizes["run"] == COUNT
+    with pytest.warns(UserWarning, match=two):
+        jb.report(tmp_path)
+    swept(tmp_path, rtol=1e-5, resume=True)
+    with pytest.warns(
+        UserWarning, match=r"sweep\.zarr of the other, which has all its runs: the command that began it"
+    ):
+        jb.load(tmp_path)
+    swept(tmp_path, rtol=1e-5, resume=True, save=True)
+    assert jb.load(tmp_path).sweep is not None
+
+
+def test_results_saved_beside_an_unfinished_sweep_are_not_of_it(captured, tmp_path):
+    other = swept(None, rtol=1e-5)
+    killed(tmp_path)
+    other.save(tmp_path, figures=False)
+    with pytest.warns(
+        UserWarning, match=r"holds two sweeps, differing in options: sweep\.nc is of one, sweep\.zarr of the other"
+    ):
+        jb.load(tmp_path)
+
+
+def test_an_interrupted_sweep_saved_as_far_as_it_came_is_one(captured, tmp_path):
+    with pytest.raises(SweepInterrupted) as interrupted:
+        swept(tmp_path, 3 * CHUNK)
+    interrupted.value.found.save(tmp_path, figures=False)
+    outcomes = jb.load(tmp_path).sweep.outcome.values
+    assert np.sum(outcomes == "not computed") == COUNT - 3 * CHUNK
+
+
+def test_a_sample_in_the_place_of_a_sweep(captured, tmp_path):
+    """Both are finished: the store is the sample's, and sweep.nc says by itself what it is of."""
+    swept(tmp_path, save=True)
+    ranges = {"scenario.approach_speed": (0.1, 0.2)}
+    jb.sample(jb.table2(), jb.Scenario(), ranges, 16, folder=tmp_path)
+    found = jb.load(tmp_path)
+    assert found.sweep is not None and found.records["sample"]

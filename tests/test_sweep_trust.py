@@ -30,17 +30,17 @@ def test_verdicts_are_those_of_single_runs(designs, swept):
 
 
 def test_without_trust_nothing_is_said(designs, swept):
-    found = jb.sweep(designs, jb.Scenario(approach_speed=SPEEDS), rtol=1e-3)
-    assert found.verdicts == ["", "", ""] and not found.doubts("")
-    np.testing.assert_array_equal(found.peak_force, swept.peak_force)
+    sweep = jb.sweep(designs, jb.Scenario(approach_speed=SPEEDS), rtol=1e-3)
+    assert sweep.verdicts == ["", "", ""] and not sweep.doubts("")
+    np.testing.assert_array_equal(sweep.peak_force, swept.peak_force)
     assert list(swept.to_pandas()["trust"]) == swept.verdicts == swept.to_xarray().trust.values.tolist()
 
 
 def test_a_run_without_numbers_has_no_verdict(designs):
     part = runs(Batch(None, designs, jb.Scenario(approach_speed=SPEEDS)), 8.0, 16, 1, filled=True)
-    chunk, wanted = part.call(0)
+    chunk, mask = part.call(0)
     settings = Settings(np.asarray(1e-3), np.asarray(20.0), None, trust=True)
-    *_, verdict = columns_of_chunk(chunk, wanted & (np.arange(16) != 1), settings)
+    *_, verdict = columns_of_chunk(chunk, mask & (np.arange(16) != 1), settings)
     assert (verdict[[0, 2]] >= 0).all() and (verdict[np.r_[1, 3:16]] == NO_VERDICT).all()
 
 
@@ -52,12 +52,12 @@ def bar():
 @pytest.mark.parametrize(("rtol", "known"), [(1e-12, True), (9e-13, False), (1e-13, False)])
 def test_below_rtol_1e_12_nothing_is_known(bar, rtol, known):
     """A run at 1e-13, the least allowed, is no tenth of it: at rtol 1e-13 it is the run itself."""
-    found = jb.sweep(*bar, 0.22, rtol=rtol, trust=True)
+    sweep = jb.sweep(*bar, 0.22, rtol=rtol, trust=True)
     if known:
-        assert found.verdicts == ["trusted"] * 2 and found.doubts("") == []
+        assert sweep.verdicts == ["trusted"] * 2 and sweep.doubts("") == []
     else:
-        (said,) = found.doubts("see trust")
-        assert found.verdicts == ["unknown"] * 2 == found.to_pandas()["trust"].tolist()
+        (said,) = sweep.doubts("see trust")
+        assert sweep.verdicts == ["unknown"] * 2 == sweep.to_pandas()["trust"].tolist()
         assert said.startswith("2 of 2 drops have numbers of unknown error: a tenth of rtol is below 1e-13, the least")
 
 
@@ -65,8 +65,8 @@ def test_a_run_that_fails_at_a_tenth_of_the_tolerance_only(bar, monkeypatch):
     part = runs(Batch(None, *bar), 0.22, 16, 1, filled=True)
     solve = chunks.solve_chunk
 
-    def failing(mechanism, chunk, wanted, rtol, *others):
-        return solve(mechanism, chunk, wanted & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
+    def failing(mechanism, chunk, mask, rtol, *others):
+        return solve(mechanism, chunk, mask & ((rtol > 5e-6) | (np.arange(16) == 0)), rtol, *others)
 
     monkeypatch.setattr(chunks, "solve_chunk", failing)
     *_, verdict = columns_of_chunk(*part.call(0), Settings(np.asarray(1e-5), np.asarray(20.0), None, trust=True))

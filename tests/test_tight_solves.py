@@ -30,20 +30,20 @@ def capture(forces, flanks=None, **named):
     padded = np.append(np.asarray(forces, float), 0.0)
     contact = np.append(np.zeros(count, int) if flanks is None else flanks, -1)
     times = np.linspace(0.0, 0.1, count + 1)
-    found = made_up_capture(peak=max(forces), **named)
-    object.__setattr__(found, "impacts", Impacts(times, contact, times, padded, times, np.asarray(count)))
-    return found
+    made = made_up_capture(peak=max(forces), **named)
+    object.__setattr__(made, "impacts", Impacts(times, contact, times, padded, times, np.asarray(count)))
+    return made
 
 
 def horizon_of(monkeypatch, ours, theirs, **options):
-    asked = []
+    calls = []
 
     def simulate(design, scenario, duration, **given):
-        asked.append((duration, given))
+        calls.append((duration, given))
         return theirs
 
     monkeypatch.setattr(horizons, "simulate", simulate)
-    return horizons.horizon(ours, **options), asked
+    return horizons.horizon(ours, **options), calls
 
 
 @pytest.mark.parametrize(("theirs", "flanks", "trusted"), [
@@ -59,12 +59,12 @@ def horizon_of(monkeypatch, ours, theirs, **options):
 ])  # fmt: skip
 def test_impacts_are_trusted_up_to_the_first_that_changes(monkeypatch, theirs, flanks, trusted):
     """By 1e-3, or by touching another contact."""
-    found, asked = horizon_of(monkeypatch, capture([200.0, 100.0, 50.0], [0, 1, 0]), capture(theirs, flanks))
-    assert (found.trusted, found.impacts, found.change, found.rtol) == (trusted, 3, 1e-3, 1e-9)
-    assert len(found.changes) == min(3, len(theirs))
+    result, calls = horizon_of(monkeypatch, capture([200.0, 100.0, 50.0], [0, 1, 0]), capture(theirs, flanks))
+    assert (result.trusted, result.impacts, result.change, result.rtol) == (trusted, 3, 1e-3, 1e-9)
+    assert len(result.changes) == min(3, len(theirs))
     if trusted == 3 and theirs[0] == 200.1:
-        np.testing.assert_allclose(found.changes, [1.0 - 200.0 / 200.1, 0.0, 0.0], rtol=1e-9, atol=1e-15)
-    ((duration, given),) = asked
+        np.testing.assert_allclose(result.changes, [1.0 - 200.0 / 200.1, 0.0, 0.0], rtol=1e-9, atol=1e-15)
+    ((duration, given),) = calls
     assert duration == float(capture([1.0]).end_time)
     assert given["rtol"] == 1e-9
     assert given["history"]
@@ -72,10 +72,10 @@ def test_impacts_are_trusted_up_to_the_first_that_changes(monkeypatch, theirs, f
 
 def test_a_horizon_with_another_tolerance_and_change(monkeypatch):
     ours, theirs = capture([200.0, 100.0]), capture([204.0, 110.0])
-    found, asked = horizon_of(monkeypatch, ours, theirs, rtol=1e-11, change=0.05)
-    assert (found.trusted, found.impacts) == (1, 2)
-    assert asked[0][1]["rtol"] == 1e-11
-    assert str(found).startswith("the first 1 of 2 impacts can be trusted one by one")
+    result, calls = horizon_of(monkeypatch, ours, theirs, rtol=1e-11, change=0.05)
+    assert (result.trusted, result.impacts) == (1, 2)
+    assert calls[0][1]["rtol"] == 1e-11
+    assert str(result).startswith("the first 1 of 2 impacts can be trusted one by one")
 
 
 def solve(run, names=("stroke", "peak_force")):
@@ -92,18 +92,18 @@ def pool():
 
 
 def test_solves_are_made_once_each_and_tightly(monkeypatch, pool):
-    asked = []
+    calls = []
 
     def simulate(design, scenario, duration, rtol, solver):
-        asked.append((float(design.buffer.k_A), float(design.buffer.c_A), duration, rtol))
+        calls.append((float(design.buffer.k_A), float(design.buffer.c_A), duration, rtol))
         return capture([240.0])
 
     monkeypatch.setattr(evidence, "simulate", simulate)
     tight, along = TightSolves(solve(capture([250.0])), np.array([100.0, 2.0]), np.array([10.0, 1.0]), pool), [1.0, 0.5]
     for moves in ((0.1, 0.1), (0.1, -0.1), (-0.1,)):
-        found = tight.after([(np.array(along), move) for move in moves])
-        np.testing.assert_allclose(found, [[0.0075, 240.0]] * len(moves))
-    assert asked == [(101.0, 2.05, 8.0, 1e-11), (99.0, 1.95, 8.0, 1e-11)]
+        result = tight.after([(np.array(along), move) for move in moves])
+        np.testing.assert_allclose(result, [[0.0075, 240.0]] * len(moves))
+    assert calls == [(101.0, 2.05, 8.0, 1e-11), (99.0, 1.95, 8.0, 1e-11)]
     assert len(tight.known) == 2
 
 
@@ -116,19 +116,19 @@ def test_solves_are_made_once_each_and_tightly(monkeypatch, pool):
     ([200.0], [0], np.nan),
 ])  # fmt: skip
 def test_the_peak_is_followed_by_its_impact(forces, flanks, expected):
-    found = solve(capture([200.0, 250.0, 10.0], [0, 1, 0])).seen(capture(forces, flanks))
-    np.testing.assert_allclose(found, [0.0075, expected])
+    result = solve(capture([200.0, 250.0, 10.0], [0, 1, 0])).values_of(capture(forces, flanks))
+    np.testing.assert_allclose(result, [0.0075, expected])
 
 
 def test_another_outcome_is_not_compared():
     tight = solve(capture([250.0]))
-    assert np.all(np.isnan(tight.seen(capture([250.0], outcome=jb.Outcome.failed_step_size))))
-    assert tight.seen(capture([250.0])).tolist() == [0.0075, 250.0]
+    assert np.all(np.isnan(tight.values_of(capture([250.0], outcome=jb.Outcome.failed_step_size))))
+    assert tight.values_of(capture([250.0])).tolist() == [0.0075, 250.0]
 
 
 def test_without_an_impact_or_the_peak_among_the_quantities_there_is_none_to_follow():
-    assert solve(capture([250.0]), names=("stroke",)).seen(capture([200.0], [1])).tolist() == [0.0075]
-    assert solve(capture([0.0])).seen(capture([200.0], [1])).tolist() == [0.0075, 200.0]
+    assert solve(capture([250.0]), names=("stroke",)).values_of(capture([200.0], [1])).tolist() == [0.0075]
+    assert solve(capture([0.0])).values_of(capture([200.0], [1])).tolist() == [0.0075, 200.0]
 
 
 def test_how_a_certificate_weighs():
@@ -156,13 +156,13 @@ class Powers:
 def test_evidence_says_how_it_was_gathered(gather, thorough):
     truth, claimed = [[0.3, -0.05], [-0.8, 0.1]], np.array([[0.3, -0.05], [-0.8, 0.12]])
     tight, changes = Powers(truth), np.full((2, 2), 7e-5)
-    found = gather(tight, claimed, np.ones(2), changes)
-    assert found.thorough is thorough
-    assert found.solves == len(tight.known) > 0
-    np.testing.assert_array_equal(found.by_tolerance, changes)
-    assert found.by_differences[1, 1] == pytest.approx(0.02, rel=0.1 if thorough else 1.0)
-    assert np.max(found.by_differences[0]) < 1e-6
-    assert np.max(found.uncertainty) < 1e-5
+    result = gather(tight, claimed, np.ones(2), changes)
+    assert result.thorough is thorough
+    assert result.solves == len(tight.known) > 0
+    np.testing.assert_array_equal(result.by_tolerance, changes)
+    assert result.by_differences[1, 1] == pytest.approx(0.02, rel=0.1 if thorough else 1.0)
+    assert np.max(result.by_differences[0]) < 1e-6
+    assert np.max(result.uncertainty) < 1e-5
 
 
 def test_gradients_by_their_names():
@@ -171,8 +171,8 @@ def test_gradients_by_their_names():
     names = list(run.mechanism.quantities)
     rows = np.arange(2.0 * len(names)).reshape(-1, 2)
     by_impact = {"peak_force": np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])}
-    found = Gradients(run, rows[:, 0], rows, by_impact)
-    np.testing.assert_array_equal(found.of(names[3]), [6.0, 7.0])
-    np.testing.assert_array_equal(found.of("impact.1.peak_force"), [1.0, 2.0])
-    np.testing.assert_array_equal(found.of("impact.2.peak_force"), [3.0, 4.0])
-    np.testing.assert_array_equal(found.of("impact.3.peak_force"), [np.nan, np.nan])
+    result = Gradients(run, rows[:, 0], rows, by_impact)
+    np.testing.assert_array_equal(result.of(names[3]), [6.0, 7.0])
+    np.testing.assert_array_equal(result.of("impact.1.peak_force"), [1.0, 2.0])
+    np.testing.assert_array_equal(result.of("impact.2.peak_force"), [3.0, 4.0])
+    np.testing.assert_array_equal(result.of("impact.3.peak_force"), [np.nan, np.nan])

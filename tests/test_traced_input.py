@@ -17,12 +17,15 @@ ORDINARY = (-2.0, -0.8, -0.1, 0.0, 1e-3, 0.015, 0.06, 0.07, 0.1365, 0.49, 0.6, 1
 CANDIDATES = (-math.inf, *ORDINARY, math.inf, math.nan)
 NUMBERS = [
     *(path for path in paths(jb.table2()) if unit(jb.table2(), path)),
-    *(f"scenario.{path}" for path in paths(jb.Scenario())),
+    *(f"scenario.{path}" for path in paths(jb.Scenario()) if unit(jb.Scenario(), path)),
 ]
+BESIDE = {"scenario.thrust": {"scenario.thrust_time": 1.0}, "scenario.thrust_time": {"scenario.thrust": 1.0}}
 
 
 def given(values):
-    """Table 2 with other values at some paths."""
+    """Table 2 with other values at some paths, and what these need beside them."""
+    for path in list(values):
+        values = BESIDE.get(path, {}) | values
     scenario = {path.removeprefix("scenario."): x for path, x in values.items() if path.startswith("scenario.")}
     design = {path: x for path, x in values.items() if not path.startswith("scenario.")}
     return jb.replace(jb.table2(), design), jb.Scenario(**scenario)

@@ -19,26 +19,26 @@ MET = jb.Scenario(approach_speed=0.0346, misalignment=-0.08, passive_rate=-0.021
 
 
 def moved(run, **changes):
-    found = dataclasses.replace(run)
+    result = dataclasses.replace(run)
     for name, value in changes.items():
-        object.__setattr__(found, name, value)
-    return found
+        object.__setattr__(result, name, value)
+    return result
 
 
 def test_an_error_is_three_times_the_change_over_the_value():
     run = made_up_capture(peak=200.0)
-    found = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 + 1e-6))))
-    assert found.errors["peak_force"] == pytest.approx(SAFETY * 1e-6, rel=1e-6)
-    assert found.worst[0] == "peak_force" and found.verdict == "trusted"
-    assert str(found) == "a tenth of the tolerance changes no number by more than 3e-06 of it (peak_force)"
+    verdict = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 + 1e-6))))
+    assert verdict.errors["peak_force"] == pytest.approx(SAFETY * 1e-6, rel=1e-6)
+    assert verdict.worst[0] == "peak_force" and verdict.verdict == "trusted"
+    assert str(verdict) == "a tenth of the tolerance changes no number by more than 3e-06 of it (peak_force)"
 
 
 @pytest.mark.parametrize(("change", "verdict"), [(2e-5, "trusted"), (5e-5, "check"), (5e-3, "ill-conditioned")])
 def test_the_verdict_goes_by_the_worst(change, verdict):
     run = made_up_capture(peak=200.0)
-    found = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 - change))))
-    assert found.verdict == verdict
-    assert ("peak_force (by" in str(found)) == (verdict != "trusted")
+    result = trust(run, moved(run, peak_force=np.asarray(200.0 * (1.0 - change))))
+    assert result.verdict == verdict
+    assert ("peak_force (by" in str(result)) == (verdict != "trusted")
 
 
 def test_what_else_changes_makes_it_ill_conditioned():
@@ -53,8 +53,8 @@ def test_what_else_changes_makes_it_ill_conditioned():
 def test_what_only_one_run_has_is_not_trusted():
     run, nan = made_up_capture(), np.asarray(np.nan)
     for one, other in ((run, moved(run, peak_force=nan)), (moved(run, peak_force=nan), run)):
-        found = trust(one, other)
-        assert found.worst == ("peak_force", np.inf) and found.verdict == "ill-conditioned"
+        verdict = trust(one, other)
+        assert verdict.worst == ("peak_force", np.inf) and verdict.verdict == "ill-conditioned"
     neither = trust(moved(run, peak_force=nan), moved(run, peak_force=nan))
     assert neither.errors["peak_force"] == 0.0 and neither.verdict == "trusted"
 
@@ -65,8 +65,8 @@ def test_small_numbers_are_held_against_large_ones_of_their_unit():
     ahead = float(run.throat_distance)
     largest = max(float(q.of(run)) for q in map(run.mechanism.quantities.get, run.mechanism.swept) if q.unit == "m")
     assert abs(ahead) < 1e-3 * largest
-    found = changes(run, moved(run, throat_distance=np.asarray(ahead + 1e-6 * largest)))
-    assert found["throat_distance"] == pytest.approx(1e-3, rel=1e-9)
+    change = changes(run, moved(run, throat_distance=np.asarray(ahead + 1e-6 * largest)))
+    assert change["throat_distance"] == pytest.approx(1e-3, rel=1e-9)
 
 
 def test_a_mechanism_without_quantities():
@@ -81,10 +81,10 @@ def test_runs_that_say_nothing_are_refused():
 
 def test_without_a_run_at_a_tenth_of_the_tolerance_nothing_is_known():
     run, failed = made_up_capture(), made_up_capture(outcome=jb.Outcome.failed_step_size)
-    found = trust(run, failed)
-    assert (found.verdict, found.errors) == ("unknown", {})
+    verdict = trust(run, failed)
+    assert (verdict.verdict, verdict.errors) == ("unknown", {})
     reason = jb.Outcome.failed_step_size.reason
-    assert str(found) == f"how far these numbers can be trusted is not known: at a tenth of the tolerance {reason}"
+    assert str(verdict) == f"how far these numbers can be trusted is not known: at a tenth of the tolerance {reason}"
 
 
 def test_a_tenth_of_the_tolerance_is_one_or_not_there():
@@ -99,11 +99,11 @@ def test_no_wide_design_is_silently_off():
     silent, marked = [], []
     for design, scenario in [*drawn(100), (jb.replace(jb.table2(), BOUNCING), MET)]:
         run, closer, tight = (jb.simulate(design, scenario, rtol=rtol) for rtol in (1e-6, 1e-7, 1e-10))
-        found = trust(run, closer)
-        marked.append(found.verdict)
-        if found.verdict != "ill-conditioned":
+        verdict = trust(run, closer)
+        marked.append(verdict.verdict)
+        if verdict.verdict != "ill-conditioned":
             errors = changes(run, tight)
-            silent += [(number, name) for name, error in errors.items() if error > DOUBTFUL >= found.errors[name]]
+            silent += [(number, name) for name, error in errors.items() if error > DOUBTFUL >= verdict.errors[name]]
     assert not silent
     assert marked[-1] == "ill-conditioned"
     assert marked.count("trusted") > 50, "a verdict that always doubts says nothing"

@@ -24,9 +24,9 @@ each_mechanism = pytest.mark.parametrize("name", RUNS)
 def numbers(name):
     """Addresses and values of a design's and scenario's numbers."""
     design, scenario, _ = RUNS[name]
-    found = {path: jb.get(design, path) for path in jb.paths(design)}
-    found |= {f"scenario.{path}": jb.get(scenario, path) for path in jb.paths(scenario)}
-    return {path: float(value) for path, value in found.items() if isinstance(value, (float, jax.Array))}
+    values = {path: jb.get(design, path) for path in jb.paths(design)}
+    values |= {f"scenario.{path}": jb.get(scenario, path) for path in jb.paths(scenario)}
+    return {path: float(value) for path, value in values.items() if isinstance(value, (float, jax.Array))}
 
 
 def outputs(name, values):

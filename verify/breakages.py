@@ -4,6 +4,7 @@ Each breakage replaces one method or function before anything is traced; `broken
 """
 
 from .breakage import Breakage
+from .docking_breakages import DOCKING
 from .flexible_breakages import FLEXIBLE
 from .structure_breakages import STRUCTURE
 
@@ -18,6 +19,7 @@ GEOMETRY = "tests/contact/test_geometry.py"
 IMPACT = "tests/contact/test_impact.py"
 PINS = "tests/contact/test_pin_in_hole.py"
 WRITTEN = f"{PINS}::test_one_form_for_the_laws_as_they_are_written"
+WEDGE = "tests/run/test_loads.py::test_two_contacts_of_a_wedge"
 FITS = f"{PINS}::test_fits_of_a_bearing"
 DELIVERED = "tests/contact/test_laws.py::test_carvalho_and_martins_deliver_as_published"
 PROBE = "tests/mechanisms/test_start.py::test_probe_is_the_composite_of_rod_and_ball"
@@ -71,8 +73,8 @@ def _lose_force_in_chain() -> None:
     chained = evaluation.compose
 
     def broken(*given):
-        found = chained(*given)
-        return found._replace(by_peak=0.0 * found.by_peak)
+        force = chained(*given)
+        return force._replace(by_peak=0.0 * force.by_peak)
 
     evaluation.compose = broken
 
@@ -94,8 +96,8 @@ def _gap_of_flat_plate() -> None:
         if self.carrier == GROUND:
             return approach(self, kin)
         origin, moved = kin.frame(self.carrier).origin, kin.point(self.carrier, self.carrier_point).place
-        found, centre, carrier = approach(self, kin)
-        return found._replace(gap=found.gap - (origin.y - moved.y)), centre, carrier
+        contact, centre, carrier = approach(self, kin)
+        return contact._replace(gap=contact.gap - (origin.y - moved.y)), centre, carrier
 
     BallContact.approach = broken
 
@@ -235,8 +237,8 @@ def _wrong_inertia() -> None:
     masses = probe_in_cone.probe_masses
 
     def broken(design):
-        found = masses(design)
-        return found._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
+        values = masses(design)
+        return values._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
 
     probe_in_cone.probe_masses = broken
 
@@ -386,9 +388,9 @@ def _still_bush() -> None:
     approach = BallPair.approach
 
     def broken(self, ball, body):
-        found = approach(self, ball, body)
+        contact = approach(self, ball, body)
         turning = self.side * body.spin * self.shape.radius if isinstance(self.shape, Hole) else 0.0
-        return found._replace(slip=found.slip + turning)
+        return contact._replace(slip=contact.slip + turning)
 
     BallPair.approach = broken
 
@@ -399,9 +401,9 @@ def _foot_on_pin() -> None:
     foot = Hole.foot
 
     def broken(self, x, y, side):
-        found = foot(self, x, y, side)
+        contact = foot(self, x, y, side)
         off = 5e-4  # m, the default clearance
-        return found._replace(x=found.x + off * found.normal_x, y=found.y + off * found.normal_y)
+        return contact._replace(x=contact.x + off * contact.normal_x, y=contact.y + off * contact.normal_y)
 
     Hole.foot = broken
 
@@ -448,8 +450,8 @@ def _even_tension() -> None:
     integrals = BarShapes.integrals.func
 
     def broken(self):
-        found = integrals(self)
-        return found._replace(slopes=found.slopes[[0, 1, 1]])
+        values = integrals(self)
+        return values._replace(slopes=values.slopes[[0, 1, 1]])
 
     BarShapes.integrals = property(broken)
 
@@ -464,8 +466,8 @@ def _loose_constraint_modes() -> None:
 def _light_ball() -> None:
     from jaxbuffer.mechanisms.probe_cone.parts import Probe
 
-    found = Probe.tip_inertia.fget
-    Probe.tip_inertia = property(lambda self: 0.9 * found(self))
+    inertia = Probe.tip_inertia.fget
+    Probe.tip_inertia = property(lambda self: 0.9 * inertia(self))
 
 
 def _stiff_rod() -> None:
@@ -494,7 +496,25 @@ def _play_loss() -> None:
     HingePlay.loss = lambda self, at, closed: 0.0 * closed
 
 
+def _each_contact_alone() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.mechanisms import assembled
+    from jaxbuffer.mechanisms.probe_cone import system
+
+    coupled = assembled.inverse_masses
+
+    def broken(*of):
+        energy = coupled(*of)
+        return energy * jnp.eye(energy.shape[0])
+
+    assembled.inverse_masses = system.inverse_masses = broken
+
+
 BREAKAGES = (
+    Breakage(
+        "contacts apart", "the energy of contacts at once is the sum of each alone", _each_contact_alone, (WEDGE,)
+    ),
     Breakage("light ball", "the bending probe's tip turns 10 % too easily", _light_ball, (CLAMPED,)),
     Breakage("stiff rod", "the probe's bending 0.1 % too stiff", _stiff_rod, (BENT,)),
     Breakage("pin's damping", "the pin's contact damped with the wrong sign", _pin_damping, (PINNED,)),
@@ -581,6 +601,7 @@ BREAKAGES = (
     Breakage(
         "own force", "an own quantity's derivative by the largest contact force lost", _lose_force_in_chain, (CHAINED,)
     ),
+    *DOCKING,
     *FLEXIBLE,
     *STRUCTURE,
 )

@@ -124,7 +124,7 @@ def _read(note: Path) -> dict[str, object]:
     ends = time.monotonic() + PATIENCE
     while time.monotonic() < ends:
         with contextlib.suppress(OSError, ValueError):
-            found: dict[str, object] = json.loads(note.read_text())
-            return found
+            record: dict[str, object] = json.loads(note.read_text())
+            return record
         time.sleep(0.1)
     raise TimeoutError(f"{note} did not come")

@@ -71,8 +71,8 @@ def ended(process: subprocess.Popen[str], timeout: float = 1800.0) -> Ended:
 def undisturbed(setup: Setup) -> None:
     """The sweep without a scheduler, with which all others are compared."""
     if not (setup.folder / "whole" / ARRAYS).exists():
-        found = run(setup, "whole")
-        assert found.code == 0, found.errors
+        process = run(setup, "whole")
+        assert process.code == 0, process.errors
 
 
 def same(setup: Setup, name: str) -> bool:
@@ -107,17 +107,17 @@ def kills(setup: Setup) -> str:
         finally:
             if process is not None:
                 killed(process)
-    told = ", ".join(f"{count} of a {victim}" for victim, count in counts.items())
-    return f"{setup.kills} kills, {told}; {ends} sweeps ended, each with the bits of the undisturbed one"
+    victims = ", ".join(f"{count} of a {victim}" for victim, count in counts.items())
+    return f"{setup.kills} kills, {victims}; {ends} sweeps ended, each with the bits of the undisturbed one"
 
 
-def _judged(found: Ended, setup: Setup) -> int:
+def _judged(process: Ended, setup: Setup) -> int:
     """1 for a sweep that ended right, 0 for one that said that its scheduler was gone."""
-    assert "Traceback" not in found.errors, found.errors
-    if found.code == 0:
+    assert "Traceback" not in process.errors, process.errors
+    if process.code == 0:
         assert same(setup, "kills")
         return 1
-    assert any(words in found.errors for words in GONE), found
+    assert any(words in process.errors for words in GONE), process
     return 0
 
 
@@ -178,9 +178,9 @@ def drivers(setup: Setup) -> str:
         while not (setup.folder / "drivers" / STORE).exists() and first.poll() is None:
             time.sleep(0.05)
         second = run(setup, "drivers", *over, "--resume")
-        found = ended(first)
+        process = ended(first)
     assert second.code == 2 and "is in use by another run, process" in second.errors, second
-    assert found.code == 0 and same(setup, "drivers"), found
+    assert process.code == 0 and same(setup, "drivers"), process
     return f"refused: {_last(second, setup)}; the first one's bits are the same"
 
 
@@ -224,8 +224,8 @@ def _until(cluster: Cluster, count: int) -> None:
         client.wait_for_workers(count, timeout=PATIENCE)
 
 
-def _last(found: Ended, setup: Setup) -> str:
-    return found.errors.strip().splitlines()[-1].replace(str(setup.folder), "DIR")
+def _last(process: Ended, setup: Setup) -> str:
+    return process.errors.strip().splitlines()[-1].replace(str(setup.folder), "DIR")
 
 
 CHECKS: dict[str, Callable[[Setup], str]] = {

@@ -12,6 +12,7 @@ CRANK = "tests/multibody/test_flexible_slider_crank.py::test_all_24_published_va
 SPIN_UP = "tests/multibody/test_flexible_spin_up.py::test_the_tips_largest_deflection[2]"
 POWER = f"{TERMS}::test_power_of_the_terms_is_balanced"
 BEAM = "tests/mechanisms/test_struck_beam.py::test_a_ball_on_a_beam_of_eight_modes[A]"
+SHAPE = "tests/mechanisms/test_planar_shapes.py::test_mass_and_centre_of_a_tapered_rod"
 PRESSED = "tests/hybrid/test_flexible_loop.py::test_a_ball_pushes_the_bars_end_and_is_pushed"
 
 
@@ -76,8 +77,8 @@ def _rigid_marker() -> None:
     marker = Kinematics._marker
 
     def broken(self, body, frame, point):
-        found = marker(self, body, frame, point)
-        return found._replace(rotations=tuple(0.0 * rotation for rotation in found.rotations))
+        motion = marker(self, body, frame, point)
+        return motion._replace(rotations=tuple(0.0 * rotation for rotation in motion.rotations))
 
     Kinematics._marker = broken
 
@@ -109,6 +110,13 @@ def _no_modal_push() -> None:
     BallContact.loads = lambda self, *at: tuple(load._replace(modal=()) for load in loads(self, *at))
 
 
+def _unturned_mesh() -> None:
+    from jaxbuffer.fields import mesh_of
+    from jaxbuffer.mechanisms.slider_crank import shapes
+
+    shapes.placed_mesh = lambda text, names: mesh_of(text)
+
+
 FLEXIBLE = (
     Breakage("no turning modes", "the modes' angular momentum lost", _lose_rotation, (MASS, FORCES, CRANK, SPIN_UP)),
     Breakage("softening", "geometric stiffness with the other sign", _soften, (FORCES, SPIN_UP)),
@@ -117,5 +125,6 @@ FLEXIBLE = (
     Breakage("rigid marker", "a moment at a marker does not push the modes", _rigid_marker, (JOINTS,)),
     Breakage("slack mode", "the last mode without its elastic force", _slack_mode, (FORCES, ELASTIC)),
     Breakage("constant mass", "derivatives of the mass matrix lost", _constant_mass, (DERIVATIVES,)),
+    Breakage("unturned mesh", "a rod's mesh not turned into its pins' line", _unturned_mesh, (SHAPE,)),
     Breakage("no modal push", "a contact's force does not push the modes", _no_modal_push, (BEAM, PRESSED)),
 )

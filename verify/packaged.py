@@ -19,13 +19,14 @@ def packaged(evidence: Sequence[Record], tests: Path, breakages: Sequence[Record
         return None
     cases = list(ElementTree.parse(tests).iter("testcase"))
     passed = [all(case.find(kind) is None for kind in ("failure", "error", "skipped")) for case in cases]
-    kept = [abs(record["measured"]) <= record["tolerance"] for record in evidence]
+    within = [abs(record["measured"]) <= record["tolerance"] for record in evidence]
     noticed = ["failed" in record["checks"].values() for record in breakages]
     return {
         "jaxbuffer": version(),
         "sources": sources(),
         "date": datetime.now(UTC).date().isoformat(),
         **{
-            name: [sum(good), len(good)] for name, good in (("claims", kept), ("tests", passed), ("breakages", noticed))
+            name: [sum(good), len(good)]
+            for name, good in (("claims", within), ("tests", passed), ("breakages", noticed))
         },
     }

@@ -65,7 +65,7 @@ def markdown(
         parts += [f"## {topic}", claims_of(evidence, topic)]
     parts += ["## Deliberate breakages", *([broken(breakages)] if breakages else planned())]
     for paper, said in claims.items():
-        parts += [f"## The {paper} paper's claims", *([judged(said)] if said else stated(paper))]
+        parts += [f"## The {paper} paper's claims", *([verdict_line(said)] if said else statements(paper))]
     parts += ["## Where no evidence exists", table(("of", "why"), GAPS)]
     parts += ["## All tests behind this page", modules(tests if tests is not None and tests.exists() else None)]
     return "\n\n".join(parts) + "\n"
@@ -76,10 +76,10 @@ def claims_of(evidence: Sequence[Record], topic: str) -> str:
     rows = []
     for r in (record for record in evidence if record["topic"] == topic):
         unit = f" {r['unit']}" if r["unit"] else ""
-        told = f"; {r['detail']}" if r["detail"] else ""
+        detail = f"; {r['detail']}" if r["detail"] else ""
         measured, tolerance = (f"{abs(r[name]):.2g}{unit}" for name in ("measured", "tolerance"))
         cases = f"{r['count']} cases" if r["count"] > 1 else "1 case"
-        rows.append((r["claim"], measured, tolerance, f"{r['source']} ({cases}{told})", f"`{_short(r['test'])}`"))
+        rows.append((r["claim"], measured, tolerance, f"{r['source']} ({cases}{detail})", f"`{_short(r['test'])}`"))
     return table(("claim", "measured", "tolerance", "against", "test"), rows)
 
 
@@ -111,7 +111,7 @@ def planned() -> list[str]:
     return [NOT_RUN.format(part="breakages"), table(("broken", "how", "to be caught by"), rows)]
 
 
-def stated(paper: str) -> list[str]:
+def statements(paper: str) -> list[str]:
     """Return that a paper's studies were not run, and a table of its claims."""
     claims = [claim for part in paper_named(paper).parts for claim in part.claims]
     return [
@@ -128,7 +128,7 @@ def uncaught(records: Sequence[Record]) -> list[str]:
     return missed + [f"check {check} catches nothing" for check in sorted(listed - failing)]
 
 
-def judged(claims: Sequence[Record]) -> str:
+def verdict_line(claims: Sequence[Record]) -> str:
     """A paper's claims as `jaxbuffer reproduce` judges them."""
     rows = [(c["claim"], c["section"], c["model"], f"**{c['verdict']}**") for c in claims]
     return table(("the paper's text", "section", "the model", "verdict"), rows)

@@ -17,9 +17,14 @@ SHEARED = f"{STRUCTURES}/test_plastic.py::test_pure_shear_loads_unloads_and_load
 CUSHION = f"{STRUCTURES}/test_layer.py::test_with_a_damper_it_presses_until_its_force_is_zero_and_never_pulls"
 FRAME = "test_it_sags_under_its_own_weight_as_a_frame_of_beams[perforated-0.004-0.03]"
 PLATES = f"tests/mechanisms/test_tank_plates.py::{FRAME}"
+RIBBED = "tests/mechanisms/test_tank_ribs.py::test_it_sags_under_its_own_weight_as_a_frame_of_ribbed_beams"
 SUNK = "tests/mechanisms/test_tank_drop.py::test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness[2]"
 PISTON = f"{STRUCTURES}/test_acoustics.py::test_a_piston_on_a_column_swings_at_its_first_frequency_and_keeps_its_energy"
 JOUKOWSKY = f"{STRUCTURES}/test_acoustics.py::test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column"
+FILLED = f"{STRUCTURES}/test_filled.py"
+BULK = f"{FILLED}::test_a_closed_column_is_as_stiff_as_its_bulk"
+LID = f"{FILLED}::test_a_lid_on_a_surface_meets_joukowskys_pressure"
+AIR = f"{FILLED}::test_trapped_air_is_a_gas_spring"
 PLY = "tests/composites/test_failure.py::test_a_sixty_degree_ply_of_graphite"
 UNIAXIAL = "tests/composites/test_failure.py::test_each_uniaxial_strength_has_a_reserve_factor_of_one"
 FLOWED = f"{STRUCTURES}/test_plastic_bending.py::test_moments_are_those_of_fibres[0.4-0.0]"
@@ -58,7 +63,7 @@ def _sticking() -> None:
 
     from jaxbuffer.structures.contact import forces
 
-    forces._closing_forces = lambda matrix, yielding, wanted, found: jnp.where(found, wanted, 0.0) / yielding
+    forces._closing_forces = lambda matrix, yielding, speed, active: jnp.where(active, speed, 0.0) / yielding
 
 
 def _penalty_forgotten() -> None:
@@ -82,6 +87,19 @@ def _plates_hang() -> None:
     Numbering.of = staticmethod(broken)
 
 
+def _wide_ribs() -> None:
+    from jaxbuffer.mechanisms.tank_drop import assembly
+
+    deepened = assembly._with_ribs
+
+    def broken(design, quads):
+        thin, density = deepened(design, quads)
+        rib = thin.weight < quads.weight
+        return thin._replace(weight=thin.weight * (1.0 + 0.16 * rib)), density / (1.0 + 0.16 * rib[:, 0])
+
+    assembly._with_ribs = broken
+
+
 def _support_by_node() -> None:
     import equinox as eqx
     import jax.numpy as jnp
@@ -90,8 +108,8 @@ def _support_by_node() -> None:
 
     support = assembly._support
 
-    def broken(design, seen, baffle):
-        contact = support(design, seen, baffle)
+    def broken(design, parts, baffle):
+        contact = support(design, parts, baffle)
         evenly = jnp.full_like(contact.stiffness, 0.02 * design.support.stiffness)  # strips of the coarsest mesh
         return eqx.tree_at(lambda c: c.stiffness, contact, evenly)
 
@@ -106,9 +124,9 @@ def _late_energy() -> None:
     advance = central_differences.advance
 
     def broken(system, state, step, near):
-        after, seen = advance(system, state, step, near)
+        after, instant = advance(system, state, step, near)
         kinetic = 0.5 * jnp.sum(system.mass * after.velocity**2)
-        return after, seen._replace(energies=seen.energies._replace(kinetic=kinetic))
+        return after, instant._replace(energies=instant.energies._replace(kinetic=kinetic))
 
     central_differences.advance = broken
 
@@ -166,7 +184,7 @@ def _sucking_liquid() -> None:
     from jaxbuffer.structures import Liquid
 
     push = Liquid.push
-    Liquid.push = lambda self, pressure, structure: -push(self, pressure, structure)
+    Liquid.push = lambda self, *arguments: -push(self, *arguments)
 
 
 def _weightless_liquid() -> None:
@@ -174,6 +192,31 @@ def _weightless_liquid() -> None:
 
     struck = Liquid.struck
     Liquid.struck = lambda self, wall: struck(self, wall) / self.density
+
+
+def _half_swept() -> None:
+    from jaxbuffer.structures import Liquid
+
+    rate = Liquid.rate
+    Liquid.rate = lambda self, impulse, velocity, positions: rate(self, impulse, 0.99 * velocity, positions)
+
+
+def _sticky_surface() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.structures.acoustics import Cover
+
+    def broken(self, displacement, raised):
+        moved = jnp.sum(self.shares * displacement[self.wall, 1], axis=1)
+        return raised - self.width * (self.gap + moved)
+
+    Cover.overlap = broken
+
+
+def _isothermal() -> None:
+    from jaxbuffer.structures import gas
+
+    gas.Gas.overpressure = lambda self, positions: self.pressure * (1.0 / self.share(positions) - 1.0)
 
 
 def _tension_only() -> None:
@@ -224,6 +267,7 @@ STRUCTURE = (
     Breakage("bent flow", "what has flowed narrows a bent wall by a tenth too little", _elastic_narrowing, (FLOWED,)),
     Breakage("penalty's step", "a penalty left out of the critical step", _penalty_forgotten, (SAFE,)),
     Breakage("plates hang", "baffle plates that are joined to the bottom alone", _plates_hang, (PLATES,)),
+    Breakage("wide ribs", "ribs that are held along the tank, 16 % too stiff", _wide_ribs, (RIBBED,)),
     Breakage("support by node", "a support that is stiffer on a finer mesh", _support_by_node, (SUNK,)),
     Breakage("late energy", "kinetic energy half a step late", _late_energy, (ENERGIES,)),
     Breakage("no narrowing", "elements that bend are not narrowed: they lock", _no_narrowing, (BENT,)),
@@ -234,10 +278,13 @@ STRUCTURE = (
     Breakage("sucking liquid", "the liquid pulls at the wall where it should push", _sucking_liquid, (PISTON,)),
     Breakage(
         "weightless liquid",
-        "the density lost in the coupling of wall and liquid, as in seed 003's eq. 4",
+        "the density lost in the coupling of wall and liquid, as in the tank paper's eq. 4",
         _weightless_liquid,
         (PISTON, JOUKOWSKY),
     ),
+    Breakage("half swept", "a full tank's liquid feels 1 % less of its wall's motion", _half_swept, (BULK,)),
+    Breakage("sticky surface", "a surface that pulls at the wall above it", _sticky_surface, (LID,)),
+    Breakage("isothermal air", "trapped air that gives its heat away at once", _isothermal, (AIR,)),
     Breakage("tension only", "strengths of tension for compression too", _tension_only, (PLY, UNIAXIAL)),
     Breakage("turned back", "a ply's stiffness turned the other way", _turned_back, (FIBRES,)),
     Breakage("endless pulse", "the half-sine's second half does not end it", _pulse_goes_on, (MOTION,)),

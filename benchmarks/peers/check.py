@@ -26,12 +26,12 @@ def check_accuracy(cases: Sequence[Reference], peers: Sequence[str], rtol: float
         solve(peer, cases[0].parameters, 1e-4, 1e-6)  # compiles
         for case in cases:
             capture, seconds = best_of(1, lambda: solve(peer, case.parameters, rtol, atol))  # noqa: B023
-            found = errors(capture, case)
-            fine = found["peak"] <= ACCURATE
+            off = errors(capture, case)
+            fine = off["peak"] <= ACCURATE
             right = right and fine
             mark = "" if fine else f"  WRONG: {capture.outcome}, {case.outcome} after {case.impacts} expected"
             print(
-                f"{peer:22}{case.name:16}{found['peak']:12.1e}{found['end']:12.1e}{capture.impacts:9}"
+                f"{peer:22}{case.name:16}{off['peak']:12.1e}{off['end']:12.1e}{capture.impacts:9}"
                 f"{1e3 * seconds:9.1f}{mark}",
                 flush=True,
             )

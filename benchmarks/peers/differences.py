@@ -41,12 +41,12 @@ def value_and_elasticities(
     def peak(**values: float) -> float:
         return solve(peer, replace(parameters, **values), rtol, tolerances(rtol, parts)).peak_force
 
-    found = {}
+    elasticities = {}
     for name, step in steps.items():
         value = getattr(parameters, name)
         up, down = (peak(**{name: value * math.exp(shift)}) for shift in (step, -step))
-        found[name] = math.log(up / down) / (2.0 * step) if min(up, down) > 0.0 else math.inf
-    return Differences(peak(), found)
+        elasticities[name] = math.log(up / down) / (2.0 * step) if min(up, down) > 0.0 else math.inf
+    return Differences(peak(), elasticities)
 
 
 def search(

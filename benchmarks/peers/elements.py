@@ -50,8 +50,8 @@ class Peer:
         gravity: float,
         threads: int,
     ) -> None:
-        found = [geometry(positions[cell]) for cell in corners]
-        self.shape = [np.array([one[k] for one in found]) for k in range(5)]
+        geometries = [geometry(positions[cell]) for cell in corners]
+        self.shape = [np.array([one[k] for one in geometries]) for k in range(5)]
         self.corners, self.inverse, self.material = corners, inverse, np.array(material)
         self.gravity, self.threads = gravity, threads
         meeting: list[list[int]] = [[] for _ in positions]
@@ -142,8 +142,8 @@ def _stress(e11, e22, e12, material, plastic, equivalent):
         flow = 1.5 * grown / size
         plastic[0], plastic[1], plastic[2] = q11 + flow * d11, q22 + flow * d22, q12 + flow * d12
         equivalent[0] += grown
-        kept = 1.0 - 2.0 * shear_modulus * flow
-        d11, d22, d12 = kept * d11, kept * d22, kept * d12
+        share = 1.0 - 2.0 * shear_modulus * flow
+        d11, d22, d12 = share * d11, share * d22, share * d12
     pressure = 3.0 * bulk * third
     return d11 + pressure, d22 + pressure, d12
 
@@ -170,13 +170,13 @@ def _element(e, corners, axes, mean, gamma, twist, weight, material, u, plastic,
     p11 = p22 = p12 = b0 = b1 = 0.0  # ∂(energy)/∂ of a11, a22, a12, bent0, bent1
     for p in range(4):
         t0, t1, w = twist[e, p, 0], twist[e, p, 1], weight[e, p]
-        found = _strain(
+        strain = _strain(
             a11 + 2.0 * (bent0 * t0 - narrow * bent1 * t1), a22 + 2.0 * (bent1 * t1 - narrow * bent0 * t0), a12
         )
-        e11 = found[0] + (right if 0 < p < 3 else left)
-        e22 = found[1] + (lower if p < 2 else upper)
-        s11, s22, s12 = _stress(e11, e22, found[2], material, plastic[e, p], equivalent[e, p : p + 1])
-        g11, g22, g12 = _pulled(w * s11, w * s22, w * s12, found[3], found[4], found[5], found[6], found[7])
+        e11 = strain[0] + (right if 0 < p < 3 else left)
+        e22 = strain[1] + (lower if p < 2 else upper)
+        s11, s22, s12 = _stress(e11, e22, strain[2], material, plastic[e, p], equivalent[e, p : p + 1])
+        g11, g22, g12 = _pulled(w * s11, w * s22, w * s12, strain[3], strain[4], strain[5], strain[6], strain[7])
         p11 += g11
         p22 += g22
         p12 += g12

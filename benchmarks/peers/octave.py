@@ -51,7 +51,7 @@ class OctaveCapture:
 
 def program() -> str | None:
     """The Octave program on the path, if there is one."""
-    return next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+    return next((path for name in PROGRAMS if (path := shutil.which(name))), None)
 
 
 def _job(parameters: Parameters, rtol: float, atol: float) -> dict:
@@ -91,15 +91,15 @@ def capture(
     line = next((line for line in done.stdout.splitlines() if line.startswith("RESULT ")), None)
     if line is None:
         raise OctaveError(done.stderr.strip() or done.stdout.strip())
-    found = json.loads(line.removeprefix("RESULT "))
+    record = json.loads(line.removeprefix("RESULT "))
     result = PeerCapture(
-        outcome=found["outcome"],
-        end_time=found["end_time"],
-        peak_force=found["peak_force"],
-        peak_time=found["peak_time"],
-        peak_flank=("lower", "upper")[int(found["peak_flank"]) - 1],
-        impacts=int(found["impacts"]),
-        steps=int(found["steps"]),
+        outcome=record["outcome"],
+        end_time=record["end_time"],
+        peak_force=record["peak_force"],
+        peak_time=record["peak_time"],
+        peak_flank=("lower", "upper")[int(record["peak_flank"]) - 1],
+        impacts=int(record["impacts"]),
+        steps=int(record["steps"]),
         evaluations=None,
     )
-    return OctaveCapture(result, found["seconds"])
+    return OctaveCapture(result, record["seconds"])

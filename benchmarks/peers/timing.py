@@ -24,9 +24,9 @@ def curve(
     for rtol in rtols:
         run = partial(solve, peer, parameters, rtol, tolerances(rtol, parts))
         label = f"rtol {rtol:.0e}, atol {parts[0]:g} and {parts[1]:g} of it"
-        found = measured(peer, label, run, partial(errors, exact=exact), repeats)
-        yield found
-        if found.error > USELESS:
+        setting = measured(peer, label, run, partial(errors, exact=exact), repeats)
+        yield setting
+        if setting.error > USELESS:
             return
 
 

@@ -108,11 +108,11 @@ def watch(y: Vector, values: Vector, context: Vector) -> None:
 def crossings(y: Vector, before: Vector, now: Vector, context: Vector) -> int:
     """Watch at the end of a step: bit k of the result is set where number k fell through zero since ``before``."""
     watch(y, now, context)
-    found = 0
+    count = 0
     for event in range(EVENTS):
         if before[event] > 0.0 and now[event] <= 0.0:
-            found |= 1 << event
-    return found
+            count |= 1 << event
+    return count
 
 
 @njit

@@ -4,7 +4,7 @@ import difflib
 import math
 from collections.abc import Iterable
 from decimal import Decimal
-from numbers import Real
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the command line's own errors need neither: they are imported where a value is looked at
@@ -19,6 +19,7 @@ MEANT = {
     "-": (2.0, "%", 0.01),
 }
 LONGEST = 60  # characters of a value that a message shows
+FEW, LISTED = 3, 25  # names that a message suggests, and that it lists
 
 
 class InputError(ValueError):
@@ -162,7 +163,6 @@ def check_number(
     ):  # spare most the arrays
         return
     import jax
-    import numpy as np
 
     if isinstance(value, jax.core.Tracer):
         return
@@ -172,7 +172,7 @@ def check_number(
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
     bad = ~inside(array, **limits)
-    if np.any(bad):
+    if bad.any():
         first = float(array[bad].flat[0])
         raise OutOfRange(path, first, unit, (low, high, low_open, high_open))
 
@@ -232,9 +232,7 @@ def check_single(path: str, value: Any, unit: str, instead: str, **limits: Any) 
 
 def check_whole(path: str, value: Any, least: int, most: int | None = None) -> None:
     """Raise `InputError` unless ``value`` is a whole number of at least ``least`` and at most ``most``, if given."""
-    import numpy as np
-
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
         allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
         raise InputError(f"{path} = {shown(value)} must be a whole number {allowed}")
@@ -286,13 +284,19 @@ def check_known(names: Iterable[str], known: Iterable[str], where: str) -> None:
 
 
 def suggest(name: Any, known: Iterable[str]) -> str:
-    """'; did you mean …?' for a mistyped name; '; known: …' where none is like it."""
+    """'; did you mean …?' for a mistyped name, or for one that is a word of several; '; known: …' where none is like
+    it."""
     options = list(known)
+    section, _, last = str(name).rpartition(".")
+    beside = [option for option in options if option.rpartition(".")[0] == section]
+    with_word = [option for option in beside if last in option.rpartition(".")[2].split("_")]
+    if 1 < len(with_word) <= FEW:
+        return f"; did you mean {' or '.join(with_word)}?"
     if near := nearest(name, options):
         return f"; did you mean {near}?"
-    section = str(name).rpartition(".")[0]
-    beside = [option for option in options if option.rpartition(".")[0] == section]
-    return "; known: " + ", ".join(beside or dict.fromkeys(option.split(".")[0] for option in options))
+    listed = beside or list(dict.fromkeys(option.split(".")[0] for option in options))
+    more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
+    return "; known: " + ", ".join(listed[:LISTED]) + more
 
 
 def nearest(name: Any, known: Iterable[str]) -> str | None:

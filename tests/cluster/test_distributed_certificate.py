@@ -49,7 +49,7 @@ def solved(monkeypatch):
         found.told.append(("tight", on_a_worker()))
         return made_up_capture(peak=force(design), design=design)
 
-    def gradients(mechanism, design, scenario, paths, values, duration, *, rtol, solver):
+    def gradients(mechanism, design, scenario, paths, values, duration, *, rtol, solver, names):
         found.told.append((rtol, on_a_worker()))
         run = made_up_capture(peak=force(design), design=design)
         rows = np.zeros((len(run.mechanism.quantities), len(paths)))

@@ -11,7 +11,7 @@ from optimise.study import Sweeps
 import jaxbuffer as jb
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.sweeps.columns import column_names, whole_numbers
+from jaxbuffer.sweeps.columns import column_names, column_types
 
 HEIGHTS = np.linspace(0.1, 0.2, 37)
 
@@ -62,13 +62,13 @@ def test_a_scheduler_that_is_none_is_one_line_and_bad_input(asked, tmp_path, cap
 
 def test_the_sweeps_of_a_study_are_stored_and_resumed(monkeypatch, tmp_path):
     """The same numbers by threads and by workers; on resuming nothing is solved twice."""
-    names, whole, solved = column_names(BAR_DROP), whole_numbers(BAR_DROP), []
+    names, types, solved = column_names(BAR_DROP), column_types(BAR_DROP), []
 
     def chunk(batch, wanted, *settings):
         height = np.asarray(batch[1].height)
         solved.extend(height[wanted].tolist())
         columns = (np.sin(height * (1 + k)) ** 2 for k in range(len(names)))
-        return [(3 * c).astype(int) if n in whole else c for n, c in zip(names, columns, strict=True)]
+        return [(3 * c).astype(int) if types[n] == "<i8" else c for n, c in zip(names, columns, strict=True)]
 
     monkeypatch.setattr("jaxbuffer.sweeps.distributed.columns_of_chunk", chunk)
     monkeypatch.setattr("jaxbuffer.sweeps.sweep.columns_of_chunk", chunk)

@@ -14,7 +14,8 @@ from jaxbuffer import InputError
 from jaxbuffer.cluster.connect import connected
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.sweeps import distributed
-from jaxbuffer.sweeps.columns import column_names, whole_numbers
+from jaxbuffer.sweeps.chunk import task_size
+from jaxbuffer.sweeps.columns import column_names, column_types
 from jaxbuffer.sweeps.cut import Block, Cut, GridSweep, RunsSweep, Template, box
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.sweeps.result import SweepInterrupted
@@ -22,7 +23,8 @@ from jaxbuffer.sweeps.store import CHECKSUM, FORMER, STORE, existing
 from jaxbuffer.sweeps.stored import StoredInterrupted
 from test_files import room_for
 
-COLUMNS, WHOLE = column_names(BAR_DROP), whole_numbers(BAR_DROP)
+COLUMNS = column_names(BAR_DROP)
+WHOLE = [name for name, kind in column_types(BAR_DROP).items() if kind == "<i8"]
 OVER = {"scenario.height": {"from": 0.1, "to": 0.2, "count": 43}, "impact.law": ["hertz", "adams"]}
 BAR = jb.replace(jb.BarDrop(), {"impact.exponent": 1.5})
 COUNT, BLOCKS, BLOCK, EDGE = 86, 6, 15, 13  # runs; blocks of 15, 15 and 13 heights for each law
@@ -261,7 +263,7 @@ def test_a_sweep_goes_on_with_a_scheduler_or_without(client, tmp_path, solved):
 def test_the_same_sweep_begun_anew_in_other_blocks(client, tmp_path, solved, monkeypatch):
     """By workers that have written to the store which was there."""
     swept(tmp_path, client)
-    monkeypatch.setattr("jaxbuffer.sweeps.distributed.CHUNK", 11)
+    monkeypatch.setattr("jaxbuffer.sweeps.chunk.CHUNK", 11)
     assert same(swept(tmp_path, client).load().found, whole())
     assert len(list((tmp_path / STORE / CHECKSUM).iterdir())) > BLOCKS
 
@@ -341,7 +343,7 @@ def test_tasks_are_few_at_a_time_and_small(client, tmp_path, solved, monkeypatch
 
     told = []
     monkeypatch.setattr(GridSweep, "blocks", counted)
-    monkeypatch.setattr(distributed, "TASK", 16)
+    monkeypatch.setattr("jaxbuffer.sweeps.chunk.TASK", 16)
     over = {"scenario.height": {"from": 0.1, "to": 0.2, "count": 1600}}
     report = lambda done, count: told.append(done)  # noqa: E731
     jb.sweep(BAR, jb.BarDropScenario(), 0.01, over=over, client=client, folder=tmp_path, progress=report)
@@ -384,11 +386,11 @@ def test_blocks_are_even_and_cover_all_once(sizes, most, found):
     ],
 )
 def test_tasks_are_larger_where_many_wait_for_one_scheduler(runs, threads, size):
-    assert distributed.task_size(runs, threads) == size
+    assert task_size(runs, threads) == size
 
 
 def test_the_missing_extra_is_named(monkeypatch, tmp_path):
-    monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None if name == "zarr" else True)
+    monkeypatch.setattr("jaxbuffer.cluster.extra.find_spec", lambda name: None if name == "zarr" else True)
     with pytest.raises(
         InputError, match=r"a scheduler needs zarr, not installed here: pip install 'jaxbuffer\[cluster\]'"
     ):

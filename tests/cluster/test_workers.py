@@ -8,14 +8,14 @@ import pytest
 
 from jaxbuffer import InputError
 from jaxbuffer.cluster import spread as module
-from jaxbuffer.cluster import workers as judging
 from jaxbuffer.cluster.connect import LOOPBACK, connected
 from jaxbuffer.cluster.pool import ClusterPool
 from jaxbuffer.cluster.spread import TaskEndsWorkers, spread
-from jaxbuffer.cluster.workers import Workers, differing
+from jaxbuffer.cluster.workers import Workers
 from jaxbuffer.hybrid import SOLVER_NAMES, name_of, solver_named
 from jaxbuffer.hybrid.rungekutta.solvers import Automatic
-from jaxbuffer.programs.process import HOST, kind
+from jaxbuffer.programs import process
+from jaxbuffer.programs.process import HOST, differing, kind
 
 
 def squared(_, task):
@@ -50,13 +50,13 @@ def pair():
 
 def strange(monkeypatch, addresses, **what):
     """Let workers at these addresses say that they are of another kind."""
-    prepared = judging.prepared
+    prepared = process.prepared
 
     def said(address, cache):
         found = prepared(address, cache)
         return {**found, **what} if address in addresses else found
 
-    monkeypatch.setattr(judging, "prepared", said)
+    monkeypatch.setattr(process, "prepared", said)
 
 
 def test_all_tasks_are_done_once_by_workers_alike(pair):
@@ -137,7 +137,7 @@ def test_a_task_at_which_workers_end_is_tried_some_times(pair, monkeypatch):
     class Future:
         status = "error"
 
-    monkeypatch.setattr("distributed.as_completed", lambda **options: Ending())
+    monkeypatch.setattr(module, "as_completed", lambda **options: Ending())
     monkeypatch.setattr(pair, "submit", lambda *arguments, **options: Future())
     monkeypatch.setattr(pair, "cancel", lambda *arguments, **options: None)
     with pytest.raises(TaskEndsWorkers, match="10 times the workers ended that were at 7"):

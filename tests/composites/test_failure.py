@@ -16,6 +16,7 @@ from jaxbuffer.composites import (
     tsai_wu,
 )
 
+TOPIC = "Composites"
 KAW = Strength(1500e6, 1500e6, 40e6, 246e6, 68e6)
 GLASS = Strength(1080e6, 620e6, 39e6, 128e6, 89e6)
 SIXTY = 1e6 * jnp.array([1.714102, -2.714102, -4.165064])
@@ -26,10 +27,11 @@ SIXTY = 1e6 * jnp.array([1.714102, -2.714102, -4.165064])
     ("part", "strength"),
     [(0, "along_tension"), (0, "along_compression"), (1, "across_tension"), (1, "across_compression")],
 )
-def test_each_uniaxial_strength_has_a_reserve_factor_of_one(name, part, strength):
+def test_each_uniaxial_strength_has_a_reserve_factor_of_one(name, part, strength, evidence):
     sign = -1.0 if strength.endswith("compression") else 1.0
     stress = jnp.zeros(3).at[part].set(sign * getattr(GLASS, strength))
-    assert float(CRITERIA[name](stress, GLASS)) == pytest.approx(1.0, rel=1e-14)
+    off = abs(float(CRITERIA[name](stress, GLASS)) - 1.0)
+    evidence(TOPIC, "reserve at a ply's own strengths", off, 1e-14, "1, by each criterion's definition")
 
 
 @pytest.mark.parametrize("name", CRITERIA)
@@ -43,9 +45,10 @@ def test_so_has_shear_and_a_stress_half_as_large_has_two(name):
     ("criterion", "megapascal"),
     [(maximum_stress, 16.3263), (tsai_hill, 16.0607), (tsai_wu, 22.3887), (hoffman, 22.4894)],
 )
-def test_a_sixty_degree_ply_of_graphite(criterion, megapascal):
+def test_a_sixty_degree_ply_of_graphite(criterion, megapascal, evidence):
     """Kaw's example: 2, -3 and 4 MPa times what is found."""
-    assert float(criterion(SIXTY, KAW)) == pytest.approx(megapascal, abs=6e-5)
+    off = abs(float(criterion(SIXTY, KAW)) - megapascal)
+    evidence(TOPIC, "strength of a graphite ply at 60°", off, 6e-5, "Kaw's example, recomputed", "MPa")
 
 
 @pytest.mark.parametrize(
@@ -56,11 +59,12 @@ def test_a_sixty_degree_ply_of_graphite(criterion, megapascal):
         (tsai_hill, (1080.0, 739.7191, 294.4568, 123.9545, 71.4418, 50.4185, 41.5167, 39.0)),
     ],
 )
-def test_tensile_strength_of_glass_off_its_axis(criterion, megapascal):
+def test_tensile_strength_of_glass_off_its_axis(criterion, megapascal, evidence):
     """pycomposites' example 3.11, recomputed with the ½ it lost."""
     for angle, strength in zip((0.0, 5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0), megapascal, strict=True):
         stress = jnp.linalg.inv(in_ply_axes(angle).T) @ jnp.array([1e6, 0.0, 0.0])
-        assert float(criterion(stress, GLASS)) == pytest.approx(strength, abs=6e-5)
+        off = abs(float(criterion(stress, GLASS)) - strength)
+        evidence(TOPIC, "strength of glass off its axis", off, 6e-5, "pycomposites, its slip mended", "MPa")
 
 
 def test_hoffman_is_tsai_wu_with_another_interaction():

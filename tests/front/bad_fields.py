@@ -23,6 +23,15 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "buffer.max_stroke": (0, ABOVE, "m"),
     "buffer.stop_stiffness": (-1, ABOVE, "N/m"),
     "buffer.stop_damping": (-20, FROM, "N s/m"),
+    "buffer.preload": (-1, FROM, "N"),
+    "buffer.preload_length": (0, ABOVE, "m"),
+    "buffer.c_A2": (-10, FROM, "N s²/m²"),
+    "buffer.rebound_factor": (0, ABOVE, ""),
+    "buffer.friction": (-2, FROM, "N"),
+    "buffer.friction_speed": (0, ABOVE, "m/s"),
+    "buffer.rebound_stiffness": (0, ABOVE, "N/m"),
+    "buffer.rebound_damping": (-5, FROM, "N s/m"),
+    "buffer.rebound_gap": (0, ABOVE, "m"),
     "probe.length": (-0.2, ABOVE, "m"),
     "probe.rod_mass": (0, ABOVE, "kg"),
     "probe.tip_radius": (-0.015, ABOVE, "m"),
@@ -51,23 +60,46 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "contact.ramp_depth": (0, ABOVE, "m"),
     "contact.onset_length": (-1e-8, ABOVE, "m"),
     "contact.memory_time": (0, ABOVE, "s"),
+    "latch.stiffness": (0, ABOVE, "N/m"),
+    "latch.damping": (-500, FROM, "N s/m"),
+    "latch.preload": (-1, FROM, "N"),
+    "latch.preload_length": (0, ABOVE, "m"),
+    "latch.turn_stiffness": (-1, FROM, "N m/rad"),
+    "latch.turn_damping": (-1, FROM, "N m s/rad"),
+    "latch.closing_time": (-0.02, FROM, "s"),
+    "latch.depth": (math.inf, "(-inf, inf)", "m"),
+    "latch.strength": (0, ABOVE, "N"),
+    "latch.quiet": (1, "(0, 1)", ""),
+    **{f"shock.{vehicle}_{k}": (-20, ABOVE, "Hz") for vehicle in ("active", "passive") for k in (1, 2, 3)},
+    "shock.damping": (1, "[0, 1)", ""),
     "scenario.approach_speed": (-0.1, ABOVE, "m/s"),
     "scenario.contact_distance": (0, ABOVE, "m"),
     "scenario.misalignment": (-1.6, "(-1.5708, 1.5708)", "rad"),
     "scenario.passive_rate": (math.inf, "(-inf, inf)", "rad/s"),
+    "scenario.offset": (math.inf, "(-inf, inf)", "m"),
+    "scenario.standoff": (-0.01, FROM, "m"),
+    "scenario.active_angle": (1.6, "(-1.5708, 1.5708)", "rad"),
+    "scenario.active_rate": (-math.inf, "(-inf, inf)", "rad/s"),
+    "scenario.lateral_speed": (math.inf, "(-inf, inf)", "m/s"),
+    "scenario.thrust": (math.inf, "(-inf, inf)", "N"),
+    "scenario.thrust_time": (0, ABOVE, "s"),
 }
 CHOICES = {
     "buffer.damping": "physical, published",
+    "buffer.spring_curve": "is not a curve; write a list of points [stroke [m], force [N]], rising in both",
+    "buffer.damper_curve": "is not a curve; write a list of points [speed [m/s], force [N]], rising in both",
     "contact.law": "lankarani-nikravesh, hertz",
     "contact.memory": "event, smooth",
     "contact.arms": "moving, published",
+    "scenario.start": "contact, free",
     "probe.free_tip": "true or false",
     "probe.bending_modes": "a whole number of at least 2",
 }
 
 
 def of_fields():
-    """Each field out of range, as something else than a number, and as NaN."""
+    """Each field out of range, as something else than a number, with a unit that there is not, with one of another
+    dimension, and as NaN."""
     for k, (path, (bad, allowed, its_unit)) in enumerate(FIELDS.items()):
         section, name = path.split(".")
         symbol = f" {its_unit}" if its_unit else ""
@@ -76,6 +108,8 @@ def of_fields():
         nan = f"{path} = nan{symbol} is out of range; allowed: {allowed}{symbol}"
         yield toml(f"[{section}]\n{name} = {bad}", low)
         yield line(f"simulate --{path}=stiff", word)
+        yield toml(f"[{section}]\n{name} = '7 fizz'", f"{path} = '7 fizz': the unit fizz is unknown; expected a")
+        yield toml(f"[{section}]\n{name} = '7 kg h'", f"{path} = '7 kg h': kg h does not fit, expected a", allowed)
         if section == "scenario":
             yield call(lambda name=name: Scenario(**{name: math.nan}), nan)
         else:

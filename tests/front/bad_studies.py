@@ -59,7 +59,10 @@ STUDIES = [
     toml("[buffer]\nzeal = 1", "buffer.zeal is unknown; known: buffer.k_A, buffer.c_A, buffer.k_T"),
     toml('"buffer.k_A" = 1', "[buffer.k_A] is unknown; did you mean buffer?"),
     toml('"a\\nb" = 1', "[a b] is unknown"),
-    toml("[scenario]\nspeed = 1", "scenario.speed is unknown; did you mean scenario.approach_speed?"),
+    toml(
+        "[scenario]\nspeed = 1",
+        "scenario.speed is unknown; did you mean scenario.approach_speed or scenario.lateral_speed?",
+    ),
     toml("[options]\nfoo = 1", "options.foo is unknown; known: options.duration, options.rtol, options.solver"),
     toml("[options]\nrtoll = 1", "options.rtoll is unknown; did you mean options.rtol?"),
     toml("[tune]\niteration = 1", "tune.iteration is unknown; did you mean tune.iterations?"),
@@ -78,7 +81,7 @@ STUDIES = [
     toml("[problem]\nvariables = 1", "problem.variables = 1 is not a table; write [problem.variables]"),
     toml("[problem]\ngrid = 1", "problem.grid = 1 is not a table"),
     # several scenarios
-    toml("[[scenarios]]\nspeed = 1", "scenarios[1].speed is unknown; did you mean scenarios[1].approach_speed?"),
+    toml("[[scenarios]]\nspeed = 1", "scenarios[1].speed is unknown", "scenarios[1].approach_speed or"),
     toml("[[scenarios]]\n[[scenarios]]\napproach_speed = 0", "scenarios[2].approach_speed = 0 m/s", "(0, inf) m/s"),
     toml(
         "[[scenarios]]\n[[scenarios]]\napproach_speed = 0.2\nmisalignment = 0.8",
@@ -182,7 +185,7 @@ STUDIES = [
     ),
     toml("[problem.then]\nslack = 0.1", "problem.then names no quantity; choose some of peak_force"),
     toml("[problem.then]\nstroke = 1\nslack = 0", "then.slack = 0 is out of range; allowed: (0, 1]"),
-    toml("[problem.grid]\nspeed = [1]", "problem.grid.speed is unknown; did you mean approach_speed?"),
+    toml("[problem.grid]\nspeed = [1]", "problem.grid.speed is unknown; did you mean approach_speed or lateral_speed?"),
     toml(
         "[problem.grid]\napproach_speed = []",
         "problem.grid.approach_speed = []",

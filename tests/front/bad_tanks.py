@@ -14,6 +14,8 @@ MODULI = ("along", "across", "shear")
 STRENGTHS = ("along_tension", "along_compression", "across_tension", "across_compression", "shear_strength")
 FIELDS = {  # of design and scenario: a number that is out of range, the range, the unit
     **{f"wall.{zone}": (0.031, "(0, 0.03]", "m") for zone in ZONES},
+    "ribs.height": (0.11, "(0, 0.1]", "m"),
+    "ribs.share": (1.1, "(0, 1]", ""),
     "plates.thickness": (0.031, "(0, 0.03]", "m"),
     "plates.position": (0, ABOVE, "m"),
     "tank.width": (0, ABOVE, "m"),
@@ -31,20 +33,24 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     **{f"composite.{name}": (-1, ABOVE, "Pa") for name in (*MODULI, *STRENGTHS)},
     "contents.density": (0, ABOVE, "kg/m³"),
     "contents.sound_speed": (0, ABOVE, "m/s"),
+    "contents.air_pressure": (0, ABOVE, "Pa"),
     "cushion.thickness": (0, ABOVE, "m"),
     "cushion.stiffness": (-4e6, ABOVE, "Pa/m"),
     "cushion.damping": (-1, FROM, "Pa s/m"),
     "slider.mass": (-348, ABOVE, "kg"),
     "support.stiffness": (0, ABOVE, "Pa/m"),
     "scenario.height": (math.inf, ABOVE, "m"),
-    "scenario.fill": (0.1, "[0.15, 0.95]", ""),
+    "scenario.fill": (0.1, "[0.15, 1]", ""),
     "scenario.gravity": (0, ABOVE, "m/s²"),
 }
 CHOICES = {
+    "ribs.kind": "none, rings",
     "plates.kind": "none, perforated",
     "material.kind": "plastic, composite",
     "composite.criterion": "tsai-hill, hoffman, tsai-wu, maximum-stress",
-    "contents.kind": "liquid, none",
+    "contents.kind": "liquid, full, none",
+    "contents.air": "open, trapped",
+    "cushion.kind": "layer, none",
     "support.method": "defence node, multiplier, penalty",
     "mesh.refinement": "a whole number from 1 to 8",
 }
@@ -79,6 +85,12 @@ BELOW = "m is out of range; allowed: (0, 0.02) m, less than tank.corner_radius"
 INSIDE = "[plates]\nkind = 'perforated'\n"
 BESIDE = "m is out of range; allowed: (0.0025, 0.2575) m, where the whole plate stands on the flat bottom"
 TOGETHER = [
+    _study(
+        "[scenario]\nfill = '96 %'",
+        "scenario.fill = 96 % is out of range; allowed: ",
+        'or 1, with contents.kind = "full"',
+    ),
+    _study("[contents]\nkind = 'full'", 'scenario.fill = 0.8: contents.kind = "full" needs 1'),
     _study(f"{THIN}[wall]\ntop = 0.025", f"wall.top = 0.025 {BELOW}"),
     line("sweep study.toml", f"wall.top = 0.025 {BELOW}", study=f"{KIND}{THIN}[sweep]\nwall.top = [0.01, 0.025]"),
     line(
@@ -106,15 +118,15 @@ TOGETHER = [
 ]
 WORDS = [
     _study("[wall]\ntop = 12", 'wall.top = 12 m is out of range; allowed: (0, 0.03] m; "12 mm" if that is meant'),
-    _study("[scenario]\nfill = 60", 'allowed: [0.15, 0.95]; "60 %" if that is meant'),
-    _study("[scenario]\nfill = '96 %'", "scenario.fill = 96 % is out of range; allowed: [15, 95] %"),
-    _study("[scenario]\nfill = nan", "scenario.fill = nan is out of range; allowed: [0.15, 0.95]"),
+    _study("[scenario]\nfill = 60", 'allowed: [0.15, 1]; "60 %" if that is meant'),
+    _study("[scenario]\nfill = '101 %'", "scenario.fill = 101 % is out of range; allowed: [15, 100] %"),
+    _study("[scenario]\nfill = nan", "scenario.fill = nan is out of range; allowed: [0.15, 1]"),
     _study("[cushion]\nstiffness = '4 N/m'", "'4 N/m': N/m is a stiffness, expected a number in Pa/m"),
     _study("[mesh]\nrefinement = 0", "mesh.refinement = 0 must be a whole number from 1 to 8"),
     _study("[mesh]\nrefinement = 9", "mesh.refinement = 9 must be a whole number from 1 to 8"),
     _study("[mesh]\nrefinement = 1.5", "mesh.refinement = 1.5 must be a whole number from 1 to 8"),
     _study("[support]\nmethod = 'penality'", "did you mean penalty?"),
-    _study("[contents]\nkind = 'water'", "contents.kind = 'water' is unknown; choose one of liquid, none"),
+    _study("[contents]\nkind = 'water'", "contents.kind = 'water' is unknown; choose one of liquid, full, none"),
     _study("[wall]\nlower_corer = 0.01", "wall.lower_corer is unknown; did you mean wall.lower_corner?"),
     _study("[wall]\nthickness = 0.01", "wall.thickness is unknown; known: wall.bottom, wall.lower_corner"),
     _study("wall = 0.012", "wall = 0.012 is not a table; write [wall] and its fields below it"),
@@ -134,7 +146,7 @@ WORDS = [
     line("sensitivity study.toml --wrt wall.tip", "wall.tip is unknown; did you mean wall.top?", study=KIND),
     line("sensitivity study.toml --wrt mesh.refinement", "1 is not a number that can be differentiated", study=KIND),
     line("sensitivity study.toml --of peak_stres", "peak_stres is unknown; did you mean peak_stress?", study=KIND),
-    line("sweep study.toml --over scenario.fill=0:1:5", "fill = 0 is out of range; allowed: [0.15, 0.95]", study=KIND),
+    line("sweep study.toml --over scenario.fill=0:1:5", "fill = 0 is out of range; allowed: [0.15, 1]", study=KIND),
     line("simulate study.toml --height 0.3", "No such option: --height; did you mean --scenario.height?", study=KIND),
 ]
 TANKS = [*of_fields(), *TOGETHER, *WORDS]

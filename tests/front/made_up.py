@@ -1,5 +1,7 @@
 """Captures and tunings made up in a moment: what the front shows of them needs no simulation."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +12,7 @@ from jaxbuffer.mechanisms.energy import Balance, Energy
 from jaxbuffer.mechanisms.history import History
 from jaxbuffer.mechanisms.impacts import Impacts
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
-from jaxbuffer.mechanisms.probe_cone.capture import Capture, FirstImpact
+from jaxbuffer.mechanisms.probe_cone.capture import Capture, Docked, FirstImpact
 from jaxbuffer.sensitivities.certificate import Certificate, Peaks, Verdict
 from jaxbuffer.sensitivities.sensitivity import Sensitivity
 from jaxbuffer.sweeps.columns import column_names
@@ -51,6 +53,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
         others={name: jnp.asarray(value) for name, value in {
             "tip_spin": ramp, "hinge_force": force[:, 1], "buffer_force": 4 * ramp, "stop_force": 0 * ramp,
             "stroke": 0.0075 * ramp, "hinge_angle": -0.004 * ramp, "throat_distance": 0.03 * (1 - ramp),
+            "relative_energy": 1.0 - 0.8 * ramp, "latch_force": 20 * ramp, "latch_closed": ramp,
         }.items()},
         energy=energy,
     )  # fmt: skip
@@ -68,7 +71,7 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
             "code": int(outcome), "peak_force": peak, "peak_time": at, "peak_contact": 1, "peak_impact": 0,
             "peak_hinge_force": 1.5 * peak, "peak_buffer_force": 4.0, "peak_stop_force": 0.0, "stroke": 0.0075,
             "stroke_margin": 0.129, "hinge_angle": 0.004, "penetration": 1e-5,
-            "stroke_rising": 0.0, "hinge_angle_rising": 0.0,
+            "peak_latch_force": 0.0, "passive_force": np.nan,
             "end_time": END, "contact_time": PULSE, "impact_count": 1, "throat_distance": 0.0, "capture_margin": 0.3,
             "capture_share": 1.0, "bending": 0.0, "attempts": STEPS + 20, "accepted": STEPS,
         }.items()},
@@ -78,13 +81,22 @@ def made_up_capture(scenario=None, peak=250.0, at=0.02, outcome=Outcome.captured
             "hinge_force": 1.5 * peak, "buffer_force": 4.0, "stroke": 0.0075, "hinge_angle": 0.004,
         }.items()},
         impacts=hits,
+        docked=made_up_docked(),
         first_impact=FirstImpact(*(jnp.asarray(x) for x in (0.2, 5e-4, 150.0, 143.0, PULSE))),
         energy=jax.tree.map(lambda share: share[-1], energy),
         balance=Balance(*(jnp.asarray(1e-9) for _ in range(4))),
-        _located=Log.empty(2, jnp.zeros((1, 26)), 2, 6),
+        _located=Log.empty(2, jnp.zeros((1, 30)), 2, 6),
         stabilisation=jnp.asarray(20.0),
         history=history,
     )  # fmt: skip
+
+
+def made_up_docked() -> Docked:
+    """Without a latch: three tenths of the energy of relative motion are left, which may take 20 mm of stroke."""
+    numbers = dict.fromkeys((field.name for field in dataclasses.fields(Docked)), 0.0)
+    numbers |= {"latch_time": np.nan, "settling_time": np.nan}
+    numbers |= {"relative_energy": 0.3, "energy_left": 0.03, "arrest_stroke": 0.02}
+    return Docked(**{name: jnp.asarray(number) for name, number in numbers.items()})
 
 
 def made_up_certificate(paths, quantities=QUANTITIES, verdict=Verdict.trusted) -> Certificate:
@@ -119,8 +131,11 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
     cases, n = len(problem.cases), len(problem.variables)
     peaks = np.zeros((cases, PEAKS))
     peaks[:, 0] = share * (250.0 + 50.0 * np.arange(cases))
-    rest = np.column_stack([1.5 * peaks[:, 0], peaks[:, 0] / 50.0, np.full(cases, 0.01), np.full(cases, 0.004)])
-    rest = np.column_stack([rest, np.zeros(cases), np.full(cases, END), np.zeros(cases), np.full(cases, 0.1)])
+    numbers = {"peak_hinge_force": 1.5 * peaks[:, 0], "peak_buffer_force": peaks[:, 0] / 50.0, "stroke": 0.01}
+    numbers |= {"hinge_angle": 0.004, "end_time": END, "stroke_share": 0.1, "relative_energy": 0.3}
+    numbers |= {"energy_left": 0.03, "arrest_stroke": 0.02, "peak_active_acceleration": 1.5 * peaks[:, 0] / 20.0}
+    known = problem.measured[1:]
+    rest = np.column_stack([np.broadcast_to(numbers.get(name, 0.0), cases) for name in known])
     own = compose(problem, peaks[:, 0], rest, np.zeros((*rest.shape, n)))
     return Evaluation(
         scaled=np.asarray(scaled),
@@ -133,7 +148,6 @@ def made_up_evaluation(problem: Problem, scaled, share: float = 1.0) -> Evaluati
         rest=np.column_stack([rest, own.values]),
         margin=np.ones(cases),
         first=0.5 * peaks[:, 0],
-        rising=np.zeros((cases, len(problem.mechanism.tuned)), bool),
         peaks_slope=np.zeros((cases, PEAKS, n)),
         rest_slope=np.zeros((cases, len(problem.names) - 1, n)),
         margin_slope=np.zeros((cases, n)),
@@ -201,8 +215,12 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "peak_buffer_force": 4.0,
         "peak_stop_force": 0.0,
         "stroke": 0.01,
-        "stroke_rising": 0.0,
-        "hinge_angle_rising": 0.0,
+        "peak_latch_force": 0.0,
+        "latch_time": np.nan,
+        "settling_time": np.nan,
+        "relative_energy": 0.3,
+        "energy_left": 0.03,
+        "arrest_stroke": 0.02,
         "stroke_margin": 0.1,
         "hinge_angle": 0.005,
         "penetration": 1e-5,
@@ -211,6 +229,7 @@ def made_up_sweep(design, scenarios, outcomes=None) -> Sweep:
         "throat_distance": 0.03,
         "capture_margin": 0.3,
         "bending": 0.0,
+        **{f"{vehicle}_shock_{k}": np.nan for vehicle in ("active", "passive") for k in (1, 2, 3)},
     }
     columns = {"code": code, "peak_force": peak, "peak_flank": whole, "impact_count": 3 * whole}
     columns |= {"attempts": 400 * whole, "trust": 0 * whole} | {name: value * share for name, value in numbers.items()}

@@ -2,6 +2,7 @@
 
 import pytest
 from bad_calls import PYTHON
+from bad_docking import DOCKING
 from bad_fields import CHOICES, FIELDS, of_fields
 from bad_lines import LINES
 from bad_studies import STUDIES
@@ -13,7 +14,7 @@ from jaxbuffer import InputError, Scenario, TankDrop, TankDropScenario, table2
 from jaxbuffer.cli.entry import run
 from jaxbuffer.fields import paths, unit
 
-BAD = [*of_fields(), *STUDIES, *LINES, *PYTHON, *TANKS]
+BAD = [*of_fields(), *STUDIES, *LINES, *PYTHON, *TANKS, *DOCKING]
 
 
 @pytest.mark.parametrize("asked", BAD, ids=lambda asked: repr(asked)[:60].replace("\n", " "))

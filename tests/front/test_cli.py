@@ -22,7 +22,7 @@ from jaxbuffer.fields import paths, unit
 from jaxbuffer.mechanisms import all_mechanisms
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.mechanisms.probe_cone.quantities import QUANTITIES as CATALOGUE
-from jaxbuffer.mechanisms.quantity import IMPACT_UNITS
+from jaxbuffer.mechanisms.quantity import OF_IMPACT
 from jaxbuffer.mechanisms.registry import registered
 from jaxbuffer.sensitivities.certificate import Verdict
 from jaxbuffer.study.config import load
@@ -161,7 +161,7 @@ def test_the_quantities_in_the_help_are_those_there_are():
     block = WITH_QUANTITIES.split("Fields (")[0]
     listed = dict(re.findall(r"(\S+) \[(.+?)\]", block))
     assert listed == {name: q.unit for name, q in CATALOGUE.items()} | {
-        f"impact.N.{field}": symbol for field, symbol in IMPACT_UNITS.items()
+        f"impact.N.{field}": symbol for field, symbol in OF_IMPACT.items()
     }
 
 

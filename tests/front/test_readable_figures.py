@@ -11,6 +11,7 @@ from made_up import made_up_capture, made_up_sweep, made_up_tuning
 
 import jaxbuffer as jb
 from jaxbuffer.fields import with_values
+from jaxbuffer.mechanisms.probe_cone.assembly import probe_masses
 from jaxbuffer.mechanisms.probe_cone.drawing import drawing, mouth
 from jaxbuffer.output.figures import run_figure
 from jaxbuffer.output.motion import motion_figure
@@ -83,21 +84,36 @@ def test_a_vehicle_has_an_area_and_its_front_where_it_is(values):
 
 @pytest.mark.parametrize("name", VEHICLES)
 def test_energy_is_drawn_without_the_common_motion(captures, name):
-    """At first that is ½ μ v² with the reduced mass (König's theorem), and no prefix makes a number long."""
+    """At first that is ½ μ v² with the reduced mass (König's theorem) less the turning of the whole, ½ H²/J about the
+    common centre of mass, and no prefix makes a number long."""
     run, _, over_time = captures[name]
     (panel,) = (panel for panel in run.mechanism.view.panels(run) if panel.stacked)
     many = {"[kJ]": 1e-3, "[J]": 1.0, "[mJ]": 1e3}[panel.axis.removeprefix("energy ")]
     design = run.design
     active = float(design.active.mass + design.buffer.cylinder_mass + design.probe.rod_mass + design.probe.tip_mass)
     passive = float(design.passive.mass)
-    relative = 0.5 * active * passive / (active + passive) * 0.16**2
+    reduced, places = active * passive / (active + passive), np.asarray(run.history.position)
+    turning = reduced * 0.16 * places[0, 1, 1]  # the active side passes the other vehicle's centre at this distance
+    masses, inertias = (np.array([float(x) for x in numbers]) for numbers in _bodies(design))
+    off = places[..., :2] - (masses @ places[..., :2] / masses.sum())[:, None]
+    whole = inertias.sum() + np.sum(masses * np.sum(off**2, axis=2), axis=1)
+    over = 0.5 * reduced * 0.16**2 - 0.5 * turning**2 / whole  # the farther apart they are, the less turns
+    relative = over[0]
     assert panel.curves[0].label == "relative motion"
     assert panel.curves[0].values[0] == pytest.approx(many * relative, rel=1e-9)
     total = sum(np.asarray(curve.values) for curve in panel.curves)
-    np.testing.assert_allclose(total, many * relative, rtol=1e-6)
+    np.testing.assert_allclose(total, many * over, rtol=1e-6)
     assert 1.0 <= many * relative < 1e3
     (axes,) = (axes for axes in over_time.axes if axes.get_ylabel() == panel.axis)
     assert max(len(text.get_text()) for text in axes.get_yticklabels()) <= 4
+
+
+def _bodies(design):
+    """Masses and inertias of active vehicle, cylinder, probe and passive vehicle."""
+    buffer, probe = design.buffer, probe_masses(design)
+    cylinder = buffer.cylinder_mass * buffer.cylinder_length**2 / 12
+    masses = (design.active.mass, buffer.cylinder_mass, probe.mass, design.passive.mass)
+    return masses, (design.active.inertia, cylinder, probe.inertia, design.passive.inertia)
 
 
 def test_a_force_is_drawn_smoothly(captures):

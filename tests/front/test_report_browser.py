@@ -218,7 +218,7 @@ def test_early_impacts_are_shown_first(browser, tmp_path):
     reading begins at the last curve's peak; the whole run is a button away."""
     one = {"name": "one", "time [s]": [0.0, 0.01, 0.02, 0.03, 1.0], "force [N]": [0.0, 300.0, 0.0, 50.0, 90.0]}
     other = {**one, "name": "other", "force [N]": [0.0, 100.0, 0.0, 120.0, 0.0]}
-    chart = {"caption": "Contact force", "curves": [one, other]}
+    chart = {"caption": "Contact force", "axis": "force [N]", "curves": [one, other]}
     file = tmp_path / "page.html"
     file.write_text(Page("Forces", "", [], [Section("Forces", curves=[chart])]).html(), encoding="utf-8")
     browser.open(file)

@@ -45,7 +45,7 @@ def test_a_scheduler_that_is_none_is_bad_input(computed, capsys, monkeypatch, wo
     assert run([*words, "--scheduler", "lokal"]) == 2
     shown = capsys.readouterr().err
     assert "scheduler lokal is unknown; expected local, processes or an address as in tcp://host:8786" in shown
-    monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None)
+    monkeypatch.setattr("jaxbuffer.cluster.extra.find_spec", lambda name: None)
     assert run([*words, *WHERE]) == 2
     assert "needs distributed and zarr, not installed here: pip install 'jaxbuffer[cluster]'" in capsys.readouterr().err
 
@@ -54,7 +54,7 @@ def test_a_scheduler_that_is_none_is_bad_input(computed, capsys, monkeypatch, wo
 def test_a_scheduler_needs_a_folder_and_the_extra(computed, capsys, monkeypatch, name):
     assert run([name, *WHERE]) == 2
     assert "--scheduler needs --output DIR, where its workers store what they find" in capsys.readouterr().err
-    monkeypatch.setattr("jaxbuffer.cluster.connect.find_spec", lambda name: None)
+    monkeypatch.setattr("jaxbuffer.cluster.extra.find_spec", lambda name: None)
     assert run([name, *WHERE, "--output", "out"]) == 2
     shown = capsys.readouterr().err
     assert "needs distributed and zarr, not installed here: pip install 'jaxbuffer[cluster]'" in shown
@@ -115,6 +115,6 @@ def test_the_base_needs_nothing_of_the_extra():
         "for name in ('dask', 'distributed', 'zarr', 'numcodecs'): sys.modules[name] = None\n"
         "import jaxbuffer as jb\n"
         "jb.sweep, jb.tune, jb.sample, jb.sensitivity, jb.pareto, jb.load\n"
-        "import jaxbuffer.cli.commands.sweep, jaxbuffer.sweeps.distributed, jaxbuffer.tuning.evaluation\n"
+        "import jaxbuffer.cli.commands.sweep, jaxbuffer.sweeps.sweep, jaxbuffer.tuning.evaluation\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -13,7 +13,7 @@ from jsonschema import Draft7Validator
 
 import jaxbuffer
 from jaxbuffer.cli.entry import run
-from jaxbuffer.fields import get, meaning, metadata, paths
+from jaxbuffer.fields import get, meaning, metadata, paths, replace
 from jaxbuffer.mechanisms import all_mechanisms, mechanism_named
 from jaxbuffer.study.config import load, loads
 from jaxbuffer.study.example import example_toml
@@ -29,11 +29,13 @@ KINDS = [mechanism.name for mechanism in all_mechanisms()]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_example_loads_unchanged_and_has_every_field(kind, computed, capsys):
+def test_an_example_loads_to_the_defaults_and_has_every_field(kind, computed, capsys):
     assert run(["init", "--kind", kind, "mine.toml"]) == 0
     study, mechanism = load("mine.toml"), mechanism_named(kind)
-    assert (study.design, study.scenario) == (mechanism.design(), mechanism.scenario())
-    assert study.problem().limits.at_most == mechanism.defaults.limits and study.sweep
+    design = replace(mechanism.design(), mechanism.defaults.example)
+    assert (study.design, study.scenario) == (design, mechanism.scenario())
+    limits = {**mechanism.defaults.limits, **mechanism.defaults.example_limits}
+    assert study.problem().limits.at_most == limits and study.sweep
     text = example_toml(mechanism)
     assert max(map(len, text.splitlines())) <= 120
     for part in (mechanism.design(), mechanism.scenario()):
@@ -49,7 +51,8 @@ def test_the_defaults_in_the_comments_are_the_defaults(kind):
     mechanism = mechanism_named(kind)
     text = re.sub(r"^# (\w+ = [^\s].*)$", r"\1", example_toml(mechanism).split("[problem")[0], flags=re.MULTILINE)
     study = loads(text.encode(), "example")
-    for part, default in ((study.design, mechanism.design()), (study.scenario, mechanism.scenario())):
+    design = replace(mechanism.design(), mechanism.defaults.example)
+    for part, default in ((study.design, design), (study.scenario, mechanism.scenario())):
         for path in paths(part):
             assert get(part, path) == get(default, path)
 
@@ -112,7 +115,7 @@ def test_a_study_is_explained(computed, capsys, tmp_path):
         "buffer.c_A in [1, 60] N s/m, log, from 5 N s/m",
         "stroke ≤ 25 mm",
         "stroke ≥ 1 mm",
-        "every case must end captured",
+        "every case must end captured or held or latched",
         "buffer.k_A 100, 200 N/m",
         "buffer.c_A 1 to 9 N s/m, 8 values, linear",
         "one capture: 0.1 m/s, +3°",

@@ -29,7 +29,7 @@ def test_the_bars_middle_against_its_ends():
 def test_the_rods_middle_against_its_ends_and_its_stress():
     """E h/2 w'': the depth h is that of the section."""
     design = replace(SliderCrank(), {"rod.depth": 0.012, "rod.modes": 30})
-    mechanism, at = SimpleNamespace(parts=bending_rod(design)), bent(ROD, 30)
+    mechanism, at = SimpleNamespace(parts=bending_rod(design.rod)), bent(ROD, 30)
     length, young = float(design.rod.length), float(design.rod.young_modulus)
     assert float(rod_deflection(mechanism, at, None)) == pytest.approx(BENT * (FREE_END - FREE_MIDDLE), rel=1e-4)
     expected = young * 0.006 * BETA**2 * CLAMPED_MIDDLE * BENT / length**2

@@ -24,7 +24,7 @@ def escaped():
 @pytest.fixture(scope="module")
 def seen(escaped):
     parameters = (escaped.design, escaped.scenario, escaped.stabilisation)
-    return jax.tree.map(np.asarray, course(parameters, escaped._located.rows[:, 0]))
+    return jax.tree.map(np.asarray, course(parameters, escaped._located.rows[:, 0], escaped._located.active))
 
 
 def test_the_course_begins_as_the_scenario_says_and_keeps_the_common_motion(escaped, seen, evidence):

@@ -60,7 +60,7 @@ def test_input_errors_are_value_errors():
     [
         ({"buffer.kA": 1.0}, "buffer.kA is unknown; did you mean buffer.k_A?"),
         ({"probe.tipmass": 1.0}, "probe.tipmass is unknown; did you mean probe.tip_mass?"),
-        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge"),
+        ({"zzz": 1.0}, "zzz is unknown; known: active, passive, buffer, probe, cone, contact, hinge, latch, shock"),
         ({"buffer": 1.0}, "buffer is a section; name one of its fields"),
         (
             {"contact.memory": "evnt"},
@@ -77,8 +77,23 @@ def test_unknown_names_and_words(values, message):
 
 
 OPTIONAL = (
-    *("buffer.max_stroke", "buffer.stop_stiffness", "contact.stiffness", "contact.yield_stress"),
+    *(
+        "buffer.max_stroke",
+        "buffer.stop_stiffness",
+        "contact.stiffness",
+        "contact.yield_stress",
+        "buffer.spring_curve",
+        "buffer.damper_curve",
+        "buffer.preload",
+        "buffer.c_A2",
+        "buffer.rebound_factor",
+        "buffer.friction",
+        "buffer.rebound_stiffness",
+        "latch.stiffness",
+        "latch.strength",
+    ),
     *("hinge.play", "probe.bending_stiffness"),
+    *(f"shock.{vehicle}_{k}" for vehicle in ("active", "passive") for k in (1, 2, 3)),
 )
 
 
@@ -92,8 +107,9 @@ def test_reading_and_writing_know_the_same_paths(reader):
 
 def test_every_number_declares_its_unit():
     numbers = [path for path in paths(table2()) if not isinstance(get(table2(), path), (str, bool))]
-    assert len(numbers) == 44
-    assert [path for path in numbers if not unit(table2(), path)] == ["probe.bending_modes"]
+    assert len(numbers) == 72
+    without = ["buffer.spring_curve", "buffer.damper_curve", "probe.bending_modes"]  # a curve's points have units
+    assert [path for path in numbers if not unit(table2(), path)] == without
     assert unit(table2(), "buffer.c_T") == "N m s/rad"
     assert unit(table2(), "buffer.damping") == ""
 

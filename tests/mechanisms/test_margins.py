@@ -9,7 +9,7 @@ import pytest
 from jaxbuffer import replace, table2
 from jaxbuffer.mechanisms.probe_cone.hinge_play import pin_law
 from jaxbuffer.mechanisms.probe_cone.law_validity import Validity, _of_play, validity
-from jaxbuffer.mechanisms.probe_cone.margins import _rising, rising, throat
+from jaxbuffer.mechanisms.probe_cone.margins import throat
 
 
 def test_beyond_the_limits_of_the_law_and_just_on_them():
@@ -41,14 +41,6 @@ def test_the_pin_may_touch_a_small_area_of_its_bush(share, told):
     assert _of_play(SimpleNamespace(design=table2(), peak_hinge_force=jnp.asarray(limit))) == []
 
 
-@pytest.mark.parametrize(("last", "rate", "expected"), [
-    (2.0, 0.3, 0.3), (2.0, -0.3, 0.0), (2.0 - 1e-6, 0.3, 0.3), (2.0 - 4e-6, 0.3, 0.0), (1.0, 0.3, 0.0)
-])  # fmt: skip
-def test_what_is_largest_at_the_end_rises_at_its_rate(last, rate, expected):
-    """Within a millionth of 2."""
-    assert float(_rising(jnp.asarray(last), jnp.asarray(rate), jnp.asarray(2.0))) == expected
-
-
 def log(rows, times, count):
     rows = jnp.stack([jnp.asarray(rows), jnp.full_like(jnp.asarray(rows), 99.0)], axis=1)  # a tangent beside each
     return SimpleNamespace(count=jnp.asarray(count), rows=rows, time=jnp.asarray(times))
@@ -56,24 +48,9 @@ def log(rows, times, count):
 
 def test_the_way_beyond_the_capture_plane_goes_on_at_the_last_speed():
     """0.3 m before it, and 0.1 m/s nearer: 4 s later 0.1 m beyond."""
-    mechanism = SimpleNamespace(throat_of=lambda state: (state[0], state[1]))
+    scenario = SimpleNamespace(start="contact")
+    mechanism = SimpleNamespace(latch=None, scenario=scenario, throat_of=lambda state: (state[0], state[1]))
     ended = log([[9.0, 9.0], [0.3, -0.1], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
-    before, beyond = throat(mechanism, ended, 10.0)
+    before, beyond = throat(mechanism, ended, None, 10.0)
     assert float(before) == pytest.approx(0.3)
     assert float(beyond) == pytest.approx(0.1)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_stroke_and_hinge_angle_at_the_end(sign):
-    """The angle between the first two bodies, whose third numbers are angles; its size counts."""
-
-    def posture(state):
-        q, v = jnp.arange(9.0) ** 2, jnp.zeros(9)
-        q = q.at[2].set(0.1).at[5].set(0.1 + sign * 0.05)
-        v = v.at[2].set(0.2).at[5].set(0.2 + sign * 0.7).at[4].set(5.0).at[1].set(3.0)
-        return SimpleNamespace(kin=SimpleNamespace(q=q, v=v), stroke=state[0], stroke_rate=state[1])
-
-    mechanism, ended = SimpleNamespace(posture=posture), log([[9.0, 9.0], [0.01, 0.4], [7.0, 7.0]], [0.0, 6.0, 1.0], 2)
-    found = rising(mechanism, ended, jnp.asarray(0.01), jnp.asarray(0.05))
-    np.testing.assert_allclose(found, (0.4, 0.7), rtol=1e-12)
-    np.testing.assert_allclose(rising(mechanism, ended, jnp.asarray(0.02), jnp.asarray(0.06)), (0.0, 0.0))

@@ -5,6 +5,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.slider_crank.blunt_impact import BluntImpact
+from mechanisms.published_crank_peer import Crank
 
 REST = jb.SliderCrankScenario(crank_speed=0.0)
 CYCLE = 2.0 * np.pi / 10.0  # s
@@ -57,3 +58,15 @@ def test_force_grows_with_stiffness_and_falls_with_the_exponent():
 
     assert largest(0.01) > largest(0.1) > largest(0.2)
     assert largest(0.2, 1e5) > largest(0.2, 1e4)
+
+
+@pytest.mark.parametrize("numbers", [(0.01, 1e4, 1e7), (0.1, 1e4, 1e7), (0.2, 1e4, 1e7), (0.1, 2e4, 1e5)])
+def test_a_second_program_has_the_same_first_impacts(numbers):
+    """SciPy's Radau and DOP853 in minimal coordinates: times, approach speeds and peaks of the first four."""
+    exponent, stiffness, torque = numbers
+    design = jb.replace(jb.published_slider_crank(exponent, stiffness), {"drive.torque": 1e-3 * torque})
+    impacts = jb.simulate(design, REST, 0.06, rtol=1e-8).impacts
+    ours = np.stack(
+        [np.asarray(part)[:4] for part in (impacts.time, impacts.approach_speed, impacts.peak_force)], axis=1
+    )
+    np.testing.assert_allclose(ours, Crank(*numbers).run(4, 0.06), rtol=1e-5)

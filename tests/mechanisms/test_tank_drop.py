@@ -17,6 +17,7 @@ from jaxbuffer.structures import march
 GENTLE = jb.TankDropScenario(height=0.1)
 DURATION = 0.02  # s: until after the largest force of a gentle drop
 GRAVITY = 9.81
+TOPIC = "Drop onto a tank"
 
 
 def dropped(changes=None, scenario=GENTLE, duration=DURATION, **options):
@@ -28,13 +29,14 @@ def gentle():
     return dropped()
 
 
-def test_a_gentle_drop_keeps_energy_and_momentum(gentle):
+def test_a_gentle_drop_keeps_energy_and_momentum(gentle, evidence):
     """Energy by all terms together; the slider's momentum, from its speed, by the force's impulse, summed up."""
     assert gentle.outcome.name == "whole"
-    assert float(gentle.balance.energy) < 1e-5
+    evidence(TOPIC, "a drop keeps its energy", float(gentle.balance.energy), 1e-5, "sum of all energies")
     mass, before = 348.0, np.sqrt(2.0 * GRAVITY * 0.1)
     lost = mass * (float(gentle.rebound_speed) + before + GRAVITY * DURATION)
-    assert float(gentle.impulse) == pytest.approx(lost, rel=1e-3)
+    off = abs(float(gentle.impulse) / lost - 1.0)
+    evidence(TOPIC, "impulse of the cushion", off, 1e-3, "momentum that the slider lost")
 
 
 def test_a_tank_with_little_in_it_keeps_its_energy():
@@ -51,18 +53,19 @@ def test_half_the_step_gives_the_same(gentle):
 
 
 def test_a_high_drop_crushes_the_tank():
-    """It ends where the top has come down by 95 % of the inner height."""
-    found = dropped(scenario=jb.TankDropScenario(), duration=0.08)
+    """An empty one: it ends where the top has come down by 95 % of the inner height."""
+    found = dropped({"contents.kind": "none"}, jb.TankDropScenario(), 0.08)
     assert found.outcome.name == "crushed"
     assert 0.95 * 0.29 <= float(found.deflection) < 0.97 * 0.29
     assert float(found.plastic_work) > 10.0 and float(found.end_time) < 0.08
     assert float(found.balance.energy) < 0.01
 
 
-def test_a_brittle_wall_is_holed():
-    found = dropped(
-        {"material.yield_stress": 10e6, "material.failure_strain": 5e-3}, jb.TankDropScenario(height=1.0), 0.03
-    )
+@pytest.mark.parametrize("contents", ["liquid", "none"])
+def test_a_brittle_wall_is_holed(contents):
+    """What is deleted may turn inside out."""
+    brittle = {"material.yield_stress": 10e6, "material.failure_strain": 5e-3, "contents.kind": contents}
+    found = dropped(brittle, jb.TankDropScenario(height=1.0), 0.03)
     assert found.outcome.name == "holed" and int(found.deleted) > 0
     assert float(found.energy.deleted) > 0.0
     assert float(found.balance.energy) < 0.01
@@ -104,7 +107,7 @@ def test_without_an_impact_nothing_moves(method):
 
 
 @pytest.mark.parametrize("refinement", [1, 2])
-def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement):
+def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement, evidence):
     """Of an area: the flat bottom's, with half of the first of four elements (times the refinement) of a corner."""
     changes = {"contents.kind": "none", "material.young_modulus": 1e15, "support.stiffness": 1e6}
     design = jb.replace(jb.TankDrop(), changes | {"mesh.refinement": refinement})
@@ -118,7 +121,8 @@ def test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness(refinement
     numbers = Numbering.of(design)
     sunk = -np.asarray(displacement)[numbers.outer[: numbers.flat + 1], 1]
     corner = 2.0 * 0.04 * np.sin(np.pi / 16.0 / refinement)  # m, a chord of it
-    np.testing.assert_allclose(sunk, GRAVITY * float(mass) / 1e6 / (0.26 + 0.5 * corner), rtol=5e-4)
+    off = np.max(np.abs(sunk / (GRAVITY * float(mass) / 1e6 / (0.26 + 0.5 * corner)) - 1.0))
+    evidence(TOPIC, "how deep a rigid tank stands on its support", off, 5e-4, "weight over stiffness")
 
 
 @pytest.mark.slow
@@ -131,7 +135,7 @@ def test_an_empty_tank_on_a_fine_mesh_starts_at_rest(method):
 
 
 @pytest.mark.slow
-def test_an_empty_rigid_tank_is_a_mass_on_a_cushion():
+def test_an_empty_rigid_tank_is_a_mass_on_a_cushion(evidence):
     """A thick, stiff wall without contents: the slider on springs and dampers over the outline, by scipy."""
     stiff = {f"wall.{zone}": 0.02 for zone in ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner")}
     stiff |= {"wall.top": 0.02, "material.young_modulus": 2e12, "contents.kind": "none", "cushion.stiffness": 1e7}
@@ -148,7 +152,8 @@ def test_an_empty_rigid_tank_is_a_mass_on_a_cushion():
         lambda t, y: [y[1], GRAVITY - force(*y) / 348.0], [0.0, 0.016], [0.0, speed], max_step=2e-5, rtol=1e-8
     )
     peak = max(force(*y) for y in course.y.T)
-    assert float(found.peak_force) == pytest.approx(peak, rel=0.01)
+    off = abs(float(found.peak_force) / peak - 1.0)
+    evidence(TOPIC, "largest force on a rigid tank", off, 0.01, "SciPy, a mass on a cushion")
     assert float(found.travel) == pytest.approx(course.y[0].max(), rel=0.01)
     assert float(found.highest_pressure) == 0.0
 
@@ -178,7 +183,7 @@ def test_a_history_has_a_row_for_each_share_of_the_time_that_was_stepped_and_no_
     """Fewer steps than rows, and a run that ends before its duration."""
     for found in (
         dropped(duration=5e-4, history=True),
-        dropped(scenario=jb.TankDropScenario(), duration=0.08, history=True),
+        dropped({"contents.kind": "none"}, jb.TankDropScenario(), 0.08, history=True),
     ):
         time = np.asarray(found.history.time)
         assert np.all(np.diff(time) > 0.0)

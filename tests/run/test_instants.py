@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import jaxbuffer as jb
 from front.made_up import END, made_up_capture
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
-from jaxbuffer.run.history import seen_at
+from jaxbuffer.run.history import history_at
 from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _quintic, _straight, at_times
 
 START, LENGTH = 0.7, 0.3  # s
@@ -83,6 +83,6 @@ def test_between_the_steps_of_a_swinging_bar():
         errors.append([np.max(off[:, :n]), np.max(off[:, n : 2 * n])])
         np.testing.assert_allclose(found.time, times)
         np.testing.assert_allclose(off[[0, -1]], 0.0, atol=1e-9)
-        seen = seen_at(system, jnp.asarray(times[2]), closed, found.state[2])
+        seen = history_at(system, jnp.asarray(times[2]), closed, found.state[2])
         np.testing.assert_allclose(found.gap[2], seen.gap, atol=1e-12)
     assert np.all(np.log2(np.divide(*errors)) > [5.5, 3.5])

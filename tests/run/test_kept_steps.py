@@ -15,7 +15,7 @@ from jaxbuffer.hybrid import Steps
     (6, [1.0, 2.0, 3.0, 4.0]),
 ])  # fmt: skip
 def test_the_last_step_is_repeated(monkeypatch, taken, expected):
-    monkeypatch.setattr(module, "seen_at", lambda system, time, active, state: (time, active, state))
+    monkeypatch.setattr(module, "history_at", lambda system, time, active, state: (time, active, state))
     steps = Steps.empty(4, jnp.zeros((2, 3)), 2)
     for k in range(1, taken + 1):
         rows = jnp.stack([jnp.full(3, 10.0 * k), jnp.full(3, -1.0)])
@@ -41,7 +41,7 @@ def test_of_bodies_that_bend_the_frames_are_shown():
                             others={"own": 6.0})  # fmt: skip
     system = SimpleNamespace(posture=lambda state: posture, snapshot_at=lambda at, active: shown,
                              energy_at=lambda at, active: "energy")  # fmt: skip
-    found = module.seen_at(system, jnp.asarray(0.5), jnp.ones(1), jnp.zeros(16))
+    found = module.history_at(system, jnp.asarray(0.5), jnp.ones(1), jnp.zeros(16))
     np.testing.assert_array_equal(found.position, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])
     np.testing.assert_array_equal(found.velocity, [[10.0, 11.0, 12.0], [13.0, 14.0, 15.0]])
     assert [float(x[0]) for x in (found.gap, found.approach_speed, found.slip)] == [0.1, 0.2, 0.3]

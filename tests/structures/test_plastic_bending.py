@@ -8,6 +8,7 @@ import pytest
 from jaxbuffer.structures import Plane, Plastic, Quads, at_faces
 from jaxbuffer.structures.mapping import Rule
 
+TOPIC = "Finite elements, liquid and contact"
 YOUNG, YIELD, THICKNESS, LENGTH = 1e9, 1e5, 0.7, 1.1  # so stiff that strains are small
 STEPS = 600
 CURVATURES = np.linspace(0.0, 6.0, STEPS + 1)[1:]  # of that at which the faces begin to yield
@@ -72,7 +73,7 @@ def many():
 
 @pytest.mark.parametrize("hardening", [0.0, 0.05 * YOUNG])
 @pytest.mark.parametrize("poisson", [0.0, 0.4, 0.49])
-def test_moments_are_those_of_fibres(poisson, hardening):
+def test_moments_are_those_of_fibres(poisson, hardening, evidence):
     """Of fibres where the element has its points, however far the wall is bent: no stress across it grows with the
     plastic strain, though the elastic narrowing of the element is less. The more points, the nearer the exact moment:
     four are off by up to a sixth."""
@@ -80,9 +81,8 @@ def test_moments_are_those_of_fibres(poisson, hardening):
     for across in (2, 4, 8, 16):
         rule = Rule.of(across)
         moments = bent(poisson, hardening, across)[0]
-        np.testing.assert_allclose(
-            moments, fibres(poisson, hardening, rule.points[::2, 1], rule.weights[::2]), rtol=0.006
-        )
+        same = np.max(np.abs(moments / fibres(poisson, hardening, rule.points[::2, 1], rule.weights[::2]) - 1.0))
+        evidence(TOPIC, "moment of a wall bent far beyond yielding", same, 6e-3, "fibres, integrated by themselves")
         off[across] = np.abs(moments / exact - 1.0).max()
     assert off[4] < 0.16 and off[8] < 0.032 and off[16] < 0.01
 

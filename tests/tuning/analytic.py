@@ -6,7 +6,7 @@ from jaxbuffer import Limits, Objective, Outcome, Problem, Scenario, Then, Varia
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.tuning.evaluation import PEAKS, Evaluation, compose
 
-QUANTITIES = PROBE_CONE.tuned
+QUANTITIES = tuple(name for name in PROBE_CONE.tuned if PROBE_CONE.has(name, table2()))
 
 PATHS = ("buffer.k_A", "buffer.c_A", "buffer.k_T", "buffer.c_T")
 
@@ -15,6 +15,8 @@ class Functions:
     """Stands in for an `Evaluator`: ``peaks``, one list of functions a case, become that case's impacts, ``rest`` its
     other quantities by name, ``margin`` its margin; each of x, with its gradient by complex steps. The problem's own
     quantities are made of these."""
+
+    tight = 1e-9
 
     def __init__(self, problem, peaks, rest=None, margin=None):
         self.problem, self.peaks, self.rest, self.margin = problem, peaks, rest or {}, margin
@@ -67,7 +69,6 @@ class Functions:
             rest=np.column_stack([rest, own.values]),
             margin=margin,
             first=peaks[:, 0],
-            rising=np.zeros((count, len(self.problem.mechanism.tuned)), bool),
             peaks_slope=peaks_slope,
             rest_slope=np.concatenate([rest_slope, own.slopes], axis=1),
             margin_slope=margin_slope,

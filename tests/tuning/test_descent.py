@@ -1,21 +1,36 @@
 """Any optax optimiser on the certified gradient: published minimax problems, bounds, limits and what is refused."""
 
+import diffrax
 import numpy as np
 import optax
 import pytest
 
-from jaxbuffer import InputError, Limits, Objective, Then
+from jaxbuffer import (
+    Diffrax,
+    InputError,
+    Limits,
+    Objective,
+    Problem,
+    Scenario,
+    Then,
+    Variable,
+    simulate,
+    table2,
+)
 from jaxbuffer.tuning import tune
 from tuning.analytic import Functions, problem, shifted
 from tuning.test_search import PUBLISHED, SHIFT
+
+SQUARES = [[lambda x: x[0] ** 2 + x[1] ** 2]]
 
 
 @pytest.fixture
 def solve(monkeypatch):
     """`tune` by an optimiser, on functions instead of captures."""
 
-    def run(stated, peaks, rest=None, optimizer=None, **settings):
+    def run(stated, peaks, rest=None, optimizer=None, dies_after=None, **settings):
         functions = Functions(stated, peaks, rest)
+        functions.dies_after = dies_after
         monkeypatch.setattr(tune, "Evaluator", lambda *_: functions)
         monkeypatch.setattr("jaxbuffer.tuning.tuned.floor", lambda *_: None)
         chosen = {"starts": 1, "searches": 1, "iterations": 300, **settings}
@@ -53,17 +68,61 @@ def test_the_log_has_every_step(solve):
     assert "5 steps of the optimizer from each of 1 starts" in tuned.message
 
 
+def test_a_descent_that_was_interrupted_is_resumed_to_the_same_bits(solve, tmp_path):
+    """Named, as in a study; another optimiser, rate or solver is another run."""
+    stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0])
+    options = {"optimizer": "adam", "learning_rate": 0.05, "starts": 3, "iterations": 20}
+    whole = solve(stated, SQUARES, **options)
+    folder = {"folder": tmp_path, "save": False}
+    with pytest.raises(KeyboardInterrupt):
+        solve(stated, SQUARES, dies_after=4, **options, **folder)
+    named = {name: value for name, value in options.items() if name in ("optimizer", "learning_rate")}
+    settings = {"searches": 1, "starts": 3, "iterations": 20, **named}
+    best = tune.best_so_far(stated, tmp_path, **settings)
+    assert best.evaluations == 4 and whole.objective[1] < best.objective < whole.objective[0]
+    for other, message in (
+        ({"optimizer": "sgd"}, "optimizer is 'adam' there, 'sgd' here"),
+        ({"learning_rate": 0.2}, "learning_rate is 0.05 there, 0.2 here"),
+        ({"solver": "explicit"}, "solver is automatic there, explicit here"),
+    ):
+        with pytest.raises(InputError, match=message):
+            tune.best_so_far(stated, tmp_path, **settings | other)
+    resumed = solve(stated, SQUARES, resume=True, **options, **folder)
+    assert resumed.records == whole.records and resumed.captures == whole.captures
+    np.testing.assert_array_equal(resumed.after.scaled, whole.after.scaled)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"optimizer": "adam"}, "optimizer = 'adam' is not an optax optimizer; write"),
-        ({"resume": True, "folder": "run"}, "cannot be resumed"),
+        ({"optimizer": 0.05}, "optimizer = 0.05 is not an optax optimizer; write"),
+        ({"optimizer": "adan"}, "optimizer = 'adan' is unknown.*did you mean adam"),
+        ({"learning_rate": 0.0}, r"tune\.learning_rate = 0 is out of range; allowed"),
     ],
 )
 def test_what_is_refused(options, message):
     stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0])
     with pytest.raises(InputError, match=message):
         tune.tune(stated, **{"optimizer": optax.adam(0.1), **options})
+
+
+def test_the_whole_of_it_by_diffrax(tmp_path):
+    """Table 2 for two approaches: better, all captures solved at the check, and its forces are those of the exact law
+    by the default solver, within the smooth law's bias."""
+    asked = Problem(
+        table2(),
+        [Scenario(approach_speed=0.1), Scenario(approach_speed=0.2, misalignment=0.05)],
+        [Variable("buffer.k_A", 100.0, 2000.0), Variable("probe.tip_mass", 0.02, 0.2)],
+        limits=Limits(at_most={"stroke": 0.025}),
+    )
+    kvaerno = Diffrax(diffrax.Kvaerno5())
+    tuned = tune.tune(
+        asked, solver=kvaerno, optimizer=optax.adam(0.05), starts=1, searches=1, iterations=3, folder=tmp_path
+    )
+    assert tuned.feasible and tuned.tight == 1e-8
+    assert tuned.objective[1] < 0.99 * tuned.objective[0]
+    exact = [float(simulate(tuned.design, scenario).peak_force) for scenario in asked.scenarios]
+    np.testing.assert_allclose(tuned.after.peak_force, exact, rtol=1e-4)
 
 
 def test_a_second_objective_is_refused():

@@ -50,6 +50,33 @@ def test_captures_are_within_the_laws_bias_of_the_reference(name, evidence):
         evidence(TOPIC, claim, off, bias, EXACT, detail=name)
 
 
+IMPLICIT = {
+    "Kvaerno5, Table 2": (diffrax.Kvaerno5, jb.table2(), jb.Scenario(), None),
+    "Kvaerno3, Table 2": (diffrax.Kvaerno3, jb.table2(), jb.Scenario(), None),
+    "KenCarp4, Table 2": (diffrax.KenCarp4, jb.table2(), jb.Scenario(), None),
+    "Kvaerno5, rigid probe": (diffrax.Kvaerno5, jb.rigid_probe(), jb.Scenario(), 0.05),
+    "Kvaerno5, sticking free tip": (
+        *(diffrax.Kvaerno5, jb.replace(jb.table2(), {"probe.free_tip": True, "contact.friction": 1.0}), jb.Scenario()),
+        None,
+    ),
+    "Kvaerno5, bar": (diffrax.Kvaerno5, jb.BarDrop(), jb.BarDropScenario(height=0.05), 0.2),
+    "Kvaerno5, slider-crank": (diffrax.Kvaerno5, jb.SliderCrank(), jb.SliderCrankScenario(), 0.01),
+}
+
+
+@pytest.mark.parametrize("name", IMPLICIT)
+def test_implicit_methods(name, evidence):
+    """The first impact and the largest force are those of the loop with the same law."""
+    method, design, scenario, duration = IMPLICIT[name]
+    rtol = 1e-7 if method is diffrax.Kvaerno3 else 1e-8  # of order 3: 1e-8 takes more than 16 384 steps
+    run = jb.simulate(design, scenario, duration, rtol=rtol, solver=jb.Diffrax(method()))
+    exact = jb.simulate(run.design, scenario, duration, rtol=1e-10)
+    assert run.outcome is exact.outcome and int(run.impact_count) == int(exact.impact_count)
+    claim = "through diffrax.diffeqsolve, implicit methods: largest force"
+    evidence(TOPIC, claim, abs(float(run.peak_force / exact.peak_force) - 1.0), 1e-5, SAME_LAW, detail=name)
+    np.testing.assert_allclose(run.impacts.peak_force[0], exact.impacts.peak_force[0], rtol=1e-5)
+
+
 def test_what_follows_from_a_capture():
     """A history, the energy and failures are those of any capture."""
     options = {"rtol": 1e-8, "solver": TSIT5, "history": True, "max_steps": 1000}
@@ -69,7 +96,8 @@ def solved(design, solver, **options):
     problem = jb.as_diffrax(design)
     controller = diffrax.PIDController(rtol=1e-8, atol=1e-8 * problem.scales, pcoeff=0.3, icoeff=0.4)
     given = {"args": problem.args, "event": problem.event, "stepsize_controller": controller} | options
-    return diffrax.diffeqsolve(problem.term, solver, 0.0, given.pop("duration", 8.0), problem.dt0, problem.y0, **given)
+    end, method = given.pop("duration", 8.0), problem.method(solver)
+    return diffrax.diffeqsolve(problem.term_for(solver), method, 0.0, end, problem.dt0, problem.y0, **given)
 
 
 def test_the_literal_call():
@@ -103,28 +131,17 @@ def test_adjoints():
 
 
 @pytest.mark.slow
-def test_how_wrong_plain_differentiation_is():
-    """What docs/diffrax.md says of elasticities of Table 2's peak force: 0.2 at rtol 1e-8, 3e-3 at 1e-10, by Tsit5.
-    Those of our own loop are in `test_elasticities`."""
+def test_elasticities_under_error_control():
+    """Of Table 2's peak force; differentiated through the solve, Tsit5's would be off by 0.2 at rtol 1e-8."""
     reference = np.array([CASES["table2"].values["elasticity"][parameter] for parameter in PARAMETERS])
     paths = [PATHS[parameter] for parameter in PARAMETERS]
     logs = jnp.log(jnp.array([jb.get(jb.table2(), path) for path in paths]))
 
-    def log_peak(logs, rtol):
+    def log_peak(logs):
         design = jb.replace(jb.table2(), dict(zip(paths, jnp.exp(logs), strict=True)))
-        return jnp.log(jb.simulate(design, rtol=rtol, solver=TSIT5).peak_force)
+        return jnp.log(jb.simulate(design, rtol=1e-8, solver=jb.Diffrax(diffrax.Kvaerno5())).peak_force)
 
-    slopes = jax.jit(jax.jacfwd(log_peak))
-    loose, tight = (np.max(np.abs(slopes(logs, jnp.asarray(rtol)) / reference - 1.0)) for rtol in (1e-8, 1e-10))
-    assert 0.02 < loose < 1.0
-    assert 3e-4 < tight < 3e-2
-
-
-@pytest.mark.slow
-def test_its_gradient_gets_no_certificate():
-    """Differences of tight solves see that it is wrong."""
-    found = jb.sensitivity(jb.table2(), wrt=("buffer.k_A",), quantities=("peak_force",), solver=TSIT5)
-    assert found.certificate.verdict is jb.Verdict.refused
+    assert np.max(np.abs(jax.jit(jax.jacfwd(log_peak))(logs) / reference - 1.0)) < 5e-3
 
 
 def test_the_command_line(capsys):

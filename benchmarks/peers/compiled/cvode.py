@@ -48,14 +48,14 @@ if C is not None:
     def jacobian(_, y, slope, matrix, data, one, two, three):
         """CVLsJacFn; SUNDIALS stores columns one after another."""
         room = carray(data, (ROOM,))
-        found = carray(data, (ROOM,))[MATRIX:SLOPE].reshape((STATES, STATES))
+        values = carray(data, (ROOM,))[MATRIX:SLOPE].reshape((STATES, STATES))
         state = carray(array_of(y), (STATES,))
         p, active, memory = room[0:30], room[30:32], room[32:34]
-        jacobian_into(state, found, p, active, memory, room[SLOPE:REACTIONS], room[REACTIONS:ROOM])
+        jacobian_into(state, values, p, active, memory, room[SLOPE:REACTIONS], room[REACTIONS:ROOM])
         columns = carray(matrix_of(matrix), (STATES, STATES))
         for column in range(STATES):
             for row in range(STATES):
-                columns[column, row] = found[row, column]
+                columns[column, row] = values[row, column]
         return 0
 
     @cfunc(types.int32(types.float64, P, types.CPointer(types.float64), DATA))

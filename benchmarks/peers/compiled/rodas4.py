@@ -135,7 +135,7 @@ def prepare(h: float, work) -> None:
 def solve(u: Vector, g: float, work) -> None:
     """Replace the right-hand side ``u`` (25,) by the solution of (I/g - J) u = r."""
     _, _, _, inverse, through, _, _, rows = work
-    right, found, _ = rows
+    right, pivot, _ = rows
     for i in range(RATES):
         right[i] = u[POSITIONS + i]
     for i in range(WIDE):
@@ -147,11 +147,11 @@ def solve(u: Vector, g: float, work) -> None:
         total = 0.0
         for j in range(RATES):
             total += right[j] * inverse[j * WIDE + i]
-        found[i] = total
+        pivot[i] = total
     for i in range(RATES):
-        u[POSITIONS + i] = found[i]
+        u[POSITIONS + i] = pivot[i]
     for i in range(POSITIONS):
-        u[i] = g * (u[i] + found[i])
+        u[i] = g * (u[i] + pivot[i])
 
 
 def stage_of(number: int):

@@ -16,9 +16,9 @@ def weighted(weights: Vector):
 
     @njit(inline="always", fastmath={"contract", "reassoc", "nsz"})
     def total(k, i):
-        found = values[0] * k[rows[0] + i]
+        result = values[0] * k[rows[0] + i]
         for j in range(1, count):
-            found += values[j] * k[rows[j] + i]
-        return found
+            result += values[j] * k[rows[j] + i]
+        return result
 
     return total

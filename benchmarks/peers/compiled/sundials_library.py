@@ -56,11 +56,11 @@ def functions() -> dict[str, ctypes._CFuncPtr] | None:
     if None in files:
         return None
     libraries = [ctypes.CDLL(file) for file in files]
-    found = {}
+    table = {}
     for name, (result, *arguments) in SIGNATURES.items():
         function = next((getattr(library, name) for library in libraries if hasattr(library, name)), None)
         if function is None:
             return None
         function.restype, function.argtypes = result, arguments
-        found[name] = function
-    return found
+        table[name] = function
+    return table

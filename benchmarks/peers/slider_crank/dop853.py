@@ -21,10 +21,10 @@ SCALE = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 10.0, 10.0, 1.0, 1.0, 1.0])
 
 
 @njit
-def step(y: Vector, h: float, modes: Vector, memory: Vector, p: SliderCrank, k: Matrix, seen: Matrix) -> Vector:
+def step(y: Vector, h: float, modes: Vector, memory: Vector, p: SliderCrank, k: Matrix, joints: Matrix) -> Vector:
     """The state a time ``h`` [s] later; ``k`` (13, 10) holds the slope at ``y`` in row 0 and gets the other stages.
 
-    ``seen`` becomes that of the new state, whose slope lands in the last row of ``k``.
+    ``joints`` becomes that of the new state, whose slope lands in the last row of ``k``.
     """
     trial = np.empty(STATES)
     for stage in range(1, STAGES):
@@ -33,14 +33,14 @@ def step(y: Vector, h: float, modes: Vector, memory: Vector, p: SliderCrank, k: 
             for j in range(stage):
                 total += A[stage, j] * k[j, i]
             trial[i] = y[i] + h * total
-        evaluate(trial, modes, memory, p, k[stage], seen)
+        evaluate(trial, modes, memory, p, k[stage], joints)
     new = np.empty(STATES)
     for i in range(STATES):
         total = 0.0
         for j in range(STAGES):
             total += B[j] * k[j, i]
         new[i] = y[i] + h * total
-    evaluate(new, modes, memory, p, k[STAGES], seen)
+    evaluate(new, modes, memory, p, k[STAGES], joints)
     return new
 
 

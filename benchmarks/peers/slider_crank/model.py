@@ -6,7 +6,7 @@ rod's crank end (x, y) [m], which counts only where both joints have clearance a
 ``modes`` (2,) by joint, crank pin and piston pin: FREE, PRESSING, or PARTING: still within the other, but leaving so
 fast that Lankarani and Nikravesh's force, clamped at zero, is nil. ``memory`` (2,) [m/s]: speeds of the touchdowns.
 
-``seen`` (2, 6) by joint: depth δ [m], its rate [m/s], the law's bracket 1 + χ δ̇/δ̇⁻ [-], force F [N], its rate [N/s],
+``joints`` (2, 6) by joint: depth δ [m], its rate [m/s], the law's bracket 1 + χ δ̇/δ̇⁻ [-], force F [N], its rate [N/s],
 slip [m/s].
 """
 
@@ -53,8 +53,8 @@ def separation(joint: int, y: Vector, p: SliderCrank) -> tuple[float, float, flo
 
 
 @njit
-def press(joint: int, y: Vector, mode: float, memory: float, p: SliderCrank, seen: Matrix) -> tuple[float, float]:
-    """Force (2) [N] on the bush, at its surface; all but the force's rate into ``seen``."""
+def press(joint: int, y: Vector, mode: float, memory: float, p: SliderCrank, joints: Matrix) -> tuple[float, float]:
+    """Force (2) [N] on the bush, at its surface; all but the force's rate into ``joints``."""
     ex, ey, u, v = separation(joint, y, p)
     far = math.sqrt(ex * ex + ey * ey)
     nx, ny = (ex / far, ey / far) if far > 0.0 else (1.0, 0.0)
@@ -66,23 +66,23 @@ def press(joint: int, y: Vector, mode: float, memory: float, p: SliderCrank, see
     force = p.stiffness * depth * math.sqrt(depth) * bracket if mode == PRESSING and depth > 0.0 else 0.0
     share = min(max(slip / p.slip_speed, -1.0), 1.0) if p.ramp != 0.0 else math.tanh(slip / p.slip_speed)
     drag = p.friction * force * share
-    seen[joint, DEPTH] = depth
-    seen[joint, RATE] = rate
-    seen[joint, BRACKET] = bracket
-    seen[joint, FORCE] = force
-    seen[joint, SLIP] = slip
+    joints[joint, DEPTH] = depth
+    joints[joint, RATE] = rate
+    joints[joint, BRACKET] = bracket
+    joints[joint, FORCE] = force
+    joints[joint, SLIP] = slip
     return force * nx - drag * ny, force * ny + drag * nx
 
 
 @njit
-def evaluate(y: Vector, modes: Vector, memory: Vector, p: SliderCrank, slope: Vector, seen: Matrix) -> float:
-    """Write dy/dt into ``slope`` and the contacts into ``seen``; the torque [N m] that drives the crank."""
+def evaluate(y: Vector, modes: Vector, memory: Vector, p: SliderCrank, slope: Vector, joints: Matrix) -> float:
+    """Write dy/dt into ``slope`` and the contacts into ``joints``; the torque [N m] that drives the crank."""
     r, h, g = p.crank_radius, p.rod_centre, p.rod_length - p.rod_centre
     cos_c, sin_c, cos_r, sin_r = math.cos(y[0]), math.sin(y[0]), math.cos(y[1]), math.sin(y[1])
     fx, fy, moment, push, turn = 0.0, -p.rod_mass * p.gravity, 0.0, 0.0, 0.0  # on rod, about its centre; slider; crank
-    seen[:] = 0.0
+    joints[:] = 0.0
     if p.crank_pin != 0.0:
-        ax, ay = press(0, y, modes[0], memory[0], p, seen)
+        ax, ay = press(0, y, modes[0], memory[0], p, joints)
         ex, ey, _, _ = separation(0, y, p)
         far = math.sqrt(ex * ex + ey * ey)
         reach = (p.bush_radius + p.overlap_share * max(far - p.clearance, 0.0)) / far if far > 0.0 else 0.0
@@ -92,7 +92,7 @@ def evaluate(y: Vector, modes: Vector, memory: Vector, p: SliderCrank, slope: Ve
         beyond = reach - 1.0  # from the pin's centre on to the bush's surface
         turn -= (r * cos_c + beyond * ex) * ay - (r * sin_c + beyond * ey) * ax
     if p.piston_pin != 0.0:
-        bx, by = press(1, y, modes[1], memory[1], p, seen)
+        bx, by = press(1, y, modes[1], memory[1], p, joints)
         ex, ey, _, _ = separation(1, y, p)
         far = math.sqrt(ex * ex + ey * ey)
         reach = (p.bush_radius + p.overlap_share * max(far - p.clearance, 0.0)) / far if far > 0.0 else 0.0
@@ -119,7 +119,7 @@ def evaluate(y: Vector, modes: Vector, memory: Vector, p: SliderCrank, slope: Ve
             slope[7] = push / p.slider_mass
             slope[8] = fx / p.rod_mass + h * (slope[6] * sin_r + y[6] ** 2 * cos_r)
             slope[9] = fy / p.rod_mass - h * (slope[6] * cos_r - y[6] ** 2 * sin_r)
-    _force_rates(y, modes, memory, p, slope, seen)
+    _force_rates(y, modes, memory, p, slope, joints)
     return drive
 
 
@@ -155,12 +155,12 @@ def _on_slider(y, p, force, moment, slope) -> None:
 
 
 @njit
-def _force_rates(y, modes, memory, p, slope, seen) -> None:
-    """dF/dt of both joints into ``seen``: exact, from the accelerations."""
+def _force_rates(y, modes, memory, p, slope, joints) -> None:
+    """dF/dt of both joints into ``joints``: exact, from the accelerations."""
     r, length = p.crank_radius, p.rod_length
     cos_r, sin_r = math.cos(y[1]), math.sin(y[1])
     for joint in range(2):
-        depth, rate = seen[joint, DEPTH], seen[joint, RATE]
+        depth, rate = joints[joint, DEPTH], joints[joint, RATE]
         if modes[joint] != PRESSING or depth <= 0.0:
             continue
         ex, ey, u, v = separation(joint, y, p)
@@ -184,7 +184,7 @@ def _force_rates(y, modes, memory, p, slope, seen) -> None:
         bend = wx * nx + wy * ny + swing * swing / far
         loss = 0.75 * (1.0 - p.restitution**2) / memory[joint]
         root = math.sqrt(depth)
-        seen[joint, FORCE_RATE] = p.stiffness * root * (1.5 * rate * seen[joint, BRACKET] + depth * loss * bend)
+        joints[joint, FORCE_RATE] = p.stiffness * root * (1.5 * rate * joints[joint, BRACKET] + depth * loss * bend)
 
 
 def start(p: SliderCrank) -> Vector:

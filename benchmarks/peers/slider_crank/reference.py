@@ -44,19 +44,19 @@ def impacts_of(crank: SliderCrank) -> list[dict]:
     runs = [simulate(crank, LIMIT, rtol, IMPACTS, longest=longest) for rtol, longest in SETTINGS]
     if any(len(run.log) != IMPACTS or not np.isfinite(run.log[:, 4]).all() for run in runs):
         raise RuntimeError("a run has too few impacts")
-    found = []
+    impacts = []
     for k in range(IMPACTS):
         numbers = {name: median_and_error([run.log[k, COLUMN[name]] for run in runs]) for name in FIELDS}
         record = {"contact": int(runs[0].log[k, 0])} | {name: value for name, (value, _) in numbers.items()}
-        found.append(record | {"error": {name: error for name, (_, error) in numbers.items()}})
-    return found
+        impacts.append(record | {"error": {name: error for name, (_, error) in numbers.items()}})
+    return impacts
 
 
 def maxima_of(crank: SliderCrank) -> dict:
     """Largest acceleration and torque of the first sixth of a turn (2 ms at 5000 rpm), with their errors."""
     window = WINDOW / crank.speed
-    seen = [largest(simulate(crank, window, rtol, rows=50000)) for rtol in (1e-12, 3e-13, 1e-13)]
-    numbers = {name: median_and_error([each[name] for each in seen]) for name in seen[0]}
+    maxima = [largest(simulate(crank, window, rtol, rows=50000)) for rtol in (1e-12, 3e-13, 1e-13)]
+    numbers = {name: median_and_error([each[name] for each in maxima]) for name in maxima[0]}
     record = {name: value for name, (value, _) in numbers.items()}
     return record | {"window": window, "error": {name: error for name, (_, error) in numbers.items()}}
 
@@ -87,7 +87,7 @@ def elasticities(crank: SliderCrank) -> dict:
         name = name.removesuffix(" alone")
         return base._replace(**{name: getattr(base, name) * float(np.exp(shift))})
 
-    found: dict = {}
+    table: dict = {}
     names = ("first_peak", "second_peak", "third_peak", "first_time")
     for name in (*INPUTS, "clearance alone"):
         (values, errors), (others, _) = (
@@ -95,8 +95,8 @@ def elasticities(crank: SliderCrank) -> dict:
             for rtol in (1e-12, 2e-13)
         )
         errors = np.maximum(errors, np.abs(others - values))
-        found[name] = {q: {"value": float(v), "error": float(e)} for q, v, e in zip(names, values, errors, strict=True)}
-    return found
+        table[name] = {q: {"value": float(v), "error": float(e)} for q, v, e in zip(names, values, errors, strict=True)}
+    return table
 
 
 def growth(crank: SliderCrank, shift: float = 1e-9) -> dict:

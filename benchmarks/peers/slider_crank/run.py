@@ -39,13 +39,13 @@ MEMORY = slice(STATES + 3, STATES + 5)
 
 
 @njit
-def root(y, h, joint, what, sign, modes, memory, p, k, seen) -> float:
-    """Length [s] of the step from ``y`` at whose end ``sign * seen[joint, what]`` has just fallen to or below zero."""
+def root(y, h, joint, what, sign, modes, memory, p, k, joints) -> float:
+    """Length [s] of the step from ``y`` at whose end ``sign * joints[joint, what]`` just falls to or below zero."""
     early, late = 0.0, h
-    evaluate(y, modes, memory, p, k[0], seen)
-    f_early = sign * seen[joint, what]
-    step(y, h, modes, memory, p, k, seen)
-    f_late = sign * seen[joint, what]
+    evaluate(y, modes, memory, p, k[0], joints)
+    f_early = sign * joints[joint, what]
+    step(y, h, modes, memory, p, k, joints)
+    f_late = sign * joints[joint, what]
     side = 0
     for _ in range(200):
         if late - early <= 1e-15 * h or f_late == 0.0:
@@ -53,8 +53,8 @@ def root(y, h, joint, what, sign, modes, memory, p, k, seen) -> float:
         middle = (early * f_late - late * f_early) / (f_late - f_early)
         if not early < middle < late:
             middle = 0.5 * (early + late)
-        step(y, middle, modes, memory, p, k, seen)
-        value = sign * seen[joint, what]
+        step(y, middle, modes, memory, p, k, joints)
+        value = sign * joints[joint, what]
         if value > 0.0:
             early, f_early = middle, value
             if side == 1:
@@ -69,9 +69,9 @@ def root(y, h, joint, what, sign, modes, memory, p, k, seen) -> float:
 
 
 @njit
-def first_event(y, h, before, after, modes, memory, p, k, seen):
+def first_event(y, h, before, after, modes, memory, p, k, joints):
     """Earliest event within the step: its length [s], joint, and new mode; joint -1 where there is none."""
-    found, which, turned = h, -1, FREE
+    first, which, turned = h, -1, FREE
     for joint in range(2):
         if (p.crank_pin if joint == 0 else p.piston_pin) == 0.0:
             continue
@@ -82,33 +82,35 @@ def first_event(y, h, before, after, modes, memory, p, k, seen):
         if low > 0.0 and high <= 0.0:
             late = h
         elif low > 0.0 and out * before[joint, RATE] < 0.0 < out * after[joint, RATE]:
-            turn = root(y, h, joint, RATE, -out, modes, memory, p, k, seen)  # where the pins come nearest to the event
-            step(y, turn, modes, memory, p, k, seen)
-            late = turn if out * seen[joint, DEPTH] <= 0.0 else -1.0
+            turn = root(
+                y, h, joint, RATE, -out, modes, memory, p, k, joints
+            )  # where the pins come nearest to the event
+            step(y, turn, modes, memory, p, k, joints)
+            late = turn if out * joints[joint, DEPTH] <= 0.0 else -1.0
         if late > 0.0:
-            at = root(y, late, joint, DEPTH, out, modes, memory, p, k, seen)
-            if which < 0 or at < found:
-                found, which, turned = at, joint, (FREE if closed else PRESSING)
+            at = root(y, late, joint, DEPTH, out, modes, memory, p, k, joints)
+            if which < 0 or at < first:
+                first, which, turned = at, joint, (FREE if closed else PRESSING)
         sign = 1.0 if modes[joint] == PRESSING else -1.0
         if closed and sign * before[joint, BRACKET] > 0.0 and sign * after[joint, BRACKET] <= 0.0:
-            at = root(y, h, joint, BRACKET, sign, modes, memory, p, k, seen)
-            if which < 0 or at < found:
-                found, which, turned = at, joint, (PARTING if modes[joint] == PRESSING else PRESSING)
-    return found, which, turned
+            at = root(y, h, joint, BRACKET, sign, modes, memory, p, k, joints)
+            if which < 0 or at < first:
+                first, which, turned = at, joint, (PARTING if modes[joint] == PRESSING else PRESSING)
+    return first, which, turned
 
 
 @njit
-def note_peaks(t, y, h, before, after, modes, memory, p, k, seen, log, current) -> None:
+def note_peaks(t, y, h, before, after, modes, memory, p, k, joints, log, current) -> None:
     """Enter the largest force within the step in the log, where the force turns from rising to falling."""
     for joint in range(2):
         row = current[joint]
         if modes[joint] != PRESSING or row < 0:
             continue
         if before[joint, FORCE_RATE] > 0.0 and after[joint, FORCE_RATE] <= 0.0:
-            at = root(y, h, joint, FORCE_RATE, 1.0, modes, memory, p, k, seen)
-            step(y, at, modes, memory, p, k, seen)
-            if seen[joint, FORCE] > log[row, 4]:
-                log[row, 4], log[row, 5] = seen[joint, FORCE], t + at
+            at = root(y, h, joint, FORCE_RATE, 1.0, modes, memory, p, k, joints)
+            step(y, at, modes, memory, p, k, joints)
+            if joints[joint, FORCE] > log[row, 4]:
+                log[row, 4], log[row, 5] = joints[joint, FORCE], t + at
 
 
 @njit
@@ -144,7 +146,7 @@ def drive(p, y, duration, rtol, log, course, longest):
     ``log`` (touchdowns, 9); ``course`` (rows, 15) gets time, state, modes and memory at the start of each step.
     """
     modes, memory = np.zeros(2), np.full(2, SLOWEST_TOUCHDOWN)
-    k, seen = np.empty((STAGES + 1, STATES)), np.zeros((2, 6))
+    k, joints = np.empty((STAGES + 1, STATES)), np.zeros((2, 6))
     before, after = np.zeros((2, 6)), np.zeros((2, 6))
     current = np.full(2, -1)
     t, h, touchdowns, steps = 0.0, CONTACT_STEP, 0, 0
@@ -162,13 +164,13 @@ def drive(p, y, duration, rtol, log, course, longest):
             continue
         following = h * factor(off, rejected)
         rejected = False
-        taken, joint, turned = first_event(y, h, before, after, modes, memory, p, k, seen)
+        taken, joint, turned = first_event(y, h, before, after, modes, memory, p, k, joints)
         if joint >= 0:
-            evaluate(y, modes, memory, p, k[0], seen)
+            evaluate(y, modes, memory, p, k[0], joints)
             new = step(y, taken, modes, memory, p, k, after)
             following = CONTACT_STEP
-        evaluate(y, modes, memory, p, k[0], seen)
-        note_peaks(t, y, taken, before, after, modes, memory, p, k, seen, log, current)
+        evaluate(y, modes, memory, p, k[0], joints)
+        note_peaks(t, y, taken, before, after, modes, memory, p, k, joints, log, current)
         if steps < course.shape[0]:
             keep(course[steps], t, y, modes, memory)
         steps += 1
@@ -238,5 +240,5 @@ def simulate(
     crank = SliderCrank(*(float(x) for x in completed(crank)))
     log, course = np.zeros((impacts, COLUMNS)), np.zeros((rows, STATES + 5))
     begun = start(crank) if state is None else np.array(state, dtype=float)
-    found, kept, steps, end, last = drive(crank, begun, float(duration), float(rtol), log, course, float(longest))
-    return Run(crank, log[:found], course[:kept], steps, end, last)
+    events, points, steps, end, last = drive(crank, begun, float(duration), float(rtol), log, course, float(longest))
+    return Run(crank, log[:events], course[:points], steps, end, last)

@@ -25,12 +25,12 @@ BATCHES = 20
 @njit
 def forces(course, p):
     """The larger of both contact forces [N] at the start of each step."""
-    found, slope, seen = np.zeros(course.shape[0]), np.empty(STATES), np.zeros((2, 6))
+    force, slope, joints = np.zeros(course.shape[0]), np.empty(STATES), np.zeros((2, 6))
     for row in range(course.shape[0]):
         at = course[row]
-        evaluate(at[1 : STATES + 1], at[STATES + 1 : STATES + 3], at[STATES + 3 : STATES + 5], p, slope, seen)
-        found[row] = max(seen[0, FORCE], seen[1, FORCE])
-    return found
+        evaluate(at[1 : STATES + 1], at[STATES + 1 : STATES + 3], at[STATES + 3 : STATES + 5], p, slope, joints)
+        force[row] = max(joints[0, FORCE], joints[1, FORCE])
+    return force
 
 
 def by_turn(run: Run, turns: int) -> Mapping[str, np.ndarray]:
@@ -42,17 +42,19 @@ def by_turn(run: Run, turns: int) -> Mapping[str, np.ndarray]:
     touch, peak, release = run.log[:, 1], run.log[:, 4], run.log[:, 6]
     release = np.where(np.isfinite(release), release, turns * period)
     time, force = run.course[:, 0], forces(run.course, run.crank)
-    found: dict[str, list[float]] = {name: [] for name in ("impacts", "sum of peaks", "largest force", "contact share")}
+    columns: dict[str, list[float]] = {
+        name: [] for name in ("impacts", "sum of peaks", "largest force", "contact share")
+    }
     for turn in range(SETTLING, turns):
         begin, end = turn * period, (turn + 1) * period
         own = (touch >= begin) & (touch < end)
-        found["impacts"].append(float(np.sum(own)))
-        found["sum of peaks"].append(float(np.sum(peak[own])))
+        columns["impacts"].append(float(np.sum(own)))
+        columns["sum of peaks"].append(float(np.sum(peak[own])))
         within = slice(*np.searchsorted(time, (begin, end)))
-        found["largest force"].append(max(np.max(force[within]), np.max(peak[own], initial=0.0)))
+        columns["largest force"].append(max(np.max(force[within]), np.max(peak[own], initial=0.0)))
         shared = np.clip(np.minimum(release, end) - np.maximum(touch, begin), 0.0, None)
-        found["contact share"].append(float(np.sum(shared)) / period)
-    return {name: np.array(values) for name, values in found.items()}
+        columns["contact share"].append(float(np.sum(shared)) / period)
+    return {name: np.array(values) for name, values in columns.items()}
 
 
 def mean_and_error(values: np.ndarray, weights: np.ndarray | None = None) -> tuple[float, float]:
@@ -69,11 +71,11 @@ def statistics(crank: SliderCrank, turns: int, rtol: float = 1e-10) -> dict[str,
     run = simulate(crank, turns * 2.0 * math.pi / crank.speed, rtol, impacts=200 * turns, rows=4000 * turns)
     if run.log.shape[0] == 200 * turns or run.course.shape[0] == 4000 * turns:
         raise RuntimeError("log or course is full")
-    seen = by_turn(run, turns)
-    found = {name: mean_and_error(seen[name]) for name in ("impacts", "largest force", "contact share")}
-    if np.sum(seen["impacts"]) > 0.0:
-        found["peak force"] = mean_and_error(seen["sum of peaks"], seen["impacts"])
-    return found
+    per_turn = by_turn(run, turns)
+    means = {name: mean_and_error(per_turn[name]) for name in ("impacts", "largest force", "contact share")}
+    if np.sum(per_turn["impacts"]) > 0.0:
+        means["peak force"] = mean_and_error(per_turn["sum of peaks"], per_turn["impacts"])
+    return means
 
 
 def parting(crank: SliderCrank, shift: float = 1e-12, apart: float = 1e-3, rtol: float = 1e-13) -> int:

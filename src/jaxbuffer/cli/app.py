@@ -63,7 +63,7 @@ def root(
 
 verb(app, simulate, "One run: peak forces, stroke, hinge angle, energies.")
 verb(app, sensitivity, "One run's gradients and elasticities, certified.", epilog=WITH_QUANTITIES)
-verb(app, tune, "The best design over all scenarios, within bounds and limits.", without=("solver",))
+verb(app, tune, "The best design over all scenarios, within bounds and limits.")
 verb(app, pareto, "The front of two objectives or more.", without=("solver",))
 verb(app, sweep, "Many runs: every combination of values of some fields.")
 verb(app, sample, "Many runs spread over ranges: what matters most, and a fitted surface.")

@@ -14,6 +14,12 @@ def tune(
     iterations: Annotated[str | None, typer.Option(metavar="N", help="Steps of a search at most; default 40.")] = None,
     starts: Annotated[str | None, typer.Option(metavar="N", help="Designs screened in a round; default 32.")] = None,
     seed: Annotated[str | None, typer.Option(metavar="N", help="Of the starts' sample; default 0.")] = None,
+    optimizer: Annotated[
+        str | None, typer.Option(metavar="NAME", help="One of optax takes the steps, adam say; default: quadratic.")
+    ] = None,
+    learning_rate: Annotated[
+        str | None, typer.Option(metavar="RATE", help="Of an optimizer, in the variables' ranges; default 0.05.")
+    ] = None,
     scheduler: Scheduler = None,
     resume: Resume = False,
 ) -> None:

@@ -26,7 +26,9 @@ SHARED = {
         ),
     ],
     "rtol": Annotated[str | None, typer.Option(metavar="TOL", help="Relative error of a step; default 1e-6.")],
-    "duration": Annotated[str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8.")],
+    "duration": Annotated[
+        str | None, typer.Option(metavar="S", help="Simulated time until timeout [s]; default 8, with a latch 20.")
+    ],
     "output": Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for result files; default: none.")],
     "force": Annotated[bool, typer.Option("--force", help="Overwrite result files that exist.")],
     "as_json": Annotated[bool, typer.Option("--json", help="Print the record as JSON, and messages on stderr.")],

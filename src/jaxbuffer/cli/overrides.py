@@ -17,12 +17,26 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             free_length [m], cylinder_mass [kg], cylinder_length [m],
             max_stroke [m] (default: free_length), stop_stiffness [N/m]
             (default: no end stop), stop_damping [N s/m],
+            spring_curve (points [stroke, force] in place of k_A),
+            damper_curve (points [speed, force] in place of c_A, c_A2):
+            "[[0.005, 2.0], [0.01, 6.0]]" say; one of their numbers is
+            --buffer.spring_curve.force[1] VALUE;
+            preload [N], preload_length [m], c_A2 [N s²/m²],
+            rebound_factor [-], friction [N], friction_speed [m/s],
+            rebound_stiffness [N/m] (default: the spring also pulls),
+            rebound_damping [N s/m], rebound_gap [m],
             damping (physical, published)
   probe     length [m], rod_mass [kg], tip_radius [m], tip_mass [kg],
             free_tip (true, false), bending_stiffness [N m²] (default: rigid),
             bending_modes (2, 3, …), bending_damping [s]
   hinge     play [m] (default: none), bush_radius [m], damping [s/m],
             young_modulus [Pa], poisson_ratio [-]
+  latch     stiffness [N/m] (default: no latch), damping [N s/m],
+            preload [N], preload_length [m], turn_stiffness [N m/rad],
+            turn_damping [N m s/rad], closing_time [s], depth [m],
+            strength [N] (default: none tears it), quiet [-]
+  shock     active_1 [Hz], active_2 [Hz], active_3 [Hz], passive_1 [Hz],
+            passive_2 [Hz], passive_3 [Hz] (default: none), damping [-]
   cone      half_angle [rad], offset [m], throat_radius [m], length [m]
   contact   law (lankarani-nikravesh, hertz, exact, kelvin-voigt, adams, …),
             stiffness [N/m^1.5], restitution [-], friction [-],
@@ -32,7 +46,10 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
             ramp_depth [m], onset_length [m], memory_time [s],
             memory (event, smooth), arms (moving, published)
   scenario  approach_speed [m/s], contact_distance [m],
-            misalignment [rad], passive_rate [rad/s]
+            misalignment [rad], passive_rate [rad/s], start (contact, free);
+            of a free start: offset [m], standoff [m], active_angle [rad],
+            active_rate [rad/s], lateral_speed [m/s]; of any: thrust [N] with
+            thrust_time [s]
 """
 
 WITH_QUANTITIES = (
@@ -42,7 +59,16 @@ Quantities (each as --of QUANTITY; whole run, then the first impact's closed for
 those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   peak_force [N], peak_hinge_force [N], stroke [m], hinge_angle [rad], bending [m], end_time [s],
   peak_time [s], peak_buffer_force [N], contact_time [s],
-  stroke_rising [m/s], hinge_angle_rising [rad/s]  their rates at the end where they are largest there, else 0
+  stroke_time [s], hinge_angle_time [s], peak_hinge_force_time [s], peak_buffer_force_time [s],
+  peak_latch_force_time [s]  without derivatives
+  relative_energy [-]  energy of relative motion at the end over that at the start; in joules:
+  energy_left [J]
+  arrest_stroke [m]    stroke at which the axial spring would store it
+  peak_latch_force [N], latch_share [-] of its strength, latch_time [s], settling_time [s] from there until held
+  lateral_miss [m], attitude_miss [rad], lateral_miss_rate [m/s], attitude_miss_rate [rad/s]  at the capture plane
+  active_shock_1 [m/s²], active_shock_2 [m/s²], active_shock_3 [m/s²], passive_shock_1 [m/s²],
+  passive_shock_2 [m/s²], passive_shock_3 [m/s²]  of equipment of the frequencies shock.active_1 and so on
+  peak_active_acceleration [m/s²], peak_passive_acceleration [m/s²], impulse [N s]
   throat_distance [m]  of the tip before the capture plane at the end; at any time, with --duration
   capture_margin [m]   of the tip beyond that plane at the duration, coasting on from the end; or, if less,
   stroke_margin [m]    stroke left before the buffer's end
@@ -50,9 +76,10 @@ those of the capture mechanism, 'jaxbuffer fields KIND' has any mechanism's):
   stroke_share [-]     share of the buffer's stroke that is used, above 1 where the run bottoms
   peak_stop_force [N], penetration [m], contact_pressure [Pa]
   axial_loss [J], torsional_loss [J], contact_loss [J], friction_loss [J], stop_loss [J],
-  bending_loss [J], play_loss [J], dissipated [J]
+  bending_loss [J], play_loss [J], buffer_friction_loss [J], rebound_loss [J], latch_loss [J], dissipated [J]
   effective_mass [kg], effective_energy [J], elastic_first_peak [N], predicted_first_peak [N]
-  impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s]
+  impact.N.peak_force [N], impact.N.approach_speed [m/s], impact.N.time [s], impact.N.release_time [s],
+  impact.N.effective_energy [J], impact.N.compression_end [s]
 
 """
     + FIELDS

@@ -3,19 +3,17 @@
 import contextlib
 import logging
 from collections.abc import Iterator
-from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import dask
+from distributed import Client, LocalCluster
 
 from ..errors import InputError
 from ..programs.threads import cores
 
-if TYPE_CHECKING:
-    from distributed import Client
-
 LOCAL, PROCESSES = "local", "processes"
 LOOPBACK = "127.0.0.1"
 PATIENCE = 60.0  # s until a scheduler answers
-NEEDED = ("distributed", "zarr")
 EXAMPLE = "tcp://host:8786"
 
 
@@ -29,15 +27,8 @@ class SchedulerGone(ConnectionError):
         return type(self), ()
 
 
-def require() -> None:
-    """Raise `InputError` with what to install unless the extra's packages are there."""
-    if missing := [name for name in NEEDED if find_spec(name) is None]:
-        names = " and ".join(missing)
-        raise InputError(f"a scheduler needs {names}, not installed here: pip install 'jaxbuffer[cluster]'")
-
-
 @contextlib.contextmanager
-def connected(where: Any, workers: int | None = None) -> "Iterator[Client]":
+def connected(where: Any, workers: int | None = None) -> Iterator[Client]:
     """A client until the end of the block, and so long the cluster, if it is one of our own.
 
     **Arguments:**
@@ -46,11 +37,8 @@ def connected(where: Any, workers: int | None = None) -> "Iterator[Client]":
       address, as in "tcp://host:8786"; or a `distributed.Client`, which stays open.
     - ``workers``: threads or processes of a cluster of our own, by default one a core.
 
-    **Raises:** `InputError` where packages are missing or no scheduler answers.
+    **Raises:** `InputError` where no scheduler answers.
     """
-    require()
-    from distributed import Client
-
     if isinstance(where, Client):
         yield where
         return
@@ -67,10 +55,7 @@ def connected(where: Any, workers: int | None = None) -> "Iterator[Client]":
 
 
 @contextlib.contextmanager
-def _own(processes: bool, count: int) -> "Iterator[Client]":
-    import dask
-    from distributed import Client, LocalCluster
-
+def _own(processes: bool, count: int) -> Iterator[Client]:
     settings = {
         "distributed.scheduler.allowed-failures": 1000,  # of workers that a task was on; we count ourselves
         "distributed.scheduler.http.routes": [],
@@ -98,9 +83,7 @@ def _own(processes: bool, count: int) -> "Iterator[Client]":
 
 
 @contextlib.contextmanager
-def _remote(address: str) -> "Iterator[Client]":
-    from distributed import Client
-
+def _remote(address: str) -> Iterator[Client]:
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what it has to say, we say in a line
     try:

@@ -4,17 +4,11 @@ import contextlib
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
-from ..programs.threads import Pool
 from .connect import connected
 from .spread import spread
 from .workers import Workers
 
 R = TypeVar("R")
-
-
-def pool_of(client: Any, workers: int | None = None) -> "Pool | ClusterPool":
-    """Threads of this process, or with a ``client`` the workers of its cluster."""
-    return Pool(workers) if client is None else ClusterPool(client, workers)
 
 
 class ClusterPool:

@@ -5,6 +5,9 @@ import functools
 import json
 from typing import Any, NamedTuple
 
+from distributed import get_worker
+from distributed.protocol.pickle import loads
+
 
 class Refused(NamedTuple):
     """What a worker answers that must not compute."""
@@ -13,16 +16,20 @@ class Refused(NamedTuple):
     differs: list[str]
 
 
+def looked_at(cache: str | None, dask_worker: Any) -> dict[str, str]:
+    """`prepared`, as `distributed.Client.run` calls it."""
+    from ..programs.process import prepared  # imports JAX, which a scheduler is spared
+
+    return prepared(dask_worker.address, cache)
+
+
 def checked(expected: str, packed: bytes, task: bytes) -> Any:
     """The work on a task, if this worker is of the kind expected; else what differs.
 
     **Arguments:** ``expected``: kind and folder of compiled programs, as JSON; ``packed``: the work, a function, and
     its first argument; ``task``: its second one.
     """
-    from distributed import get_worker
-    from distributed.protocol.pickle import loads
-
-    from .workers import differing, prepared
+    from ..programs.process import differing, prepared  # imports JAX, which a scheduler is spared
 
     kind, cache = json.loads(expected)
     address = get_worker().address
@@ -36,6 +43,4 @@ def checked(expected: str, packed: bytes, task: bytes) -> Any:
 @functools.lru_cache(maxsize=8)
 def _opened(packed: bytes) -> Any:
     """The same objects for all tasks that share them: a program that is made for one is found again by the next."""
-    from distributed.protocol.pickle import loads
-
     return loads(packed)

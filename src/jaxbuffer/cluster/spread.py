@@ -4,15 +4,15 @@ import json
 import time
 import uuid
 from collections.abc import Callable, Generator, Iterator
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
+
+from distributed import Client, Future, KilledWorker, as_completed
+from distributed.protocol.pickle import dumps
 
 from ..errors import InputError
 from .connect import SchedulerGone
 from .remote import Refused, checked
 from .workers import Workers
-
-if TYPE_CHECKING:
-    from distributed import Client, Future
 
 R = TypeVar("R")
 
@@ -26,7 +26,7 @@ class TaskEndsWorkers(OSError):
 
 
 def spread(
-    client: "Client", workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
+    client: Client, workers: Workers, work: Callable[[Any, Any], R], common: Any, tasks: Iterator[Any]
 ) -> Generator[R, None, None]:
     """What the work finds for each task, as they are done; nothing of it is kept here.
 
@@ -47,13 +47,10 @@ def spread(
 class _UnderWay:
     """Tasks that a cluster has."""
 
-    def __init__(self, client: "Client", workers: Workers, work: Callable[[Any, Any], Any], common: Any) -> None:
-        from distributed import as_completed
-        from distributed.protocol.pickle import dumps
-
+    def __init__(self, client: Client, workers: Workers, work: Callable[[Any, Any], Any], common: Any) -> None:
         self.client, self.workers, self.packed = client, workers, dumps((work, common))
         self.expected = json.dumps([workers.kind, workers.cache])
-        self.tasks = dict["Future", tuple[Any, int]]()  # and how many workers have ended at each
+        self.tasks = dict[Future, tuple[Any, int]]()  # and how many workers have ended at each
         self.watch = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self.room, self.due = 0, 0.0
         self.name, self.count = f"{work.__name__}-{uuid.uuid4().hex}", 0
@@ -71,8 +68,6 @@ class _UnderWay:
 
     def submit(self, task: Any, ended: int) -> None:
         """Hand out a task at which so many workers have ended."""
-        from distributed.protocol.pickle import dumps
-
         confined = self.workers.allowed
         arguments = (self.expected, self.packed, dumps(task))
         self.count += 1
@@ -106,8 +101,6 @@ class _UnderWay:
     def _after(self, error: BaseException, task: Any, ended: int) -> int:
         """How many workers have ended at the task by now; raises any other error, if it is not that of a worker which
         does not fit and was not known."""
-        from distributed import KilledWorker
-
         if isinstance(error, KilledWorker):
             if ended + 1 >= ENDED:
                 raise TaskEndsWorkers(f"{ENDED} times the workers ended that were at {task}") from None

@@ -1,46 +1,20 @@
 """Which workers of a cluster may compute: those that find the same bits."""
 
-import functools
-import os
 import warnings
 from collections import Counter
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from distributed import Client
 
 from ..errors import InputError
-from ..programs.process import HOST, backend_is_up, configure, kind, one_kernel
+from ..programs.process import HOST, Kind, differing, kind
 from ..programs.store import folder
 from .connect import SchedulerGone
+from .remote import looked_at
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-Kind = Mapping[str, str]
 LISTED = 5  # workers that a message names
 PATIENCE = 20.0  # s until it is said that there is no worker
-
-
-@functools.cache
-def prepared(address: str, cache: str | None) -> dict[str, str]:
-    """Set this process up for computing, once, and say what its numbers depend on.
-
-    **Arguments:** ``address``: of the worker that it is; ``cache``: folder of compiled programs where $JAXBUFFER_CACHE
-    names none.
-    """
-    asks_itself = address.startswith("inproc:")
-    if not asks_itself and (one_kernel() or not backend_is_up()):
-        configure(cache=os.environ.get("JAXBUFFER_CACHE") or cache)
-    return kind()
-
-
-def looked_at(cache: str | None, dask_worker: Any) -> dict[str, str]:
-    """`prepared`, as `distributed.Client.run` calls it."""
-    return prepared(dask_worker.address, cache)
-
-
-def differing(one: Kind, other: Kind) -> list[str]:
-    """The names under which two kinds differ."""
-    return [name for name in {**one, **other} if one.get(name) != other.get(name)]
 
 
 class Workers:
@@ -50,7 +24,7 @@ class Workers:
     that is given.
     """
 
-    def __init__(self, client: "Client", given: Kind | None = None) -> None:
+    def __init__(self, client: Client, given: Kind | None = None) -> None:
         """Waits for the first ones. **Raises:** `InputError` where none of them fits."""
         programs = folder()
         self.client, self.cache = client, None if programs is None else str(programs)
@@ -106,17 +80,15 @@ class Workers:
                 raise SchedulerGone from None
 
     def _answers(self) -> dict[str, Any]:
+        """What the workers that have come since the last time compute with, by address."""
         try:
-            return self._new()
+            here = self.client.scheduler_info(n_workers=-1)["workers"]
+            self.threads = sum(worker["nthreads"] for worker in here.values())
+            self.differences = {address: differs for address, differs in self.differences.items() if address in here}
+            new = [address for address in here if address not in self.differences]
+            return self.client.run(looked_at, self.cache, workers=new, on_error="return") if new else {}
         except OSError:  # its connection was closed
             raise SchedulerGone from None
-
-    def _new(self) -> dict[str, Any]:
-        here = self.client.scheduler_info(n_workers=-1)["workers"]
-        self.threads = sum(worker["nthreads"] for worker in here.values())
-        self.differences = {address: differs for address, differs in self.differences.items() if address in here}
-        new = [address for address in here if address not in self.differences]
-        return self.client.run(looked_at, self.cache, workers=new, on_error="return") if new else {}
 
     def _expected(self, answers: Mapping[str, Any]) -> dict[str, str]:
         mine = kind()

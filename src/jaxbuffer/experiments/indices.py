@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_names, check_number, check_whole
@@ -56,34 +57,28 @@ class Indices:
     surfaces: dict[str, Surface]
 
     def __repr__(self) -> str:
-        return _summary(self)
-
-
-def _summary(indices: Indices) -> str:
-    """First-order and total index of each number, with their intervals."""
-    parts: list = []
-    for name, it in indices.estimates.items():
-        surface = indices.surfaces.get(name)
-        of = f"the response surface of {name}" if surface else name
-        shown = table(f"Sobol' indices of {of}, with {100 * indices.confidence:g} % intervals")
-        for heading in ("number", "first-order", "interval", "total", "total's interval"):
-            shown.add_column(heading, justify="left" if heading == "number" else "right")
-        for k in np.argsort(-it.total).tolist():
-            (low, high), (least, most) = it.first_interval[:, k], it.total_interval[:, k]
-            shown.add_row(
-                indices.paths[k], f"{it.first[k]:.3f}", f"{low:.3f} … {high:.3f}",
-                f"{it.total[k]:.3f}", f"{least:.3f} … {most:.3f}",
-            )  # fmt: skip
-        parts.append(shown)
-        parts.append(f"  acting alone, the numbers make {100 * float(np.sum(it.first)):.1f} % of the variance")
-        if surface:
-            parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
-        elif it.rows < indices.asked:
-            parts.append(
-                f"  {indices.asked - it.rows} of {indices.asked} rows are left out: a run of theirs failed or ended"
-                " otherwise; the indices are those of the rest, whose numbers are no longer quite independent"
-            )
-    return text(*parts)
+        parts: list = []
+        for name, it in self.estimates.items():
+            surface = self.surfaces.get(name)
+            of = f"the response surface of {name}" if surface else name
+            title = f"Sobol' indices of {of}, with {100 * self.confidence:g} % intervals"
+            shown = table(title, ("number",), ("first-order", "interval", "total", "total's interval"))
+            for k in np.argsort(-it.total).tolist():
+                (low, high), (least, most) = it.first_interval[:, k], it.total_interval[:, k]
+                shown.add_row(
+                    self.paths[k], f"{it.first[k]:.3f}", f"{low:.3f} … {high:.3f}",
+                    f"{it.total[k]:.3f}", f"{least:.3f} … {most:.3f}",
+                )  # fmt: skip
+            parts.append(shown)
+            parts.append(f"  acting alone, the numbers make {100 * float(np.sum(it.first)):.1f} % of the variance")
+            if surface:
+                parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
+            elif it.rows < self.asked:
+                parts.append(
+                    f"  {self.asked - it.rows} of {self.asked} rows are left out: a run of theirs failed or ended"
+                    " otherwise; the indices are those of the rest, whose numbers are no longer quite independent"
+                )
+        return text(*parts)
 
 
 def sobol_indices(
@@ -151,8 +146,6 @@ def estimated(
 
     **Raises:** `InputError` where too few rows are complete, or nothing varies.
     """
-    from scipy.stats import bootstrap
-
     blocks = values.reshape(d + 2, -1)
     blocks = blocks[:, np.all(np.isfinite(blocks), axis=0)]
     rows = blocks.shape[1]
@@ -169,7 +162,7 @@ def estimated(
         return estimators(blocks[:, chosen])
 
     first, total = of_rows(np.arange(rows))
-    drawn = bootstrap(
+    drawn = scipy.stats.bootstrap(
         (np.arange(rows),),
         of_rows,
         n_resamples=resamples,

@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_whole
@@ -55,8 +56,8 @@ class Points:
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
         """Design and scenario with an array (n,) for each field that is sampled, the others as they are."""
-        ((_, *spread),) = self.batches(design, scenario)
-        return spread[0], spread[1]
+        ((_, design, scenario),) = self.batches(design, scenario)
+        return design, scenario
 
 
 def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: int = 0) -> Points:
@@ -69,12 +70,10 @@ def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: in
 
     **Raises:** `InputError` for counts and methods that are not these.
     """
-    from scipy.stats import qmc
-
     check_choice("sample.method", method, METHODS)
     check_whole("sample.count", count, 1)
     check_whole("sample.seed", seed, 0)
-    d = len(axes)
+    d, qmc = len(axes), scipy.stats.qmc
     total = count * (d + 2) if method == "saltelli" else count
     if total > MOST:
         raise InputError(f"sample.count = {count} makes {total} runs; at most {MOST} are allowed")

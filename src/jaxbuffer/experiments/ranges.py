@@ -16,6 +16,7 @@ from ..fields import (
     check_units_agree,
     errors_in_typed_units,
     in_unit,
+    no_number,
     range_in_words,
     typed_unit,
     unit_at,
@@ -73,7 +74,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
     check_address(design, scenario, path, "sample: ")
     symbol = unit_at(design, scenario, path)
     if not symbol:
-        raise InputError(f"sample: {path} is a choice; only numbers can be sampled")
+        raise InputError(f"sample: {path} is {no_number(design, path)}; only numbers can be sampled")
     parts = list(given) if isinstance(given, Sequence) and not isinstance(given, (str, bytes)) else []
     scale = parts.pop() if len(parts) == 3 else None
     check_units_agree(f"sample.{path}", parts)

@@ -87,39 +87,29 @@ class SafeRectangle:
     def asked(self) -> str:
         """What makes a run safe, in words: "captured, stroke ≤ 25 mm"."""
         mechanism = self.swept.mechanism
-        ends = (mechanism.success or "solved") if self.limits.captured else "solved"
+        codes = {mechanism.outcomes[name]: name for name in mechanism.successes}
+        names = [name for code, name in codes.items() if np.any(self.swept.code == code)]
+        ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.captured else "solved"
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
         if self.limits.impacts is not None:
             limits.append(f"impacts ≤ {self.limits.impacts}")
         return ", ".join([ends, *limits])
 
     def __repr__(self) -> str:
-        return _summary(self)
-
-
-def _summary(rectangle: SafeRectangle) -> str:
-    """Which runs are safe, and the ranges of the largest rectangle."""
-    mechanism = rectangle.swept.mechanism
-    count = int(rectangle.safe.sum())
-    between = [] if rectangle.between is None else [rectangle.between.words]
-    lines = [f"Safe ({rectangle.asked}): {count} of {rectangle.safe.size} {mechanism.view.run_name}s"]
-    if rectangle.first is None or rectangle.second is None:
-        return text(*lines, "  no run is safe", *between)
-    rows, columns = (
-        int(np.sum(_within(values, part)))
-        for values, part in zip(rectangle.values, (rectangle.first, rectangle.second), strict=True)
-    )
-    shape = f"{rows} × {columns}"
-    lines.append(f"largest rectangle of safe {mechanism.view.run_name}s, {rectangle.runs} of them ({shape}):")
-    lines += [
-        f"  {axis.path:26} {_range_words(axis, part)}"
-        for axis, part in zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
-    ]
-    return text(*lines, *between)
-
-
-def _within(values: np.ndarray, part: tuple[float, float]) -> np.ndarray:
-    return (values >= part[0]) & (values <= part[1])
+        mechanism = self.swept.mechanism
+        count = int(self.safe.sum())
+        between = [] if self.between is None else [self.between.words]
+        lines = [f"Safe ({self.asked}): {count} of {self.safe.size} {mechanism.view.run_name}s"]
+        if self.first is None or self.second is None:
+            return text(*lines, "  no run is safe", *between)
+        parts = zip(self.values, (self.first, self.second), strict=True)
+        shape = " × ".join(str(np.sum((values >= part[0]) & (values <= part[1]))) for values, part in parts)
+        lines.append(f"largest rectangle of safe {mechanism.view.run_name}s, {self.runs} of them ({shape}):")
+        lines += [
+            f"  {axis.path:26} {_range_words(axis, part)}"
+            for axis, part in zip(self.axes, (self.first, self.second), strict=True)
+        ]
+        return text(*lines, *between)
 
 
 def _range_words(axis: Axis, part: tuple[float, float]) -> str:
@@ -159,16 +149,14 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     if len(moving) != 2:
         raise InputError(f"a safe rectangle needs a sweep over two fields with several values; this has {len(moving)}")
     first, second = (swept.grid.axes[k] for k in moving)
-    for axis in (first, second):
-        if not axis.unit:
-            raise InputError(f"a safe rectangle is over numbers; {axis.path} is a choice")
+    if choices := [axis.path for axis in (first, second) if not axis.unit]:
+        raise InputError(f"a safe rectangle is over numbers; {choices[0]} is a choice")
     right, up = np.argsort(first.values), np.argsort(second.values)
 
     def face(column: np.ndarray) -> np.ndarray:
         return column.reshape(len(first), len(second))[np.ix_(right, up)]
 
-    ends = _ends(swept, limits)
-    share, reasons = np.zeros((len(first), len(second))), face(ends)
+    share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
     safe = reasons == ""
     for name, of_limit, broken in _shares(swept, limits):
         share = np.fmax(share, face(of_limit))
@@ -197,8 +185,8 @@ def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
     """How each run ended that is not safe for its end alone, "" for the others."""
     mechanism = swept.mechanism
     good = swept.solved
-    if limits.captured and mechanism.success is not None:
-        good = good & (swept.code == mechanism.outcomes[mechanism.success])
+    if limits.captured:
+        good = good & mechanism.succeeded(swept.code)
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.outcomes]
     words = np.where(swept.done, np.array(named, object), UNDONE)
     return np.where(good, "", words).astype(object)
@@ -206,24 +194,18 @@ def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
 
 def _shares(swept: Sweep, limits: Limits) -> Iterator[tuple[str, np.ndarray, str]]:
     """Each limited quantity's share of its limit in every run, infinite where it is not known, and how it breaks it."""
+    known = swept.mechanism.swept
+    for name in limits.names:
+        if name not in known:
+            raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
     for name, limit in limits.at_most.items():
-        yield name, _known(_column(swept, name) / limit), "above"
+        share = swept.columns[name] / limit
+        yield name, np.where(np.isnan(share), np.inf, share), "above"
     for name, limit in limits.at_least.items():
-        values = _column(swept, name)
-        yield name, _known(np.where(values > 0.0, limit / np.where(values > 0.0, values, 1.0), np.inf)), "below"
+        values = swept.columns[name]
+        yield name, np.where(values > 0.0, limit / np.where(values > 0.0, values, 1.0), np.inf), "below"
     if limits.impacts is not None:
         yield "impacts", swept.impact_count / limits.impacts, "above"
-
-
-def _known(shares: np.ndarray) -> np.ndarray:
-    return np.where(np.isnan(shares), np.inf, shares)
-
-
-def _column(swept: Sweep, name: str) -> np.ndarray:
-    known = swept.mechanism.swept
-    if name not in known:
-        raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
-    return swept.columns[name]
 
 
 def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:

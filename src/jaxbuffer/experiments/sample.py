@@ -19,7 +19,7 @@ from ..run.trust import SMALL
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
-from ..sweeps.summary import outcomes_table, summary
+from ..sweeps.summary import summary
 from ..sweeps.sweep import sweep
 from ..sweeps.table import sweep_rows
 from ..tables import html, text
@@ -51,7 +51,8 @@ class Sample(RunTable):
     @property
     def found(self) -> Sweep:
         """The same runs as a sweep of designs and scenarios with arrays."""
-        return Sweep(self.mechanism, self.columns, *self.grid.applied(self.design, self.scenarios))
+        swept = self.grid.applied(self.design, self.scenarios)
+        return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)
 
     @property
     def values(self) -> dict[str, np.ndarray]:
@@ -61,9 +62,7 @@ class Sample(RunTable):
     @property
     def succeeded(self) -> Bool[np.ndarray, " n"]:
         """Which of them ended as the mechanism's runs should; all that were solved, where any end will do."""
-        mechanism = self.mechanism
-        good = True if mechanism.success is None else self.code == mechanism.outcomes[mechanism.success]
-        return self.solved & good
+        return self.solved & self.mechanism.succeeded(self.code)
 
     def quantity(self, name: str) -> Float[np.ndarray, " n"]:
         """A quantity of every run. **Raises:** `InputError` with the nearest name for one that samples have not."""
@@ -81,8 +80,7 @@ class Sample(RunTable):
         largest = max((float(np.nanmax(np.abs(it), initial=0.0)) for it in alike), default=0.0)
         size = max(float(np.max(np.abs(values), initial=0.0)), SMALL * largest)
         if values.size and np.std(values) <= ROUNDING * size:
-            unit, factor = catalogue[name].in_figures
-            value = f"{factor * np.mean(values):.6g} {unit}".rstrip(" -")
+            value = catalogue[name].in_words(np.mean(values))
             raise InputError(f"{what} of {name}: it is the same in all runs, {value}, but for rounding: nothing varies")
 
     def to_xarray(self) -> Dataset:
@@ -102,13 +100,11 @@ class Sample(RunTable):
 
 def _summary(sample: Sample) -> list[str | Table]:
     """Ranges, outcomes, the spread of every quantity, the worst and the best run, and those that failed."""
-    points, mechanism, done = sample.grid, sample.mechanism, int(sample.done.sum())
-    title = f"Sample of {len(points)} {mechanism.view.run_name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
+    points, name = sample.grid, sample.mechanism.view.run_name
+    title = f"Sample of {len(points)} {name}s: {points.method.replace('_', ' ')}, seed {points.seed}"
     if points.method == "saltelli":
         title += f", {points.count} rows of {len(points.axes) + 2} runs"
-    parts: list[str | Table] = [title if done == len(points) else f"{title}; interrupted, {done} of them done"]
-    parts += [f"  {axis.path:26} {axis}" for axis in points.axes]
-    return [*parts, outcomes_table(sample), *summary(sample, "sample.csv")]
+    return summary(sample, title, {axis.path: str(axis) for axis in points.axes}, "sample.csv")
 
 
 def sample(
@@ -172,17 +168,15 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
 
     **Raises:** `SweepInterrupted` on Ctrl-C, with the `Sample` as far as it came.
     """
+
+    def made(swept: Sweep | StoredSweep) -> Sample:
+        table = swept.load() if isinstance(swept, StoredSweep) else swept
+        return Sample(table.mechanism, table.columns, design, scenario, points, table.identity)
+
     try:
-        result = sweep(*points.applied(design, scenario), duration, save=False, **options)
+        return made(sweep(*points.applied(design, scenario), duration, save=False, **options))
     except SweepInterrupted as stop:
-        raise SweepInterrupted(_sample(points, design, scenario, stop.found), stop.done) from None
+        raise SweepInterrupted(made(stop.found), stop.done) from None
     except StoredInterrupted as stop:
-        interrupted = _sample(points, design, scenario, stop.found)
+        interrupted = made(stop.found)
         raise SweepInterrupted(interrupted, interrupted.done) from None
-    return _sample(points, design, scenario, result)
-
-
-def _sample(points: Points, design: Part, scenario: Part, swept: Sweep | StoredSweep) -> Sample:
-    """The sample that a sweep of its points computed, read from its store if it has one."""
-    table = swept.load() if isinstance(swept, StoredSweep) else swept
-    return Sample(table.mechanism, table.columns, design, scenario, points)

@@ -1,7 +1,6 @@
 """A response surface: a quantity as a smooth function of the sampled numbers, with its cross-validated error."""
 
 import dataclasses
-import warnings
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol
@@ -17,7 +16,6 @@ from .sample import Sample
 
 KINDS = ("automatic", "quadratic", "gaussian_process")
 FOLDS = 5
-TUNED_ON = 512  # runs at most by which a Gaussian process' lengths are found; all runs are fitted with them
 ENOUGH = 0.9  # of the variance of runs not seen: below that a surface is not to be trusted
 EDGE = 1e-12  # of a range, for rounding
 MANY = 0.05  # of the runs: more left out than these are warned of
@@ -129,35 +127,24 @@ class Surface:
         return words if self.trusted else f"{words} and is not to be trusted"
 
     def __repr__(self) -> str:
-        return _summary(self)
-
-
-def _summary(surface: Surface) -> str:
-    """Kind, cross-validated error, range, and where not to trust it."""
-    words = surface.kind.replace("_", " ")
-    of_log = ", of the logarithm" if surface.logarithmic else ""
-    lines = [f"Response surface of {surface.quantity}: {words}{of_log}, fitted to {len(surface.computed)} runs"]
-    for kind, error in sorted(surface.errors.items(), key=lambda item: item[1].rms):
-        mark = "" if len(surface.errors) == 1 else (" (chosen)" if kind == surface.kind else " (not taken)")
-        lines.append(
-            f"  cross-validated error of the {kind.replace('_', ' ')}{mark}: {error.rms:.4g} {surface.unit} rms,"
-            f" {100 * error.relative:.3g} % of the value, {error.largest:.4g} {surface.unit} at most;"
-            f" {100 * error.explained:.2f} % of the variance explained"
-        )
-    lines += [f"  holds inside {axis.path} {axis}" for axis in surface.axes]
-    return text(*lines, *_distrust(surface))
-
-
-def _distrust(surface: Surface) -> list[str]:
-    """What to be wary of."""
-    lines, total = [], sum(surface.left_out.values())
-    for reason, count in surface.left_out.items():
-        lines.append(f"  left out: {count} {surface.run_name}s, {reason}")
-    if total > MANY * (total + len(surface.computed)):
-        lines.append("  do not trust it near those: it is fitted as if they did not exist")
-    if not surface.trusted:
-        lines.append("  do not trust it at all: it explains less than 90 % of the variance of runs it has not seen")
-    return lines
+        words = self.kind.replace("_", " ")
+        of_log = ", of the logarithm" if self.logarithmic else ""
+        lines = [f"Response surface of {self.quantity}: {words}{of_log}, fitted to {len(self.computed)} runs"]
+        for kind, error in sorted(self.errors.items(), key=lambda item: item[1].rms):
+            mark = "" if len(self.errors) == 1 else (" (chosen)" if kind == self.kind else " (not taken)")
+            lines.append(
+                f"  cross-validated error of the {kind.replace('_', ' ')}{mark}: {error.rms:.4g} {self.unit} rms,"
+                f" {100 * error.relative:.3g} % of the value, {error.largest:.4g} {self.unit} at most;"
+                f" {100 * error.explained:.2f} % of the variance explained"
+            )
+        lines += [f"  holds inside {axis.path} {axis}" for axis in self.axes]
+        total = sum(self.left_out.values())
+        lines += [f"  left out: {count} {self.run_name}s, {reason}" for reason, count in self.left_out.items()]
+        if total > MANY * (total + len(self.computed)):
+            lines.append("  do not trust it near those: it is fitted as if they did not exist")
+        if not self.trusted:
+            lines.append("  do not trust it at all: it explains less than 90 % of the variance of runs it has not seen")
+        return text(*lines)
 
 
 def response_surface(
@@ -187,24 +174,23 @@ def response_surface(
     >>> bool(surface.error.relative < 0.05), surface.predict({"impact.stiffness": 1e11, "scenario.height": 0.15}).shape
     (True, (1,))
     """
+    from .regression import cross_validated, fitted  # scikit-learn takes more than a second to import
+
     check_choice("kind", kind, KINDS)
     check_whole("folds", folds, 2)
     values, good = sample.quantity(quantity), sample.succeeded
     good = good & np.isfinite(values)
-    places, known = sample.grid.shares[good], values[good]
-    terms = (len(sample.grid.axes) + 1) * (len(sample.grid.axes) + 2) // 2
-    mechanism = sample.mechanism
-    if known.size < max(folds, 2 * terms):
-        raise InputError(
-            f"response surface of {quantity}: {known.size} {mechanism.view.run_name}s are left to fit, and a surface of"
-            f" {len(sample.grid.axes)} numbers needs {max(folds, 2 * terms)}; take a larger sample"
-        )
+    places, known, count = sample.grid.shares[good], values[good], len(sample.grid.axes)
+    mechanism, needed = sample.mechanism, max(folds, (count + 1) * (count + 2))  # twice the terms of a quadratic
+    if known.size < needed:
+        left = f"{known.size} {mechanism.view.run_name}s are left to fit, and a surface of {count} numbers needs"
+        raise InputError(f"response surface of {quantity}: {left} {needed}; take a larger sample")
     sample.check_varies(quantity, "response surface")
     logarithmic = bool(np.all(known > 0.0))
-    fitted = np.log(known) if logarithmic else known
+    smooth = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray
     tried = KINDS[1:] if kind == "automatic" else (kind,)
-    predictions = {name: back(_cross_validated(name, places, fitted, folds, seed)) for name in tried}
+    predictions = {name: back(cross_validated(name, places, smooth, folds, seed)) for name in tried}
     errors = {name: _error(known, predicted) for name, predicted in predictions.items()}
     chosen = min(errors, key=lambda name: errors[name].rms)
     return Surface(
@@ -219,7 +205,7 @@ def response_surface(
         computed=known,
         predicted=predictions[chosen],
         left_out=_left_out(sample, good),
-        model=_fitted(chosen, places, fitted),
+        model=fitted(chosen, places, smooth),
     )
 
 
@@ -233,48 +219,6 @@ def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
     if waiting := int(np.sum(~sample.done)):
         reasons["not computed"] = waiting
     return dict(reasons)
-
-
-def _cross_validated(kind: str, places: np.ndarray, values: np.ndarray, folds: int, seed: int) -> np.ndarray:
-    """What each run's value is by a fit to the other folds."""
-    order = np.random.default_rng(seed).permutation(len(values))
-    predicted = np.empty(len(values))
-    for part in np.array_split(order, folds):
-        others = np.setdiff1d(order, part)
-        predicted[part] = _fitted(kind, places[others], values[others]).predict(places[part])
-    return predicted
-
-
-def _fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Regressor:
-    from sklearn.exceptions import ConvergenceWarning
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound: a number that has no influence
-        if kind == "quadratic":
-            return _quadratic().fit(places, values)
-        ranges = places.shape[1]
-        some = _process(ranges).fit(places[:TUNED_ON], values[:TUNED_ON])
-        return some if len(values) <= TUNED_ON else _process(ranges, some.kernel_).fit(places, values)
-
-
-def _quadratic() -> Any:
-    from sklearn.linear_model import LinearRegression
-    from sklearn.pipeline import make_pipeline
-    from sklearn.preprocessing import PolynomialFeatures
-
-    return make_pipeline(PolynomialFeatures(2, include_bias=False), LinearRegression())
-
-
-def _process(ranges: int, kernel: Any = None) -> Any:
-    """A Gaussian process; with a ``kernel`` its lengths are not looked for."""
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-
-    if kernel is not None:
-        return GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True)
-    lengths = Matern(np.ones(ranges), (0.05, 100.0), nu=2.5)
-    noise = WhiteKernel(1e-4, (1e-10, 1.0))
-    return GaussianProcessRegressor(ConstantKernel(1.0, (1e-3, 1e5)) * lengths + noise, normalize_y=True)
 
 
 def _error(known: np.ndarray, predicted: np.ndarray) -> Error:

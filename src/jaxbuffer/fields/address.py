@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 import equinox as eqx
 import numpy as np
 
-from ..errors import InputError, check_choice, check_flag, check_names, check_single, check_whole, suggest
-from .paths import get, metadata, paths, replace, unit
+from ..errors import InputError, check_choice, check_flag, check_names, check_single, check_whole
+from .curve import Curve
+from .paths import get, metadata, paths, point_paths, replace, unit, unknown
 
 SCENARIO = "scenario."
 
@@ -16,8 +17,8 @@ S = TypeVar("S", bound=eqx.Module)
 
 
 def addresses(design: eqx.Module, scenario: eqx.Module) -> list[str]:
-    """The addresses of all fields of a design and a scenario, choices included."""
-    return [*paths(design), *(SCENARIO + path for path in paths(scenario))]
+    """The addresses of all fields of a design and a scenario, choices and the points of measured curves included."""
+    return [*paths(design), *point_paths(design), *(SCENARIO + path for path in paths(scenario))]
 
 
 def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where: str = "") -> None:
@@ -27,7 +28,7 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
     """
     known = addresses(design, scenario)
     if address not in known:
-        raise InputError(f"{where}{address} is unknown{suggest(address, known)}")
+        raise InputError(f"{where}{address}{unknown(design, address, known)}")
 
 
 def _owner(design: eqx.Module, scenario: eqx.Module, address: str) -> tuple[eqx.Module, str]:
@@ -79,7 +80,7 @@ def check_numbers(
     paths = check_names("wrt", addresses, "buffer.k_A")
     for address in paths:
         value = value_at(design, scenario, address)
-        if value is None or isinstance(value, (str, int)):  # a number is a float; whole ones choose
+        if value is None or isinstance(value, (str, int, Curve)):  # a number is a float; whole ones choose
             raise InputError(f"{address} = {value!r} is not a number that can be differentiated")
         check_single(address, value, "", instead)
     return paths, np.array([float(value_at(design, scenario, address)) for address in paths])

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..errors import InputError, check_choice, check_flag, check_number, check_type, check_whole, inside, suggest
+from .curve import Curve
+from .portable import Portable
 from .units import as_unit, in_unit
 
 if TYPE_CHECKING:  # a part also takes text with a unit ("3 mm") and, for a sweep, lists: no one type says all of that
@@ -44,25 +44,6 @@ def choice(default: str, *options: str, doc: str = "") -> Any:
     return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc})
 
 
-POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
-NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
-
-
-class Portable(eqx.Module):
-    """A module that another process gets with the same numbers.
-
-    JAX's arrays become single precision where a process unpickles them that has not called `jb.configure()`; NumPy's do
-    not. So a pickle holds NumPy's.
-    """
-
-    def __getstate__(self) -> dict[str, Any]:
-        def portable(leaf: Any) -> Any:
-            known = isinstance(leaf, jax.Array) and not isinstance(leaf, jax.core.Tracer)
-            return np.asarray(leaf) if known else leaf
-
-        return {name: jax.tree.map(portable, value) for name, value in vars(self).items()}
-
-
 class Part(Portable):
     """A group of fields, each checked against its declared range when the part is made.
 
@@ -81,6 +62,15 @@ class Part(Portable):
                 in_unit(path, value, known[name]["unit"], **known[name]["limits"])
         return super().__new__(cls)
 
+    def __post_init__(self) -> None:
+        # A measured curve stands for numbers beside it, whose defaults then mean nothing. That a number is the default
+        # and was not given shows only in that it is the same object.
+        declared = {field.name: field for field in dataclasses.fields(self)}
+        for field in declared.values():
+            for name in field.metadata.get("instead_of", ()):
+                if getattr(self, field.name) is not None and getattr(self, name) is declared[name].default:
+                    object.__setattr__(self, name, None)
+
     def __check_init__(self) -> None:
         prefix = f"{self.section}." if self.section else ""
         for field in dataclasses.fields(self):
@@ -91,14 +81,23 @@ class Part(Portable):
                 check_flag(path, value)
             elif "least" in field.metadata:
                 check_whole(path, value, field.metadata["least"], field.metadata["most"])
+            elif "check" in field.metadata:
+                field.metadata["check"](path, value)
             elif "unit" in field.metadata:
-                if value is not None or field.default is not None:
+                if value is not None or not (field.default is None or self._replaced_by_curve(field.name)):
                     symbol, limits = field.metadata["unit"], field.metadata["limits"]
                     in_unit(path, value, symbol, **limits)  # what is still text has a unit that does not fit
                     check_number(path, value, symbol, **limits)
             elif isinstance(field.default, Part):
                 check_type(path, value, type(field.default), f"{type(field.default).__name__}(…)")
         self.check_together()
+
+    def _replaced_by_curve(self, name: str) -> bool:
+        """Whether a measured curve stands for the number of this name."""
+        declared = dataclasses.fields(self)
+        return any(
+            name in field.metadata.get("instead_of", ()) and getattr(self, field.name) is not None for field in declared
+        )
 
     def __repr__(self) -> str:
         from .shown import part_text
@@ -115,7 +114,7 @@ class Part(Portable):
         """
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
-            if isinstance(value, Part):
+            if isinstance(value, Part | Curve):
                 yield from value.in_range()
             elif "unit" in field.metadata and value is not None:
                 yield inside(value, **field.metadata["limits"])

@@ -1,18 +1,20 @@
 """Dotted paths into designs and scenarios: "buffer.k_A", as in TOML and on the command line."""
 
 import dataclasses
+import functools
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 import equinox as eqx
 
 from ..errors import InputError, check_type, shown, suggest
+from .curve import Curve, number_metadata
 
 T = TypeVar("T", bound=eqx.Module)
 
 
 def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
-    """All dotted paths of a design or scenario, static choices included.
+    """All dotted paths of a design or scenario, static choices included; a measured curve has one.
 
     **Arguments:**
 
@@ -21,26 +23,71 @@ def paths(module: eqx.Module, prefix: str = "") -> Iterator[str]:
 
     **Example:**
 
-    >>> list(jb.paths(jb.Scenario()))
-    ['approach_speed', 'contact_distance', 'misalignment', 'passive_rate']
+    >>> list(jb.paths(jb.BarDropScenario()))
+    ['height', 'gravity']
     """
     for name in (field.name for field in dataclasses.fields(module)):
         value = getattr(module, name)
-        if isinstance(value, eqx.Module):
+        if isinstance(value, eqx.Module) and not isinstance(value, Curve):
             yield from paths(value, f"{prefix}{name}.")
         else:
             yield prefix + name
+
+
+def point_paths(module: eqx.Module) -> Iterator[str]:
+    """The paths of the numbers of a design's measured curves, such as "buffer.spring_curve.force[2]"."""
+    for path in paths(module):
+        value = _at(module, path)
+        if isinstance(value, Curve):
+            yield from (f"{path}.{address}" for address in value.addresses())
 
 
 def check_path(module: eqx.Module, path: str) -> None:
     """Check that ``path`` is a dotted path of ``module``. **Raises:** `InputError` with the nearest name."""
     if not isinstance(path, str):
         raise InputError(f"{shown(path)} is not a dotted path such as 'buffer.k_A'")
-    known = list(paths(module))
+    if _has_field(module, path):
+        return
+    known = [*paths(module), *(point_paths(module) if "[" in path else ())]
     if path not in known:
         sections = {p.rsplit(".", 1)[0] for p in known if "." in p}
-        hint = " is a section; name one of its fields" if path in sections else " is unknown" + suggest(path, known)
+        is_section = path in sections and path not in paths(module)
+        hint = " is a section; name one of its fields" if is_section else unknown(module, path, known)
         raise InputError(f"{path}{hint}")
+
+
+@functools.cache
+def _declared(kind: type[eqx.Module]) -> Mapping[str, Mapping[str, Any]]:
+    """What each field of a class declares of itself, by name."""
+    return {field.name: field.metadata for field in dataclasses.fields(kind)}
+
+
+def _has_field(module: eqx.Module, path: str) -> bool:
+    """Whether ``path`` is one of `paths`, without listing them: a tuning asks this thousands of times."""
+    value: Any = module
+    for name in path.split("."):
+        if not isinstance(value, eqx.Module) or isinstance(value, Curve) or name not in _declared(type(value)):
+            return False
+        value = getattr(value, name)
+    return not isinstance(value, eqx.Module) or isinstance(value, Curve)
+
+
+def unknown(module: eqx.Module, path: str, known: Collection[str]) -> str:
+    """What to say of a path that is none of the ``known`` ones: the nearest, or that its curve is not set."""
+    curve = path.rpartition(".")[0]
+    if curve in paths(module) and "curve" in metadata(module, curve):
+        value = _at(module, curve)
+        if value is None:
+            return f" is unknown: {curve} is not set; give its points first"
+        numbers = value.addresses()
+        return f" is unknown; {curve} has {numbers[0]} to {numbers[-1]}"
+    return " is unknown" + suggest(path, known)
+
+
+def no_number(module: eqx.Module, path: str) -> str:
+    """What a field without a number of its own is, and for a curve which numbers it has instead."""
+    axes = metadata(module, path).get("curve")
+    return "a choice" if axes is None else f"a measured curve, whose numbers are {path}.{axes[1][0]}[0] and so on"
 
 
 def get(module: eqx.Module, path: str) -> Any:
@@ -62,17 +109,25 @@ def get(module: eqx.Module, path: str) -> Any:
     """
     check_type("design or scenario", module, eqx.Module, "get(jb.table2(), 'buffer.k_A')")
     check_path(module, path)
+    return _at(module, path)
+
+
+def _at(module: eqx.Module, path: str) -> Any:
+    """The value at a path that is known to exist."""
+    value: Any = module
     for name in path.split("."):
-        module = getattr(module, name)
-    return module
+        value = value.get(name) if isinstance(value, Curve) else getattr(value, name)
+    return value
 
 
 def metadata(module: eqx.Module, path: str) -> Mapping[str, Any]:
-    """What the field at ``path`` of ``module`` declares of itself: unit, limits, choices."""
+    """What the field at ``path`` of ``module`` declares of itself: unit, limits, choices; for a number of a curve also
+    where that is not set."""
     *owners, name = path.split(".")
-    for owner in owners:
-        module = getattr(module, owner)
-    return {field.name: field.metadata for field in dataclasses.fields(module)}[name]
+    if "[" in name:
+        return number_metadata(metadata(module, ".".join(owners))["curve"], name)
+    owner: Any = _at(module, ".".join(owners)) if owners else module
+    return _declared(owner.__class__)[name]
 
 
 def meaning(module: eqx.Module, path: str) -> str:
@@ -143,8 +198,26 @@ def _replace(module: T, values: dict[tuple[str, ...], Any]) -> T:
     for name in (field.name for field in dataclasses.fields(module)):
         inner = {key[1:]: value for key, value in values.items() if key[0] == name}
         current = getattr(module, name)
+        if () in inner and len(inner) > 1:
+            raise InputError(f"{name} and single numbers of it are given together; keep one")
         if () in inner:
             fields[name] = inner[()]
         else:
-            fields[name] = _replace(current, inner) if inner else current
-    return type(module)(**fields)
+            fields[name] = _replaced(current, inner) if inner else current
+    given = {key[0] for key in values}
+    return type(module)(**fields | _left_out(module, fields, given))
+
+
+def _replaced(current: Any, values: dict[tuple[str, ...], Any]) -> Any:
+    """A part or a curve with some of its numbers replaced."""
+    if isinstance(current, Curve):
+        return current.replaced({key[0]: value for key, value in values.items()})
+    return _replace(current, values)
+
+
+def _left_out(module: eqx.Module, fields: Mapping[str, Any], given: Collection[str]) -> dict[str, None]:
+    """The numbers that a curve newly given stands for, unless they are given too: they are left out."""
+    declared = {field.name: field.metadata.get("instead_of", ()) for field in dataclasses.fields(module)}
+    return {
+        number: None for name in given if fields[name] is not None for number in declared[name] if number not in given
+    }

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import equinox as eqx
 
+from .curve import Curve
 from .paths import get, paths, replace, unit
 
 T = TypeVar("T", bound=eqx.Module)
@@ -47,6 +48,8 @@ def from_json(default: T, text: str) -> T:
 
 
 def _plain(value: Any, is_number: bool) -> Any:
+    if isinstance(value, Curve):
+        return [[_plain(number, True) for number in point] for point in value.points()]
     if value is None or not is_number:
         return value
     single = float(value)

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 MOST = 6  # entries of an array that are shown
+LONGEST = 80  # characters of a text that is shown whole: a mesh's is not
 DIGITS = 8
 
 
@@ -45,13 +46,21 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
         per = "per " if gradient and symbol != "-" else ""
         name = f"{field.name} [{per}{symbol}]" if symbol else field.name
         equals = " = " if symbol else "="
-        inner = _text(value, gradient) if isinstance(value, eqx.Module) else value_text(value)
+        is_part = isinstance(value, eqx.Module) and "curve" not in field.metadata
+        inner = _text(value, gradient) if is_part else value_text(value)
         lines.append(f"{name}{equals}{inner}")
     return lines
 
 
+def cut(text: str) -> str:
+    """A text, or of a long one, such as a mesh's, its beginning and how long it is."""
+    return text if len(text) <= LONGEST else f"{text[:20]}… {len(text)} characters in all"
+
+
 def value_text(value: Any) -> str:
     """A number in full, an array's entries to eight digits, anything else as it calls itself."""
+    if isinstance(value, str):
+        return repr(cut(value))
     if isinstance(value, jax.core.Tracer) or not isinstance(value, jax.Array | np.ndarray | np.generic):
         return repr(value)
     array = np.asarray(value)

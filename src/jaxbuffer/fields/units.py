@@ -66,6 +66,10 @@ KINDS = {
 }
 
 
+POSITIVE: dict[str, Any] = {"low": 0.0, "low_open": True}
+NON_NEGATIVE: dict[str, Any] = {"low": 0.0}
+
+
 def as_unit(value: Any, unit: str) -> Any:
     """`as_number`, and a text with a unit that fits as a number in ``unit``; any other text stays as it is, for the
     check that names its field.

@@ -1,42 +1,85 @@
 """One run by `diffrax.diffeqsolve`, with the same `Result` as the loop's: for the solver `Diffrax`.
 
-The solve saves its steps; events are located afterwards, between them (`locate_events`). Sensitivities are those of
-plain forward-mode automatic differentiation through the solve: unlike the loop's they are under no error control.
-docs/diffrax.md says how wrong they are.
+The solve saves its steps; events are located afterwards, between them (`locate_events`). As in the loop, tangents are
+integrated beside the state, under the same error control: differentiating through the solve bounds the error of the
+state only, and takes a linear solve with the whole Jacobian for each implicit stage.
 """
 
 import dataclasses
 from collections.abc import Callable
-from typing import NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import diffrax
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from .diffrax_problem import VectorField, closed, event
+from .diffrax_problem import VectorField, closed, terms
 from .locate_events import Path, locate_events
 from .loop.log import Kind, Log, Steps
 from .loop.loop import Result
 from .loop.state import Status
 from .options import Options
 from .rungekutta.diffrax_solver import Diffrax
-from .sensitivity.augmented_state import Tangents
-from .system import HybridSystem, State
+from .rungekutta.onto_touchdowns import OntoTouchdowns
+from .rungekutta.root_finder import with_root_finder
+from .sensitivity.augmented_state import Columns, Tangents, columns
+from .system import HybridSystem, Linearisation, State
 
 P = TypeVar("P")
 
 LEAST_STEP = 1e-14  # s
+# Where a force has a kink the rate of its tangents jumps, and no step across it is accurate: one of this length [s] is
+# taken as it is.
+ACROSS_KINKS = 1e-11
+SPACING = 1e-3  # of a first step after a touchdown, for second derivatives
 PROPORTIONAL, INTEGRAL = 0.3, 0.4  # of `diffrax.PIDController`, as its documentation has them for stiff problems
 
 
-class EventRows(NamedTuple):
-    """The part of a `Result` that has derivatives: the state at each entry of the log, its rate there, and the state at
-    each kept step."""
+class TangentField(eqx.Module):
+    """``f(t, y, args) = dy/dt`` of columns (see `Tangents`), the state in the first one, and the stiff part of ∂f/∂y,
+    which is the same for all columns."""
 
-    events: Float[Array, "slots state"]
-    rates: Float[Array, "slots state"]
-    steps: Float[Array, "kept state"]
+    build: Callable[..., HybridSystem] = eqx.field(static=True)
+
+    def __call__(self, t: Any, y: Columns, args: Tangents) -> Columns:
+        def rate(primal: Any, state: State) -> State:
+            return VectorField(self.build)(t, state, (primal,))
+
+        return args.field(rate)(y)
+
+    def point(self, t: Any, y: Columns, args: Tangents) -> tuple[Columns, Columns, Columns]:
+        """What is saved of each step: columns, their rate, and its rate, by central differences along the path."""
+        spacing = SPACING * self.build(args.primal).impact_step(y[:, 0])
+
+        # One loop for three evaluations: the field is compiled once, where a push-forward would be compiled anew.
+        def evaluate(k: Array, rates: Array) -> Array:
+            side = jnp.asarray([0.0, 1.0, -1.0])[k]
+            return rates.at[k].set(self(t, y + side * spacing * rates[0], args))
+
+        rate, after, before = jax.lax.fori_loop(0, 3, evaluate, jnp.zeros((3, *y.shape)))
+        return y, rate, (after - before) / (2.0 * spacing)
+
+    def linearisation(self, t: Any, y: Columns, args: Tangents) -> Linearisation:
+        """See `VectorField.linearisation`."""
+        return VectorField(self.build).linearisation(t, y[:, 0], (args.primal,))
+
+    def gaps(self, y: Columns, args: Tangents) -> tuple[Array, Array]:
+        """Distance of each contact [m], and how fast it closes [m/s]."""
+        system, state = self.build(args.primal), y[:, 0]
+        n = system.coordinates
+        gap, rate = jax.jvp(system.gaps, (state,), (jnp.zeros_like(state).at[:n].set(state[n : 2 * n]),))
+        return gap, -rate
+
+    def highest_terminal(self, t: Any, y: Columns, args: Tangents, **_: Any) -> Float[Array, ""]:
+        """The condition of a `diffrax.Event`."""
+        return jnp.max(self.build(args.primal).terminals(y[:, 0]))
+
+
+def largest_norm(ratios: Columns) -> Float[Array, ""]:
+    """The largest root mean square of any column: each tangent is as accurate as the state."""
+    return jnp.sqrt(jnp.max(jnp.mean(ratios * ratios, axis=0)))
 
 
 def run_by_diffeqsolve(
@@ -51,85 +94,66 @@ def run_by_diffeqsolve(
     The system must have a smooth contact law: nothing happens to its state at a touchdown.
     """
     duration = jnp.asarray(duration, float)
-
-    def through(primal: P) -> tuple[EventRows, Result]:
-        return _run(build, primal, duration, options, allowed)
-
-    if tangents.count:
-        push = jax.vmap(lambda direction: jax.jvp(through, (tangents.primal,), (direction,), has_aux=True))
-        values, moves, results = push(tangents.directions)
-        value, result = jax.tree.map(lambda x: x[0], (values, results))
-        rows = jax.tree.map(lambda v, t: jnp.concatenate([v[:, None], jnp.moveaxis(t, 0, 1)], axis=1), value, moves)
-    else:
-        value, result = through(tangents.primal)
-        rows = jax.tree.map(lambda v: v[:, None], value)
-    return result._replace(
-        log=dataclasses.replace(result.log, rows=rows.events, rates=rows.rates),
-        steps=dataclasses.replace(result.steps, rows=rows.steps),
-    )
-
-
-def _run(
-    build: Callable[[P], HybridSystem],
-    primal: P,
-    duration: Float[Array, ""],
-    options: Options,
-    allowed: Bool[Array, ""] | None,
-) -> tuple[EventRows, Result]:
-    """The rows of a run, differentiable at fixed times, and the rest of its `Result`, without derivatives."""
-    system = build(primal)
-    start, active = system.start()
-    path, solution = _solved(build, primal, start, duration, options, allowed)
-    still_system, still_path = jax.lax.stop_gradient((system, path))
-    log, status = locate_events(still_system, still_path, active, options.max_events, _status(system, path, solution))
+    path, solution = _solved(build, tangents, duration, options, allowed)
+    system, alone = build(tangents.primal), path.alone()
+    _, active = system.start()
+    log, status = locate_events(system, alone, active, options.max_events, _status(system, alone, solution))
     if allowed is not None:
         status = jnp.where(allowed, status, Status.INPUT)
-    log, status = jax.lax.stop_gradient((log, status))
 
-    events = jax.vmap(lambda time: path.at(system, time))(log.time)
-    rates = jax.vmap(system.derivative)(log.time, events, _before(log))
+    def rate(time: Array, at: Columns, active: Array) -> Columns:
+        return tangents.field(lambda primal, state: build(primal).derivative(time, state, active))(at)
+
+    events = jax.vmap(path.at)(log.time)
+    rates = jax.vmap(rate)(log.time, events, _before(log))
     started = (log.kind == Kind.NONE) | (log.kind == Kind.TOUCHDOWN) & (log.time == 0.0)
-    rates = jnp.where(started[:, None], 0.0, rates)
-    steps, step_rows = _history(system, path, log, events, status, options.keep)
-    result = Result(status, log, steps, solution.stats["num_steps"], path.steps + 1)
-    return EventRows(events, rates, step_rows), result
+    rates = jnp.where(started[:, None, None], 0.0, rates)
+    rows = lambda at: jnp.swapaxes(at, -1, -2)[..., : 1 + tangents.count, :]  # noqa: E731
+    log = dataclasses.replace(log, rows=rows(events), rates=rows(rates))
+    steps = _history(system, path, log, events, status, options.keep, rows)
+    return Result(status, log, steps, solution.stats["num_steps"], path.steps + 1)
 
 
 def _solved(
     build: Callable[[P], HybridSystem],
-    primal: P,
-    start: State,
+    tangents: Tangents[P],
     duration: Float[Array, ""],
     options: Options,
     allowed: Bool[Array, ""] | None,
 ) -> tuple[Path, diffrax.Solution]:
-    """The steps of the solve, to the end of the one in which a terminal guard rises through zero."""
-    system, solver, tolerance = jax.lax.stop_gradient(build(primal)), options.solver, options.tolerance
+    """The steps of the solve, in columns, to the end of the one in which a terminal guard rises through zero."""
+    system, solver, tolerance = build(tangents.primal), options.solver, options.tolerance
     assert isinstance(solver, Diffrax)
-
+    field = TangentField(build)
+    start = columns(tangents.start(lambda primal: build(primal).start()[0]))
+    controller = OntoTouchdowns(
+        rtol=tolerance.rtol,
+        atol=tolerance.atol * system.scales()[:, None],
+        pcoeff=PROPORTIONAL,
+        icoeff=INTEGRAL,
+        dtmin=ACROSS_KINKS if tangents.count else LEAST_STEP,
+        force_dtmin=bool(tangents.count),
+        norm=largest_norm,
+        gaps=field.gaps,
+        first=jnp.minimum(system.impact_step(start[:, 0]), duration),
+    )
     solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(VectorField(build)),
-        solver.method,
+        terms(solver.method, diffrax.ODETerm(field)),
+        with_root_finder(solver.method, field.linearisation),
         t0=0.0,
         t1=duration if allowed is None else jnp.where(allowed, duration, 0.0),
-        dt0=jnp.minimum(system.impact_step(jax.lax.stop_gradient(start)), duration),
+        dt0=None,
         y0=start,
-        args=(primal,),
-        event=event(build, located=False),
-        stepsize_controller=diffrax.PIDController(
-            rtol=tolerance.rtol,
-            atol=tolerance.atol * system.scales(),
-            pcoeff=PROPORTIONAL,
-            icoeff=INTEGRAL,
-            dtmin=LEAST_STEP,
-            force_dtmin=False,
-        ),
-        saveat=diffrax.SaveAt(t0=True, steps=True),
+        args=tangents,
+        event=diffrax.Event(field.highest_terminal, direction=True),
+        stepsize_controller=controller,
+        saveat=diffrax.SaveAt(t0=True, steps=True, fn=field.point),
         adjoint=diffrax.ForwardMode(),
         max_steps=min(solver.max_steps, options.max_steps),
         throw=False,
     )
-    return Path(jax.lax.stop_gradient(solution.ts), solution.ys, solution.stats["num_accepted_steps"]), solution
+    state, rate, second = solution.ys
+    return Path(solution.ts, state, rate, second, solution.stats["num_accepted_steps"]), solution
 
 
 def _status(system: HybridSystem, path: Path, solution: diffrax.Solution) -> Int[Array, ""]:
@@ -157,16 +181,17 @@ def _history(
     system: HybridSystem,
     path: Path,
     log: Log,
-    events: Float[Array, "slots state"],
+    events: Float[Array, "slots state columns"],
     status: Int[Array, ""],
     keep: int,
-) -> tuple[Steps, Float[Array, "kept state"]]:
-    """The first ``keep`` points of a history, and their states; its last point is the run's end."""
+    rows: Callable[[Array], Array],
+) -> Steps:
+    """The first ``keep`` points of a history; its last point is the run's end."""
     slots = keep + 1 if keep else 0
     index = jnp.minimum(jnp.arange(slots), path.steps)
     last = jnp.maximum(log.count - 1, 0)
     ends = (index == path.steps) & (status <= Status.TIMEOUT)
     time = jnp.where(ends, log.time[last], path.time[index])
-    rows = jnp.where(ends[:, None], events[last], path.state[index])
-    active = jax.lax.stop_gradient(jax.vmap(lambda state: closed(system, state))(rows))
-    return Steps(time, active, jnp.zeros((slots, 1, rows.shape[1])), path.steps + 1), rows
+    points = jnp.where(ends[:, None, None], events[last], path.state[index])
+    active = jax.vmap(lambda state: closed(system, state))(points[..., 0])
+    return Steps(time, active, rows(points), path.steps + 1)

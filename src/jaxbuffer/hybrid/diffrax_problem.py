@@ -15,13 +15,15 @@ import optimistix as optx
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
-from .system import Active, HybridSystem, State
+from .rungekutta.root_finder import with_root_finder
+from .system import Active, HybridSystem, Linearisation, State
 
 Build = Callable[..., HybridSystem]
 
 # How closely the event's time is found on the dense output [-, s]: by bisection. Newton's method from a step's end may
 # leave the step where a guard rises and falls within it.
 EVENT_RTOL, EVENT_ATOL = 1e-12, 1e-13
+IMPLICIT_EXPLICIT = (diffrax.KenCarp3, diffrax.KenCarp4, diffrax.KenCarp5)
 
 
 def closed(system: HybridSystem, state: State) -> Active:
@@ -38,6 +40,11 @@ class VectorField(eqx.Module):
         system = self.build(*args)
         return system.derivative(t, y, closed(system, y))
 
+    def linearisation(self, t: Any, y: State, args: Any) -> Linearisation:
+        """The stiff part of ∂f/∂y."""
+        system = self.build(*args)
+        return system.linearisation(t, y, closed(system, y))
+
 
 class HighestTerminal(eqx.Module):
     """The highest terminal guard of the system ``build(*args)`` as the condition of a `diffrax.Event`: the run ends
@@ -52,7 +59,7 @@ class HighestTerminal(eqx.Module):
 class DiffraxProblem(NamedTuple):
     """What `diffrax.diffeqsolve` needs to integrate a run, in its words.
 
-    - ``term``: the vector field, a `diffrax.ODETerm`.
+    - ``term``: the vector field, a `diffrax.ODETerm`; `term_for` a method that wants two.
     - ``y0``: the state at t = 0, shape (state,): coordinates, velocities, then what else the system integrates.
     - ``args``: the numbers the vector field depends on, a pytree of arrays; differentiate with respect to these (``y0``
       depends on them as well: make the problem inside the differentiated function).
@@ -70,6 +77,15 @@ class DiffraxProblem(NamedTuple):
     dt0: Float[Array, ""]
     scales: State
     build: Build
+
+    def method(self, method: diffrax.AbstractSolver) -> diffrax.AbstractSolver:
+        """An implicit method of diffrax with a root finder that knows the stiff forces (see `LowRankNewton`); unless
+        it has one of the user's, and an explicit one as it is."""
+        return with_root_finder(method, self.term.vector_field.linearisation)  # type: ignore[attr-defined]
+
+    def term_for(self, method: diffrax.AbstractSolver) -> diffrax.AbstractTerm:
+        """The vector field as a method of diffrax takes it: see `terms`."""
+        return terms(method, self.term)
 
     def observe(self, t: Scalar, y: State, args: Any) -> dict[str, Float[Array, ""]]:
         """The system's observables by name, of a state; made for ``diffrax.SaveAt(..., fn=problem.observe)``."""
@@ -91,10 +107,16 @@ class DiffraxProblem(NamedTuple):
         return system.observables(y, system.derivative(t, y, active), active)
 
 
-def event(build: Build, *, located: bool) -> diffrax.Event:
-    """Ends a solve where a terminal guard rises through zero, or, unless ``located``, at the end of the step in which
-    it does."""
-    finder: optx.Bisection | None = optx.Bisection(EVENT_RTOL, EVENT_ATOL) if located else None  # type: ignore[call-arg]
+def terms(method: diffrax.AbstractSolver, term: diffrax.ODETerm) -> diffrax.AbstractTerm:
+    """The ``term``; for an implicit-explicit method it is the implicit half, and the explicit half is zero."""
+    if isinstance(method, IMPLICIT_EXPLICIT):
+        return diffrax.MultiTerm(diffrax.ODETerm(lambda t, y, args: jnp.zeros_like(y)), term)
+    return term
+
+
+def event(build: Build) -> diffrax.Event:
+    """Ends a solve where a terminal guard rises through zero."""
+    finder: optx.Bisection = optx.Bisection(EVENT_RTOL, EVENT_ATOL)  # type: ignore[call-arg]
     return diffrax.Event(HighestTerminal(build), finder, direction=True)
 
 
@@ -106,7 +128,7 @@ def diffrax_problem(build: Build, args: tuple[Any, ...]) -> DiffraxProblem:
         term=diffrax.ODETerm(VectorField(build)),
         y0=start,
         args=args,
-        event=event(build, located=True),
+        event=event(build),
         dt0=jnp.asarray(system.impact_step(start)),
         scales=system.scales(),
         build=build,

@@ -11,12 +11,12 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jax.custom_batching import sequential_vmap
 from jaxtyping import Array, Bool, Float
 
 from ..errors import InputError
 from .diffeqsolve import run_by_diffeqsolve
 from .event_times import moving
+from .lanes import one_by_one
 from .loop.loop import Result, run
 from .options import Options
 from .rungekutta.diffrax_solver import Diffrax
@@ -81,7 +81,7 @@ def _solve(
     def state_alone(parameters: Any, *others: Any) -> Result:
         return by(lambda system: system, Tangents(build(*parameters)), *others)
 
-    return _one_by_one(state_alone, parameters, duration, options, allowed)
+    return one_by_one(state_alone, parameters, duration, options, allowed)
 
 
 @_solve.def_jvp
@@ -132,7 +132,7 @@ def solve_with_tangents(
         missing = len(values) - tangents.count
         return _with_rows(result, lambda rows: jnp.pad(rows, [(0, 0), (0, missing), (0, 0)]))
 
-    return _one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
+    return one_by_one(with_tangents, values, others, jnp.asarray(duration, float), options, allowed)
 
 
 @eqx.filter_custom_jvp
@@ -198,14 +198,3 @@ def _once_jvp(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
 
 def _is_none(x: Any) -> bool:
     return x is None
-
-
-def _one_by_one(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Call ``function``; under `vmap` on a CPU for one batch element after the other, so that none waits for the
-    slowest."""
-    arrays, static = eqx.partition(arguments, eqx.is_array)
-
-    def call(arrays: Any) -> Any:
-        return function(*eqx.combine(arrays, static))
-
-    return sequential_vmap(call)(arrays) if jax.default_backend() == "cpu" else call(arrays)

@@ -9,8 +9,42 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 
+# Times the rate of a follower, for `Linearisation.fastest`: explicit steps are then shorter than the way from a maximum
+# of its acceleration's size to the next minimum, a quarter of its period, and no maximum hides between their ends.
+RESOLVED = 4.0
+
 State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
+
+
+class Followers(eqx.Module):
+    """Oscillators that velocities of the system shake and that do not act back, in what follows these in the state.
+
+    Of each, the deflection u and the absolute velocity z: u̇ = z - w, ż = -2ζω(z - w) - ω²u.
+
+    - ``first``: where the deflections stand after the velocities; all z follow them.
+    - ``shaken_by``: which velocity w shakes each.
+    - ``rates``: ω [rad/s]; ``damping``: ζ [-].
+    """
+
+    first: int = eqx.field(static=True)
+    shaken_by: tuple[int, ...] = eqx.field(static=True)
+    rates: Float[Array, " oscillators"]
+    damping: Scalar
+
+    def solve(
+        self, rest: Float[Array, "rest columns"], velocities: Float[Array, "velocities columns"], shift: Scalar
+    ) -> Float[Array, "rest columns"]:
+        """Return the solution of (I - shift J) x = ``rest`` for them, that of the ``velocities`` being known."""
+        count = len(self.shaken_by)
+        deflections, ends = slice(self.first, self.first + count), self.first + 2 * count
+        base = jnp.stack([velocities[k] for k in self.shaken_by])
+        stiff = (shift * self.rates**2)[:, None]
+        answer = shift * (2.0 * (self.damping * self.rates)[:, None] + stiff)
+        right = rest[self.first + count : ends] + answer * base - stiff * rest[deflections]
+        z = right / (1.0 + answer)
+        u = rest[deflections] + shift * (z - base)
+        return jnp.concatenate([rest[: self.first], u, z, rest[ends:]])
 
 
 class Linearisation(eqx.Module):
@@ -19,6 +53,8 @@ class Linearisation(eqx.Module):
     ``directions`` B: how each of ``rank`` scalar forces acts on the velocities w (its first rows, B_q, on the
     coordinates' own); ``response`` X: the accelerations a unit of each causes, constraints included; ``stiffness`` K
     and ``damping`` C: how the forces answer to motion. Only forces that act on coordinates alone may have a stiffness.
+    ``decay`` [1/s]: rates at which what follows the velocities in the state decays by itself, None for zeros;
+    ``followers``: oscillators there.
     """
 
     directions: Float[Array, "velocities rank"]
@@ -26,6 +62,8 @@ class Linearisation(eqx.Module):
     stiffness: Float[Array, "rank rank"]
     damping: Float[Array, "rank rank"]
     coordinates: int = eqx.field(static=True)
+    decay: Float[Array, " rest"] | None = None
+    followers: Followers | None = None
 
     @staticmethod
     def none(velocities: int, coordinates: int) -> "Linearisation":
@@ -47,7 +85,10 @@ class Linearisation(eqx.Module):
         n, moved = self.coordinates, self.directions * self.response
         damping = jnp.sum(jnp.diagonal(self.damping) * jnp.sum(moved, axis=0))
         stiffness = jnp.sum(jnp.diagonal(self.stiffness) * jnp.sum(moved[:n], axis=0))
-        return jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+        fastest = jnp.maximum(damping, jnp.sqrt(jnp.maximum(stiffness, 0.0)))
+        if self.followers is None:
+            return fastest
+        return jnp.maximum(fastest, RESOLVED * jnp.max(self.followers.rates))
 
 
 class Watched(NamedTuple):
@@ -77,6 +118,11 @@ class HybridSystem(eqx.Module):
     def jumps(self) -> bool:
         """Whether the state's rate jumps when a contact closes; `touchdown` must then make the sensitivities jump."""
         return False
+
+    @property
+    def contact_observables(self) -> int | None:
+        """How many of the first contacts have their force among the observables, in order; None for all."""
+        return None
 
     def start(self) -> tuple[State, Active]:
         """State and open (0) or closed (1) contacts at t = 0."""
@@ -142,6 +188,16 @@ class HybridSystem(eqx.Module):
         """What the motion within a mode does not change, of a size of the order of one, and how much of it may be
         rounding: a step that changes it by more is wrong by that. Zeros where nothing of the kind is known."""
         return jnp.zeros(()), jnp.zeros(())
+
+    @property
+    def tolerance_share(self) -> float:
+        """The share of a run's tolerance that its steps keep to: less where the state's rate is not smooth."""
+        return 1.0
+
+    @property
+    def invariant_change(self) -> float:
+        """By how much a step may change what the motion does not, as a share of the relative tolerance."""
+        return 0.03
 
     def watched(self, state: State, rate: State, active: Active) -> Watched:
         """`gaps` and what follows it, together; a mechanism may look at the state once for all of them. Nothing needs

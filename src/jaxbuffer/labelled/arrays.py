@@ -40,12 +40,11 @@ def dataset(
     """
     import xarray as xr
 
-    made = xr.Dataset(
+    return xr.Dataset(
         {name: _variable(it) for name, it in variables.items()},
         {name: _variable(it) for name, it in coordinates.items()},
         dict(attributes),
     )
-    return made
 
 
 def _variable(it: Labelled) -> tuple[Any, ...]:

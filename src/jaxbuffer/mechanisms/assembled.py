@@ -14,9 +14,9 @@ from ..hybrid import Linearisation
 from ..multibody import Kinematics, MaterialPoint, Motion, System
 from .ball_contact import BallContact as BallContact
 from .energy import Energy
-from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, linearised
+from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, inverse_masses, linearised
 from .snapshot import Snapshot
-from .system import SLOWEST_TOUCHDOWN, ContactSystem
+from .system import SLOWEST_TOUCHDOWN, ContactSystem, SmoothMemory
 
 DEEPEST = 0.99  # of a ball's radius
 LOSSES = ("dampers", "hysteresis", "friction")  # where energy is lost
@@ -57,7 +57,8 @@ class Assembled(ContactSystem):
     does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``size``: magnitudes
     that matter of a coordinate and of a velocity; ``shown``: further observables; ``recorded``: what a history shows
     besides; ``parts``: whatever these need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must
-    also keep the energy balance.
+    also keep the energy balance; ``memory_time`` [s]: if given, no event sets the contacts' memory: it follows the
+    approach speed while the contact is open (M61).
     Observables are the contacts' normal forces [N], then those shown.
     """
 
@@ -73,6 +74,7 @@ class Assembled(ContactSystem):
     recorded: tuple[Shown, ...] = eqx.field(static=True, default=())
     parts: Any = None
     energy_size: Scalar | None = None
+    memory_time: Scalar | None = None
 
     @property
     def coordinates(self) -> int:
@@ -85,6 +87,16 @@ class Assembled(ContactSystem):
     @property
     def impact_contacts(self) -> int:
         return len(self.contacts)
+
+    @property
+    def remembers(self) -> bool:
+        return self.memory_time is None
+
+    def smooth_memory(self, at: Posture) -> SmoothMemory | None:
+        """How the memory follows the approach speed; None with events, which set it."""
+        if self.memory_time is None:
+            return None
+        return SmoothMemory.of(self.memory(at.state), *self.gaps_at(at), self.memory_time)
 
     @property
     def jumps(self) -> bool:
@@ -120,8 +132,8 @@ class Assembled(ContactSystem):
 
     def posture(self, state: Float[Array, " state"]) -> Posture:
         kin = self.kinematics(state)
-        found = [contact.approach(kin) for contact in self.contacts]
-        approaches, centres, origins = zip(*found, strict=True) if found else ((), (), ())
+        pairs = [contact.approach(kin) for contact in self.contacts]
+        approaches, centres, origins = zip(*pairs, strict=True) if pairs else ((), (), ())
         return Posture(state, kin, approaches, centres, origins)
 
     def start(self) -> tuple[Float[Array, " state"], Float[Array, " contacts"]]:
@@ -166,10 +178,20 @@ class Assembled(ContactSystem):
         drives = [self.system.drive_power(at.kin, motion.multipliers), 1.0] if self.system.driven else []
         integrals = [quantity(self.system, at.kin) for quantity in self.integrals]
         rates = [dampers, hysteresis, rubbing, *drives, *integrals]
-        return jnp.concatenate([at.kin.v, motion.acceleration, stacked(rates), jnp.zeros(len(self.contacts))])
+        memory = jnp.zeros(len(self.contacts)) if (smooth := self.smooth_memory(at)) is None else smooth.rate
+        return jnp.concatenate([at.kin.v, motion.acceleration, stacked(rates), memory])
 
     def gaps_at(self, at: Posture) -> tuple[Float[Array, " contacts"], Float[Array, " contacts"]]:
         return _row([a.gap for a in at.approach]), _row([a.approach_speed for a in at.approach])
+
+    def inverse_masses_at(self, at: Posture) -> Float[Array, "contacts contacts"]:
+        normals = [self._directions(at, k)[0] for k in range(len(self.contacts))]
+        return inverse_masses(self.system, at.kin, jnp.concatenate(normals, axis=1))
+
+    def _directions(self, at: Posture, k: int) -> tuple[Array, Array]:
+        """Columns of one contact with its closing speed and its slip."""
+        side = jnp.reshape(jnp.asarray(self.contacts[k].pair.side, float), (1,))
+        return contact_directions(self.system, at.approach[k], side, at.centre[k], at.origin[k])
 
     def normal_force_at(self, at: Posture, active: Float[Array, " contacts"]) -> Float[Array, " contacts"]:
         return _row(self.forces_at(at, active)[0])
@@ -249,7 +271,9 @@ class Assembled(ContactSystem):
             # Seven or eight springs alone take XLA gigabytes to compile; nine do not.
             still = SpringTerm(jnp.zeros(n), 0.0, 0.0)
             springs += [still] * (9 - len(springs) if len(springs) in (7, 8) else 0)
-        return linearised(self.system, at.kin, springs, self._contact_term(at, active))
+        smooth = self.smooth_memory(at)
+        decay = None if smooth is None else smooth.all_decay(state, 2 * n)
+        return linearised(self.system, at.kin, springs, self._contact_term(at, active), decay=decay)
 
     def _contact_term(self, at: Posture, active: Float[Array, " contacts"]) -> ContactTerm:
         """All contacts together."""
@@ -258,9 +282,7 @@ class Assembled(ContactSystem):
         memory = self.memory(at.state)
         for k, contact in enumerate(self.contacts):
             a, pair = at.approach[k], contact.pair
-            side = jnp.reshape(jnp.asarray(pair.side, float), (1,))
-            along = contact_directions(self.system, a, side, at.centre[k], at.origin[k])
-            terms.append(ContactTerm(*along, *contact_slopes(pair, a, memory[k : k + 1], active[k])))
+            terms.append(ContactTerm(*self._directions(at, k), *contact_slopes(pair, a, memory[k : k + 1], active[k])))
         return jax.tree.map(lambda *parts: jnp.concatenate(parts, axis=-1), *terms)
 
 

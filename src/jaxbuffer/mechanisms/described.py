@@ -29,6 +29,10 @@ def _declared(part: Part, path: str) -> tuple[str, str, str]:
     default = "none" if value is None else value if isinstance(value, str) else _number(value)
     if "choices" in known:
         return "", default, ", ".join(known["choices"])
+    if "curve" in known:
+        return "", default, "points that rise in both numbers"
+    if "mesh" in known:
+        return "", default, "a mesh file"
     if "limits" in known:
         return known["unit"], default, _range(known["limits"])
     if "least" in known:

@@ -20,9 +20,9 @@ class Energy(Portable):
 
     def __getattr__(self, name: str) -> Any:
         for part in ("stored", "lost"):
-            found = object.__getattribute__(self, part)
-            if name in found:
-                return found[name]
+            energies = object.__getattribute__(self, part)
+            if name in energies:
+                return energies[name]
         raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     @property

@@ -36,7 +36,7 @@ class History(Portable):
     closed: Float[Array, "steps all_contacts"] | None = None
 
     def __getattr__(self, name: str) -> Any:
-        found = object.__getattribute__(self, "others")
-        if name in found:
-            return found[name]
+        others = object.__getattribute__(self, "others")
+        if name in others:
+            return others[name]
         raise AttributeError(f"{type(self).__name__} has no {name!r}")

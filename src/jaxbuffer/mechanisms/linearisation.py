@@ -41,12 +41,17 @@ class ContactTerm(NamedTuple):
 
 
 def linearised(
-    system: System, kin: Kinematics, springs: Sequence[SpringTerm], contacts: ContactTerm, spin_inertia: Scalar = 1.0
+    system: System,
+    kin: Kinematics,
+    springs: Sequence[SpringTerm],
+    contacts: ContactTerm,
+    spin_inertia: Scalar = 1.0,
+    decay: Float[Array, " rest"] | None = None,
 ) -> Linearisation:
     """How the forces act on the velocities and answer to motion.
 
     **Arguments:** ``contacts``: those of all pairs together; ``spin_inertia`` [kg m²] of velocities beyond the
-    coordinates' own, if there are any.
+    coordinates' own, if there are any; ``decay``: as of `Linearisation`.
     """
     n, m = system.coordinates, contacts.normals.shape[1]
     along = [spring.direction[:, None] for spring in springs]
@@ -60,6 +65,7 @@ def linearised(
         stiffness=_coupling([s.stiffness for s in springs], contacts.per_depth, jnp.zeros(m)),
         damping=_coupling([s.damping for s in springs], contacts.per_speed, contacts.per_slip[1]),
         coordinates=n,
+        decay=decay,
     )
 
 
@@ -83,6 +89,12 @@ def contact_slopes(pair: BallPair, approach: Approach, memory: Array, active: Ar
     units = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     size = approach.gap.shape[0]
     return [jax.jvp(forces, point, tuple(jnp.full(size, u) for u in unit))[1] for unit in units]
+
+
+def inverse_masses(system: System, kin: Kinematics, directions: Float[Array, "coordinates m"]) -> Float[Array, "m m"]:
+    """What forces along some directions do to the speeds along them, the joints holding: A M_c⁻¹ Aᵀ [1/kg] (M200)."""
+    response = system.response(kin, directions)
+    return jnp.sum(directions[:, :, None] * response[:, None, :], axis=0)
 
 
 def contact_directions(

@@ -1,15 +1,16 @@
 """A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import jax
+import numpy as np
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
 from ..errors import InputError, inside
-from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of
+from ..fields import NON_NEGATIVE, POSITIVE, Part, all_of, get
 from ..hybrid import Options
 from .outcome import RunOutcome, Simulated
 from .quantity import Catalogue
@@ -33,7 +34,9 @@ class Defaults:
 
     ``duration`` [s]; ``parameters`` to differentiate by and ``differentiated`` quantities; ``grid`` of a sweep, as TOML
     writes it, and ``mapped``: the quantities drawn of one; ``variables`` of a tuning with their bounds, as TOML writes
-    them, and ``limits`` it keeps to.
+    them, and ``limits`` it keeps to; ``success``: how runs should end, in a word, None for the first of the
+    mechanism's successes; ``with_part``: those that are others for a design that has a number at a path;
+    ``example``: values that an example study has beside the design's defaults, with ``example_limits`` of its own.
     """
 
     duration: float = 1.0
@@ -43,6 +46,10 @@ class Defaults:
     mapped: tuple[str, ...] = ("peak_force", "penetration", "end_time", "contact_time")
     variables: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    success: str | None = None
+    with_part: Mapping[str, Mapping[str, Any]] = dataclasses.field(default_factory=dict)
+    example: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    example_limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,13 +70,17 @@ class TuningRules:
 
     ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
     problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``: what is
-    known of the first impact without simulating it.
+    known of the first impact without simulating it; ``unfinished``: from a problem and the evaluation of its tuned
+    design, a line for what its runs leave open; ``left_open``: the quantities that say what the runs of a design leave
+    open, from its numbers by their paths.
     """
 
     always: Mapping[str, float] = dataclasses.field(default_factory=dict)
     check_problem: Callable[[Any], None] = lambda problem: None
     margin: str | None = None
     floor: Floor | None = None
+    unfinished: Callable[[Any, Any], list[str]] | None = None
+    left_open: Callable[[Callable[[str], Any]], tuple[str, ...]] = lambda number: ()
 
 
 class Request(NamedTuple):
@@ -141,7 +152,7 @@ def plain_valid(design: Part, scenario: Part) -> Bool[Array, ""]:
     return all_of([*design.in_range(), *scenario.in_range()])
 
 
-def no_smooth_law(design: Part) -> Part:
+def no_smooth_law(design: Part, scenario: Part) -> Part:
     """Raise `InputError`: most mechanisms have none."""
     raise InputError(f"{type(design).__name__} has no contact law without events, which diffrax.diffeqsolve needs")
 
@@ -161,10 +172,10 @@ class Mechanism:
 
     What has a plain default:
 
-    - ``outcomes``: how runs end; ``success``: the outcome that a tuned design must have, None for any;
+    - ``outcomes``: how runs end; ``successes``: the outcomes of which a tuned design must have one, () for any;
     - ``check_fit``: raises `InputError` where design and scenario do not fit; ``valid``: the same of traced numbers;
     - ``run``: makes the `Run` of what was `Solved`, None for a plain one;
-    - ``smooth``: a design with a contact law that needs no events, for `diffrax.diffeqsolve`;
+    - ``smooth``: from design and scenario to a design that needs no events, for `diffrax.diffeqsolve`;
     - ``defaults`` of calls and studies; ``tuning``: what tuning needs besides; ``view``: what is told and drawn.
     """
 
@@ -175,15 +186,55 @@ class Mechanism:
     system: Callable[..., ContactSystem] = no_equations
     stepper: Stepper | None = None
     outcomes: type[RunOutcome] = Simulated
-    success: str | None = None
+    successes: tuple[str, ...] = ()
     check_fit: Callable[[Any, Any], None] = lambda design, scenario: None
     valid: Callable[[Any, Any], Bool[Array, ""]] = plain_valid
     run: Callable[[Any, Any], Any] | None = None
-    smooth: Callable[[Any], Any] = no_smooth_law
+    smooth: Callable[[Any, Any], Any] = no_smooth_law
     # No compiled program depends on these: see `programs.identity.label`.
     defaults: Defaults = dataclasses.field(default=Defaults(), compare=False)
     tuning: TuningRules = dataclasses.field(default=TuningRules(), compare=False)
     view: View = dataclasses.field(default=View(), compare=False)
+
+    @property
+    def success(self) -> str | None:
+        """How a run should end, in a word: the first of ``successes``; None where any end will do."""
+        return self.successes[0] if self.successes else None
+
+    def success_of(self, design: Part) -> str | None:
+        """Return how a run of a design should end, in a word: one with a latch "latched" rather than "captured"."""
+        return self.defaults_for(design).success or self.success
+
+    def succeeded(self, code: Any) -> Any:
+        """Return which outcomes, given as codes, are successes; all that did not fail, where any end will do."""
+        if not self.successes:
+            return np.asarray(code) < self.outcomes["failed_steps"]
+        return np.isin(code, [int(self.outcomes[name]) for name in self.successes])
+
+    def defaults_for(self, design: Part | None, varied: Collection[str] = ()) -> Defaults:
+        """Return the defaults for a design: some depend on what it has, or gets where numbers at the ``varied`` paths
+        are put into it; without one the general ones."""
+        others = dict[str, Any]()
+        if design is not None:
+            for path, changes in self.defaults.with_part.items():
+                others |= changes if path in varied or get(design, path) is not None else {}
+        return dataclasses.replace(self.defaults, **others)
+
+    def duration(self, design: Part, varied: Collection[str] = ()) -> float:
+        """Return how long a run of a design lasts where nothing is said [s]; ``varied``: as of `defaults_for`."""
+        return self.defaults_for(design, varied).duration
+
+    def parameters(self, design: Part) -> tuple[str, ...]:
+        """Return the paths to differentiate by where nothing is said: those at which a design has a number."""
+        return tuple(path for path in self.defaults.parameters if get(design, path) is not None)
+
+    def variables(self, design: Part) -> dict[str, Any]:
+        """Return the variables of a tuning where nothing is said, with their bounds: those that a design has."""
+        return {path: bounds for path, bounds in self.defaults.variables.items() if get(design, path) is not None}
+
+    def always(self, design: Part) -> dict[str, float]:
+        """Return the limits that every tuned design keeps: those on parts that this one has."""
+        return {name: limit for name, limit in self.tuning.always.items() if self.has(name, design)}
 
     @property
     def swept(self) -> tuple[str, ...]:
@@ -194,6 +245,11 @@ class Mechanism:
         """Of the `swept` quantities those that mean something for a design, given as its value at a path: not the
         bending of what does not bend."""
         return tuple(name for name in self.swept if not (part := self.quantities[name].part) or value_at(part))
+
+    def has(self, name: str, design: Part) -> bool:
+        """Return whether a quantity means something for a design: it has the part that the quantity is of."""
+        part = self.quantities[name].part
+        return not part or bool(get(design, part))
 
     @property
     def tuned(self) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ class Level(NamedTuple):
 class Panel(NamedTuple):
     """Curves in one panel: its title, the vertical axis' label with its unit; ``stacked``: whether they add up;
     ``path``: the horizontal axis' label of curves in a plane, "" of curves over time; ``whole``: shown from the start
-    of the run on, also where the contacts begin late."""
+    of the run on, also where the contacts begin late; ``to_end``: shown to its end, also where they end early."""
 
     title: str
     axis: str
@@ -36,6 +36,7 @@ class Panel(NamedTuple):
     stacked: bool = False
     path: str = ""
     whole: bool = False
+    to_end: bool = False
 
 
 class Meshed(NamedTuple):

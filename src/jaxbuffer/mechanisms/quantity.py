@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
-from .impacts import Impacts
 
 
 class Quantity(NamedTuple):
@@ -17,7 +16,7 @@ class Quantity(NamedTuple):
     instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
     or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself);
     ``part``: path of the field of the design without which it means nothing (None or 0 there), or "";
-    ``rising``: for a largest value the quantity that is its rate at the end of the run, 0 where it does not rise there.
+    ``differentiable``: whether it has derivatives; one without is read off a finished run alone.
     """
 
     unit: str
@@ -29,7 +28,7 @@ class Quantity(NamedTuple):
     tuned: bool = False
     shown: tuple[str, float] | None = None
     part: str = ""
-    rising: str = ""
+    differentiable: bool = True
 
     @property
     def in_figures(self) -> tuple[str, float]:
@@ -64,18 +63,17 @@ CONTACT_TIME = Quantity("s", lambda run: run.contact_time, "time in contact", "c
 DISSIPATED = Quantity("J", lambda run: run.energy.dissipated, "energy lost altogether", "energy lost")
 
 IMPACT_UNITS = {"peak_force": "N", "approach_speed": "m/s", "time": "s", "release_time": "s"}
-"""What can be asked of each impact, as in "impact.3.peak_force"; impacts count from 1."""
+LOAD_UNITS = {"effective_energy": "J", "compression_end": "s"}
+OF_IMPACT = IMPACT_UNITS | LOAD_UNITS
+"""What can be asked of each impact, as in "impact.3.peak_force"; impacts count from 1. Every run has the first ones;
+the others are computed where they are asked for (`Loads`)."""
 
 
 class OfImpact(NamedTuple):
-    """One number of one impact: ``slot`` in the run's `Impacts` (from 0) and the field's name."""
+    """One number of one impact: ``slot`` in the run's `Impacts` (from 0) and a name in `OF_IMPACT`."""
 
     slot: int
     field: str
-
-    def of(self, impacts: Impacts) -> Float[Array, ""]:
-        """Its value; in a slot beyond the last impact it means nothing."""
-        return getattr(impacts, self.field)[self.slot]
 
 
 def of_impact(name: str) -> OfImpact | None:
@@ -88,20 +86,29 @@ def of_impact(name: str) -> OfImpact | None:
     number, _, field = name.removeprefix("impact.").partition(".")
     if not (number.isdecimal() and number.isascii() and int(number) >= 1):
         raise InputError(f"{name}: {number!r} is not an impact's number; they count from 1, as in impact.1.peak_force")
-    if field not in IMPACT_UNITS:
-        raise InputError(f"{name} is unknown; an impact has {', '.join(IMPACT_UNITS)}{suggest(field, IMPACT_UNITS)}")
+    if field not in OF_IMPACT:
+        raise InputError(f"{name} is unknown; an impact has {', '.join(OF_IMPACT)}{suggest(field, OF_IMPACT)}")
     return OfImpact(int(number) - 1, field)
 
 
 def unit_of(catalogue: Catalogue, name: str) -> str:
     """The unit of a quantity."""
-    asked = of_impact(name)
-    return IMPACT_UNITS[asked.field] if asked else catalogue[name].unit
+    address = of_impact(name)
+    return OF_IMPACT[address.field] if address else catalogue[name].unit
 
 
 def is_signed(catalogue: Catalogue, name: str) -> bool:
     """Whether a quantity can change sign."""
     return name in catalogue and catalogue[name].signed
+
+
+def check_differentiable(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
+    """The names, once it is sure that all exist and have derivatives. **Raises:** `InputError` otherwise."""
+    names = check_quantities(catalogue, names)
+    for name in names:
+        if name in catalogue and not catalogue[name].differentiable:
+            raise InputError(f"quantity {name} has no derivatives; simulate tells it")
+    return names
 
 
 def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:

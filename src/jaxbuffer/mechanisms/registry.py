@@ -21,8 +21,8 @@ def register(mechanism: Mechanism) -> Mechanism:
 
 def mechanism_of(design: Any) -> Mechanism:
     """The mechanism of a design. **Raises:** `InputError` for what is no design of any."""
-    if (found := _of_type(type(design))) is not None:
-        return found
+    if (mechanism := _of_type(type(design))) is not None:
+        return mechanism
     known = ", ".join(f"{m.design.__name__} of {m.name}" for m in _BY_DESIGN.values())
     hint = "write the design first, then the scenario"
     raise InputError(f"design = {shown(design)} is not a design of a mechanism; {hint}; known are {known or 'none'}")
@@ -30,8 +30,8 @@ def mechanism_of(design: Any) -> Mechanism:
 
 def mechanism_of_type(design: type) -> Mechanism:
     """The mechanism of a type of designs: what a pickled mechanism becomes again. **Raises:** `InputError`."""
-    if (found := _of_type(design)) is not None:
-        return found
+    if (mechanism := _of_type(design)) is not None:
+        return mechanism
     raise InputError(f"{design.__name__} is not the design of a mechanism that this process has registered")
 
 

@@ -8,19 +8,21 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import DataFrame, Dataset, Scalar
-from ..errors import InputError
+from ..errors import InputError, check_choice
 from ..fields import Part, Portable, get
-from ..hybrid import Log, Result, moving
+from ..hybrid import Kind, Log, Result, moving
 from ..labelled.arrays import Labelled, dataset, frame
 from ..labelled.saved import Saved
+from ..programs.cache import Static
 from ..tables import summary_html
 from .dataset import attributes
 from .energy import Balance, Energy
 from .history import History
 from .impacts import Impacts
+from .loads import load
 from .mechanism import Mechanism
 from .outcome import RunOutcome
-from .quantity import IMPACT_UNITS, check_quantities, of_impact
+from .quantity import IMPACT_UNITS, LOAD_UNITS, OfImpact, check_quantities, of_impact
 from .registry import mechanism_of
 from .view import Names
 
@@ -31,6 +33,8 @@ CONTACT_UNITS = {
     "contact_force": "N",
     "friction_force": "N",
 }
+TOGETHER = 8  # impacts whose loads are computed in one call
+ROUNDING = 1e-6  # relative, of a maximum that is evaluated again with derivatives
 COORDINATES = {
     "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
     "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
@@ -40,6 +44,8 @@ IMPACT_MEANING = {
     "approach_speed": "normal speed at touchdown",
     "time": "touchdown",
     "release_time": "release, NaN where the run ended in contact",
+    "effective_energy": "kinetic energy before it along the normals of the closed contacts",
+    "compression_end": "when the contact no longer closes",
 }
 
 
@@ -104,7 +110,7 @@ class Run(Portable, Saved):
     attempts: Int[Array, ""]
     accepted: Int[Array, ""]
     stabilisation: Float[Array, ""]
-    _located: Log  # `log` with derivatives at fixed times
+    _located: Log  # `log` with derivatives at fixed times; None of a tank, whose events are not located
 
     @property
     def mechanism(self) -> Mechanism:
@@ -120,15 +126,59 @@ class Run(Portable, Saved):
     def diagnosis(self) -> list[str]:
         """What held the run back, a line each; nothing of one that succeeded or failed."""
         mechanism, outcome = self.mechanism, self.outcome
-        succeeded = mechanism.success is None or outcome.name == mechanism.success
-        if succeeded or outcome.failed or not (told := mechanism.view.diagnosis(self)):
+        if mechanism.succeeded(int(outcome)) or outcome.failed or not (reasons := mechanism.view.diagnosis(self)):
             return []
-        return [f"why it was not {mechanism.success}", *(f"  {heading:20} {text}" for heading, text in told.items())]
+        return [
+            f"why it was not {mechanism.success_of(self.design)}",
+            *(f"  {heading:20} {text}" for heading, text in reasons.items()),
+        ]
 
     @property
     def log(self) -> Log:
         """Located events, differentiable as they move with design and scenario: see `hybrid.moving`."""
         return moving(self._located, (self.design, self.scenario, self.stabilisation), self.mechanism.system)
+
+    @property
+    def maximum_times(self) -> dict[str, float]:
+        """When each of the ``maxima`` is reached [s], by name; they have no derivatives.
+
+        NaN of one that stays zero, or where events are not located.
+
+        **Raises:** `InputError` for a batch of runs, and inside compiled code.
+
+        **Example:**
+
+        >>> run = jb.simulate(jb.table2(), jb.Scenario())
+        >>> f"{1e3 * float(run.stroke):.2f} mm at {run.maximum_times['stroke']:.4f} s"
+        '7.50 mm at 0.1337 s'
+        """
+        if self._many:
+            raise InputError(
+                "the times of maxima are those of one run that is solved, not of a batch or a traced one: they have no"
+                " derivatives"
+            )
+        log = self._located
+        if not self.maxima or log is None or not int(log.count):
+            return dict.fromkeys(self.maxima, float("nan"))
+        count = int(log.count)
+        system = self.mechanism.system
+        # To assemble a mechanism outside of a stored program compiles a dozen small ones.
+        names = getattr(system, "observed_of", lambda *design: system(*design, self.stabilisation).observed)
+        observed = names(self.design, self.scenario)
+        # The entry of a start in contact does not know what depends on the state's rate.
+        time, values = np.asarray(log.time)[:count], np.asarray(log.values)[:count]
+        starts = (np.asarray(log.kind)[:count] == Kind.TOUCHDOWN) & (time == 0.0)
+        values = np.where(starts[:, None], -np.inf, values)
+
+        def reached(name: str) -> float:
+            column, largest = values[:, observed.index(name)], float(self.maxima[name])
+            slot = int(np.argmax(column))
+            if not abs(largest) > 0.0:
+                return float("nan")
+            # What no event comes up to was largest at the start.
+            return float(time[slot]) if column[slot] >= largest * (1.0 - ROUNDING) else 0.0
+
+        return {name: reached(name) for name in self.maxima}
 
     def quantity(self, name: str) -> Float[Array, ""]:
         """A quantity of the mechanism's catalogue by name, or of an impact, as in "impact.3.peak_force".
@@ -137,10 +187,46 @@ class Run(Portable, Saved):
         """
         catalogue = self.mechanism.quantities
         check_quantities(catalogue, (name,))
-        asked = of_impact(name)
-        if asked is None:
+        address = of_impact(name)
+        if address is None:
             return catalogue[name].of(self)
-        return jnp.where(asked.slot < self.impacts.count, asked.of(self.impacts), jnp.nan)
+        return jnp.where(address.slot < self.impacts.count, self.of_impact(address), jnp.nan)
+
+    def of_impact(self, address: OfImpact) -> Float[Array, ""]:
+        """One number of one impact; in a slot beyond the last impact it means nothing."""
+        if address.field in LOAD_UNITS:
+            own = 0 if self._many else address.slot % TOGETHER
+            return self.loads(address.field, address.slot - own + np.arange(1 if self._many else TOGETHER))[own]
+        return getattr(self.impacts, address.field)[address.slot]
+
+    def loads(
+        self, name: str, numbers: Int[Array, " impacts"] | Int[np.ndarray, " impacts"] | None = None
+    ) -> Float[Array, " impacts"]:
+        """How hard impacts are, computed after the run: ``effective_energy`` T_c⁻ [J] or ``compression_end`` [s].
+
+        **Arguments:** ``name``; ``numbers``: which impacts, from 0 (default: all of a run that is solved).
+
+        **Returns:** an entry for each; NaN where it is not known. As a quantity: "impact.1.effective_energy".
+
+        **Example:** the first impact of a drop is that of a third of the bar's mass at the speed of its end.
+
+        >>> run = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.194), 0.22)
+        >>> print(f"{1e3 * float(run.loads('effective_energy')[0]):.3f} mJ")
+        22.528 mJ
+        """
+        check_choice("name", name, tuple(LOAD_UNITS))
+        if numbers is None:
+            if self._many:
+                raise InputError("all loads are those of one run that is solved; of others, name the impacts' numbers")
+            count = int(self.impacts.count)
+            if self._located is None or not np.any(np.asarray(self._located.kind) == Kind.TOUCHDOWN):
+                return jnp.full(count, jnp.nan)
+            firsts = range(0, count, TOGETHER)  # one compiled program serves any number of impacts
+            parts = [np.asarray(self.loads(name, first + np.arange(TOGETHER))) for first in firsts]
+            return jax.device_put(np.concatenate([np.zeros(0), *parts])[:count])
+        if self._located is None:
+            return jnp.full(len(numbers), jnp.nan)
+        return load(Static(name), (self.design, self.scenario, self.stabilisation), self._located, numbers)
 
     @property
     def _many(self) -> bool:
@@ -229,20 +315,13 @@ def plain_run(system: Any, solved: Solved) -> Run:
     return Run(**solved.common)
 
 
-def rising(run: Run) -> list[str]:
-    """The quantities that are largest at the end of the run and would go on to rise."""
-    catalogue = run.mechanism.quantities
-    rates = {name: catalogue[quantity.rising] for name, quantity in catalogue.items() if quantity.rising}
-    return [name for name, rate in rates.items() if float(rate.of(run)) > 0.0]
-
-
 def value_of(run: Run, name: str) -> float:
     """A quantity of a finished run; NaN if it failed or has no such impact."""
-    asked = of_impact(name)
-    if asked is None:
+    address = of_impact(name)
+    if address is None:
         return float(run.mechanism.quantities[name].of(run))
-    present = asked.slot < int(run.impacts.count) and not run.outcome.failed
-    return float(asked.of(run.impacts)) if present else float("nan")
+    present = address.slot < int(run.impacts.count) and not run.outcome.failed
+    return float(run.of_impact(address)) if present else float("nan")
 
 
 def plain_summary(run: Run) -> str:
@@ -277,19 +356,23 @@ def history_columns(run: Run) -> dict[str, np.ndarray]:
     """
     if run.history is None:
         raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
-    seen: Any = jax.tree.map(np.asarray, run.history)
+    history: Any = jax.tree.map(np.asarray, run.history)
     names = run.mechanism.view.names(run.design)
-    columns: dict[str, Any] = {"time [s]": seen.time}
+    columns: dict[str, Any] = {"time [s]": history.time}
     for name, symbol in CONTACT_UNITS.items():
-        value = getattr(seen, name)
+        value = getattr(history, name)
         columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {f"{name} [{symbol}]": seen.others[name] for name, symbol in names.others.items() if name in seen.others}
+    columns |= {
+        f"{name} [{symbol}]": history.others[name] for name, symbol in names.others.items() if name in history.others
+    }
     for name, axes in COORDINATES.items():
         for k, body in enumerate(names.bodies):
-            columns |= {f"{body} {name} {axis} [{s}]": getattr(seen, name)[:, k, i] for i, (axis, s) in enumerate(axes)}
+            columns |= {
+                f"{body} {name} {axis} [{s}]": getattr(history, name)[:, k, i] for i, (axis, s) in enumerate(axes)
+            }
     for k, (name, symbol) in enumerate(names.multipliers.items()):
-        columns[f"multiplier {name} [{symbol}]"] = seen.multipliers[:, k]
-    columns |= {f"energy {name} [J]": getattr(seen.energy, name) for name in seen.energy.names}
+        columns[f"multiplier {name} [{symbol}]"] = history.multipliers[:, k]
+    columns |= {f"energy {name} [J]": getattr(history.energy, name) for name in history.energy.names}
     return {name: np.asarray(column) for name, column in columns.items()}
 
 
@@ -310,10 +393,10 @@ def _dataset(run: Run) -> Dataset:
         "energy": Labelled(("energy",), list(energies), "", "stored, lost, and total"),
     }
     if run.history is not None:
-        seen: Any = jax.tree.map(np.asarray, run.history)
-        variables |= _history(seen, names)
+        history: Any = jax.tree.map(np.asarray, run.history)
+        variables |= _history(history, names)
         coordinates |= {
-            "time": Labelled(("step",), seen.time, "s", "time of an accepted step"),
+            "time": Labelled(("step",), history.time, "s", "time of an accepted step"),
             "contact": Labelled(("contact",), list(names.contacts), "", mechanism.view.contact),
             "body": Labelled(("body",), list(names.bodies), "", "body"),
         }
@@ -332,16 +415,16 @@ def _quantities(run: Run, names: Names) -> dict[str, Labelled]:
     """Single numbers of the whole run."""
     mechanism = run.mechanism
     catalogue = mechanism.quantities
-    found = {
+    arrays = {
         name: Labelled(
             (), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description
         )
         for name in mechanism.swept
     }
-    largest = "" if run.outcome.failed else names.contacts[int(run.peak_contact)]
+    largest = names.contacts[int(run.peak_contact)] if float(run.peak_force) > 0.0 else ""
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
-        **found,
+        **arrays,
         f"peak_{mechanism.view.contact}": Labelled((), largest, "", f"{mechanism.view.contact} with the largest force"),
         **{name: Labelled((), int(count), "-", name.replace("_", " ")) for name, count in counts.items()},
     }
@@ -351,29 +434,29 @@ def _impacts(run: Run, names: Names) -> dict[str, Labelled]:
     """One entry for each impact that happened."""
     count, hits = int(run.impacts.count), run.impacts
     contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
-    found = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
+    arrays = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
     for name, unit in IMPACT_UNITS.items():
         values = np.asarray(getattr(hits, name))[:count]
-        found[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])
-    return found
+        arrays[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])
+    return arrays
 
 
-def _history(seen: History, names: Names) -> dict[str, Labelled]:
+def _history(history: History, names: Names) -> dict[str, Labelled]:
     """Everything along the accepted steps."""
-    found = {
-        name: Labelled(("step", "contact"), getattr(seen, name), unit, name.replace("_", " "))
+    arrays = {
+        name: Labelled(("step", "contact"), getattr(history, name), unit, name.replace("_", " "))
         for name, unit in CONTACT_UNITS.items()
     }
     bodies = len(names.bodies)
     for name, axes in COORDINATES.items():
         for i, (axis, unit) in enumerate(axes):
-            values = getattr(seen, name)[:, :bodies, i]
-            found[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
+            values = getattr(history, name)[:, :bodies, i]
+            arrays[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
     for name, unit in names.others.items():
-        if name in seen.others:
-            found[f"{name}_history"] = Labelled(("step",), seen.others[name], unit, name.replace("_", " "))
+        if name in history.others:
+            arrays[f"{name}_history"] = Labelled(("step",), history.others[name], unit, name.replace("_", " "))
     for k, (name, unit) in enumerate(names.multipliers.items()):
-        found[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), seen.multipliers[:, k], unit, name)
-    energies = np.stack([np.asarray(getattr(seen.energy, name)) for name in seen.energy.names], axis=1)
-    found["energy_history"] = Labelled(("step", "energy"), energies, "J", "energy, or lost so far")
-    return found
+        arrays[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), history.multipliers[:, k], unit, name)
+    energies = np.stack([np.asarray(getattr(history.energy, name)) for name in history.energy.names], axis=1)
+    arrays["energy_history"] = Labelled(("step", "energy"), energies, "J", "energy, or lost so far")
+    return arrays

@@ -1,6 +1,6 @@
 """What every mechanism with contacts shares as a hybrid system: touchdown, saltation, guards, conservation."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,10 +13,30 @@ from .energy import Energy
 from .snapshot import Snapshot
 
 SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ (M36)
+ONSET = 1e-8  # m, over which a smooth memory is let go where a contact opens (M61)
 ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
 
 State = Float[Array, " state"]
 Active = Float[Array, " contacts"]
+
+
+class SmoothMemory(NamedTuple):
+    """A memory that follows the approach speed while the contact is open (M61): its ``rate`` [m/s²] and how fast that
+    ``decay``s with the memory [1/s]."""
+
+    rate: Float[Array, " contacts"]
+    decay: Float[Array, " contacts"]
+
+    @staticmethod
+    def of(memory: Array, gap: Array, speed: Array, time: Scalar, onset: Scalar = ONSET) -> "SmoothMemory":
+        """With the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed`` [m/s] of each contact, and the
+        ``time`` [s] of following."""
+        decay = 0.5 * (1.0 + jnp.tanh(gap / onset)) / time
+        return SmoothMemory(decay * (jnp.maximum(speed, SLOWEST_TOUCHDOWN) - memory), decay)
+
+    def all_decay(self, state: State, before: int) -> Float[Array, " rest"]:
+        """Those of all that follows the first ``before`` numbers in the state, of which the memory is the last."""
+        return jnp.pad(self.decay, (len(state) - before - len(self.decay), 0))
 
 
 class ContactSystem(HybridSystem):
@@ -45,6 +65,11 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     @property
+    def one_way(self) -> tuple[bool, ...]:
+        """Which contacts never open again once they are closed; () for none."""
+        return ()
+
+    @property
     def remembers(self) -> bool:
         """Whether a touchdown sets the memory (with a smooth law, the memory follows by itself)."""
         return True
@@ -55,6 +80,10 @@ class ContactSystem(HybridSystem):
 
     def gaps_at(self, at: Any) -> tuple[Active, Active]:
         """Distance of each contact [m], and how fast it closes [m/s]."""
+        raise NotImplementedError
+
+    def inverse_masses_at(self, at: Any) -> Float[Array, "contacts contacts"]:
+        """A M_c⁻¹ Aᵀ along the normals of the contacts that have impacts [1/kg] (M200)."""
         raise NotImplementedError
 
     def normal_force_at(self, at: Any, active: Active) -> Float[Array, " contacts"]:
@@ -139,7 +168,9 @@ class ContactSystem(HybridSystem):
         none, time = jnp.zeros(self.contact_count), jnp.zeros(())
         alone = jnp.where(jnp.arange(self.contact_count) == contact, 1.0, none)
         onset = self.derivative(time, closed, alone) - self.derivative(time, closed, none)
-        return -onset * self.time_to_contact(closed, contact)
+        # Its own change counts only with the time that locating the event leaves open, which is next to nothing: to
+        # follow it takes a third of the compilation of a gradient with latches.
+        return -jax.lax.stop_gradient(onset) * self.time_to_contact(closed, contact)
 
     def time_to_contact(self, state: State, contact: Int[Array, ""]) -> Float[Array, ""]:
         """gap / δ̇ of one contact [s]."""
@@ -161,6 +192,9 @@ class ContactSystem(HybridSystem):
     def watched(self, state: State, rate: State, active: Active) -> Watched:
         at = self.posture(state)
         gap, closing = self.gaps_at(at)
+        if any(self.one_way):  # closed, they are far from opening
+            closed = jnp.asarray(self.one_way) & (active > 0.5)
+            gap, closing = jnp.where(closed, -1.0, gap), jnp.where(closed, 0.0, closing)
         return Watched(
             gap=gap,
             gap_rate=-closing,

@@ -47,6 +47,7 @@ class View:
     - ``summary`` of a run, None for the plain one (`plain_summary`); ``record``: tables of numbers that a run's record
       has besides, by name; ``notes``: lines below a table of a run's sensitivities; ``diagnosis``: of a run that did
       not end in ``success``, what held it back, a text by heading;
+    - ``doubts``: of a design, a line for each number that is easily left at a value that does not fit it;
     - ``leaves_out``: what the model leaves out, a line each, and where it is told; ``warnings``: a line for each limit
       that a run exceeds; ``validity``: the same limits for many runs, from design, peak forces [N] and penetrations
       [m];
@@ -66,6 +67,7 @@ class View:
     record: Callable[[Any], dict[str, dict[str, Any]]] = lambda run: {}
     notes: Callable[[Any], list[str]] = lambda run: []
     diagnosis: Callable[[Any], Mapping[str, str]] = lambda run: {}
+    doubts: Callable[[Any], list[str]] = lambda design: []
     leaves_out: tuple[str, ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: []
     validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []

@@ -1,4 +1,4 @@
-"""A run as an animation: slow motion around the largest impacts, evenly in between."""
+"""A run as an animation: slow motion around the largest impacts, evenly in between, faster after the last contact."""
 
 import io
 import tempfile
@@ -16,8 +16,8 @@ from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
-from .pulses import fine_times, pulses
-from .style import COLOURS, drawing, require_matplotlib
+from .pulses import fine_times, last_contact, pulses
+from .style import COLOURS, blank, drawing, require_matplotlib
 
 FORMATS = ("gif", "mp4")
 RATE = 20  # frames a second
@@ -40,22 +40,26 @@ class Frames(NamedTuple):
 def frames_of(run: Run) -> Frames:
     """Evenly spaced times, and many more around each of the run's largest impacts."""
     assert run.history is not None
-    end = float(np.asarray(run.history.time)[-1])
-    even = end / EVEN
+    end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
+    even = busy / EVEN
     slow: list[tuple[float, float]] = []
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
         room = ROOM * (pulse.end - pulse.start)
-        window = max(pulse.start - room, 0.0), min(pulse.end + room, end)
+        window = max(pulse.start - room, 0.0), min(pulse.end + room, busy)
         apart = all(window[1] < other[0] or window[0] > other[1] for other in slow)
         if len(slow) < IMPACTS and apart and 0.0 < window[1] - window[0] < 0.5 * SLOW * even:
             slow.append(window)
     times, steps, at = [], [], 0.0
-    for start, stop in [*sorted(slow), (end, end)]:
+    for start, stop in [*sorted(slow), (busy, busy)]:
         for first, last, step in ((at, start, even), (start, stop, (stop - start) / SLOW)):
             part = np.arange(first, last, step) if last > first else np.zeros(0)
             times.append(part)
             steps.append(np.full(len(part), step))
         at = stop
+    if busy < end:  # what follows the last contact is long and slow: it is shown faster
+        even = (end - busy) / EVEN
+        times.append(np.arange(busy, end - 0.5 * even, even))
+        steps.append(np.full(len(times[-1]), even))
     return Frames(np.append(np.concatenate(times), end), 1.0 / (RATE * np.append(np.concatenate(steps), even)))
 
 
@@ -145,15 +149,13 @@ class Stage:
     """The figure that an animation's frames are drawn on: mechanism, closer look, force over time with a cursor."""
 
     def __init__(self, at: Scene) -> None:
-        from matplotlib.figure import Figure
-
         self.at, detail = at, at.drawing.detail
         (wide, high) = at.views[0, 1] - at.views[0, 0]
         row = float(np.clip(5.2 * high / wide, 1.8, 3.4))  # inch
         self.meshes = at.run.mechanism.view.meshes(at.run, at.times)
         width = (6.6 if detail is None else 6.7 + row) + (BAR if self.meshes else 0.0)
         tall = row + 2.9
-        self.figure: Figure = Figure(figsize=(width, tall))
+        self.figure = blank(width, tall, layout=None)
         low, top = 2.2 / tall, row / tall
         self.whole = self.figure.add_axes((0.7 / width, low, 5.2 / width, top))
         self.detail: Axes | None = None

@@ -1,8 +1,9 @@
 """What meshes have at a few instants of a run: a figure, and VTK files where meshio is installed."""
 
+import functools
 import importlib.util
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def field_files(run: Run) -> Contents:
     drawn = both("fields", lambda: fields_figure(seen))
     if not _meshio():
         return drawn
-    return {**drawn, **{f"{mesh.name}.vtu": _writing(mesh) for mesh in seen}}
+    return {**drawn, **{f"{mesh.name}.vtu": functools.partial(vtu, mesh) for mesh in seen}}
 
 
 def left_out(contents: Contents) -> str:
@@ -44,7 +45,8 @@ def _meshio() -> bool:
 def fields_figure(seen: Sequence[Meshed]) -> Figure:
     """A row for each instant, a column for each value that is not the same everywhere; a column's colours mean the same
     in all rows."""
-    names = [name for name in seen[0].values if any(_varies(mesh.values[name]) for mesh in seen)]
+    varies = lambda values: np.nanmax(values) > np.nanmin(values)  # noqa: E731
+    names = [name for name in seen[0].values if any(varies(mesh.values[name]) for mesh in seen)]
     figure, grid = panels(WIDTH * len(names), HEIGHT * len(seen), len(seen), len(names))
     everything = np.concatenate([mesh.nodes for mesh in seen])
     for column, name in enumerate(names):
@@ -54,12 +56,8 @@ def fields_figure(seen: Sequence[Meshed]) -> Figure:
             drawn = coloured(axes, mesh, name, ends)
             axes.figure.colorbar(drawn, ax=axes, label=name, orientation="horizontal", shrink=0.7, aspect=40)
             axes.set_title(mesh.title)
-            _frame(axes, everything)
+            frame(axes, everything)
     return figure
-
-
-def _varies(values: np.ndarray) -> bool:
-    return bool(np.nanmax(values) > np.nanmin(values))
 
 
 def coloured(axes: Axes, mesh: Meshed, name: str, ends: tuple[float, float]) -> PolyCollection:
@@ -75,16 +73,13 @@ def coloured(axes: Axes, mesh: Meshed, name: str, ends: tuple[float, float]) -> 
     return drawn
 
 
-def _frame(axes: Axes, nodes: np.ndarray) -> None:
+def frame(axes: Axes, nodes: np.ndarray) -> None:
+    """Show all of these ``nodes`` [m], true to scale."""
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     room = MARGIN * (high - low)
     axes.set(xlim=(low[0] - room[0], high[0] + room[0]), ylim=(low[1] - room[1], high[1] + room[1]))
     axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
     axes.grid(False)
-
-
-def _writing(mesh: Meshed) -> Callable[[], bytes]:
-    return lambda: vtu(mesh)
 
 
 def vtu(mesh: Meshed) -> bytes:

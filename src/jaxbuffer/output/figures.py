@@ -12,13 +12,12 @@ from ..errors import InputError
 from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
 from ..run.instants import at_times
-from .pulses import fine_times, pulse_around
+from .pulses import BEYOND, EVEN, WORTH, fine_times, last_contact, pulse_around, touching
 from .style import COLOURS, GREY, RED, label, panels, styled
 from .words import newtons, scale_of, seconds
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
-BEYOND, WORTH = 1.2, 0.4  # of the last contact's time; a longer run's time axes end there
 INK = "#555555"
 FORCES = (("N", 1.0), ("kN", 1e-3))
 
@@ -42,12 +41,15 @@ def run_figure(run: Run) -> Figure:
 
     **Arguments:** ``run``: one simulated with ``history=True``.
     """
-    run = between_steps(run)
     mechanism, end = run.mechanism, float(_history(run).time[-1])
+    to_end = any(panel.to_end for panel in mechanism.view.panels(run))
+    run = between_steps(run, to_end)
     others = mechanism.view.panels(run)
-    rows = math.ceil((2 + len(others)) / COLUMNS)
+    touched = float(run.peak_force) > 0.0  # else there is no peak to look at
+    rows = math.ceil((1 + touched + len(others)) / COLUMNS)
     figure, grid = panels(9.0, 3.0 * rows, rows, COLUMNS)
-    force, zoom, *rest = grid.flat
+    force, *rest = grid.flat
+    zoom = rest.pop(0) if touched else None
     count = int(run.impact_count)
     impacts = "1 impact" if count == 1 else f"{count} impacts"
     start, until = first_contact(run), last_contact(run)
@@ -56,22 +58,31 @@ def run_figure(run: Run) -> Figure:
     )
     cut = []
     if start > 0.0:
-        cut.append(f"begin at {in_words(start)}, gap and energy excepted: nothing touches before")
+        whole = "" if to_end else ", gap and energy excepted"
+        cut.append(f"begin at {in_words(start)}{whole}: nothing touches before")
     if until < end:
         cut.append(f"end at {in_words(until)}: nothing touches from there to {in_words(end)}")
-    figure.suptitle(f"{title}\ntime axes {' and '.join(cut)}" if cut else title)
+    figure.suptitle(f"{title}\n{'some ' if to_end else ''}time axes {' and '.join(cut)}" if cut else title)
     window = Window(start, until, *seconds(until))
     _forces(force, zoom, run, window)
     for axes, panel in zip(rest, others, strict=False):
-        _draw(axes, np.asarray(_history(run).time), panel, window._replace(start=0.0) if panel.whole else window)
+        shown = window if not panel.to_end else Window(start, end, *seconds(end))
+        _draw(axes, np.asarray(_history(run).time), panel, shown._replace(start=0.0) if panel.whole else shown)
     for axes in rest[len(others) :]:
         axes.remove()
     return figure
 
 
-def between_steps(run: Run) -> Run:
-    """The run with a history at many instants between its steps too, where steps are long or a contact is closed."""
-    return eqx.tree_at(lambda it: it.history, run, at_times(run, fine_times(run, until=last_contact(run))))
+def between_steps(run: Run, to_end: bool = False) -> Run:
+    """The run with a history at many instants between its steps too, where steps are long or a contact is closed.
+
+    ``to_end``: whether curves go on to the end of the run, also where the contacts end early.
+    """
+    until = last_contact(run)
+    times = fine_times(run, until=until)
+    if to_end:
+        times = np.union1d(times, np.linspace(until, float(_history(run).time[-1]), 2 * EVEN))
+    return eqx.tree_at(lambda it: it.history, run, at_times(run, times))
 
 
 def in_words(time: float) -> str:
@@ -80,8 +91,8 @@ def in_words(time: float) -> str:
     return f"{factor * time:.4g} {unit}"
 
 
-def _forces(force: Axes, zoom: Axes, run: Run, window: Window) -> None:
-    """The contact force over the run, and around its peak."""
+def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
+    """The contact force over the run, and around its peak if there is one."""
     seen, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
     (unit, factor), time = FORCES[peak >= 1e4], np.asarray(seen.time)
@@ -89,8 +100,11 @@ def _forces(force: Axes, zoom: Axes, run: Run, window: Window) -> None:
     for k, contact in enumerate(names.contacts):
         name = run.mechanism.view.contact_in_words(contact)
         force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
-    force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
     force.locator_params(axis="x", nbins=6)
+    if zoom is None:
+        label(force, "Contact force: nothing touches", f"time [{window.unit}]", f"contact force [{unit}]")
+        return
+    force.plot(window.factor * at, factor * peak, "o", color=RED, markersize=4, label="peak")
     label(force, "Contact force", f"time [{window.unit}]", f"contact force [{unit}]")
     _pulse(zoom, run, factor)
     zoom.plot(0.0, factor * peak, "o", color=RED, markersize=4)
@@ -158,25 +172,12 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
 
 def first_contact(run: Run) -> float:
     """From when time axes go [s]: a little before the first contact, or from the start if that is not much earlier."""
-    touching = _touching(run)
-    if not touching.size:
+    times = touching(run)
+    if not times.size:
         return 0.0
-    first, last = touching[0], last_contact(run)
-    start = first - (BEYOND - 1.0) * (touching[-1] - first)
+    first, last = times[0], last_contact(run)
+    start = first - (BEYOND - 1.0) * (times[-1] - first)
     return start if start > (1.0 - WORTH) * last else 0.0
-
-
-def last_contact(run: Run) -> float:
-    """Until when time axes go [s]: a little beyond the last contact, or to the end if that is not much later."""
-    touching, end = _touching(run), float(_history(run).time[-1])
-    last = BEYOND * float(touching[-1]) if touching.size else end
-    return last if last < WORTH * end else end
-
-
-def _touching(run: Run) -> np.ndarray:
-    """When a contact is closed, of the history's times [s]."""
-    seen = _history(run)
-    return np.asarray(seen.time)[np.any(np.asarray(seen.contact_force) > 0.0, axis=1)]
 
 
 def _history(run: Run) -> Any:

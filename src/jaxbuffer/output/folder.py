@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,14 @@ from ..labelled.netcdf import SUFFIX, read
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
+from ..programs.process import differing
 from ..study.config import load as load_study
-from ..sweeps.store import STORE, is_unfinished, opened
+from ..sweeps.store import STORE, identity_of, in_a_row, is_unfinished, opened
+from ..sweeps.zarr_format import attributes
+from ..tables import summary_html
 
 DESIGN = "design.toml"
+TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
 Record = Mapping[str, Any]
 RECORDS = {"tuned": "tuned.json", "sensitivity": "sensitivity.json", "sample": "sample.json", "front": "pareto.json"}
 COMMANDS = ("simulate", "sensitivity", "sweep", "tune", "sample", "pareto")
@@ -80,8 +85,6 @@ class Results:
         )
 
     def _repr_html_(self) -> str:
-        from ..tables import summary_html
-
         return summary_html(repr(self))
 
     def _told(self) -> dict[str, str]:
@@ -115,7 +118,8 @@ def load(folder: str | Path) -> Results:
     - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample` or `pareto`, or of
       several of them.
 
-    **Returns:** `Results`.
+    **Returns:** `Results`. A warning says where a sweep was begun beside the results of another one, which are what is
+    returned.
 
     **Raises:** `InputError` for a folder that is not there, holds no results, or has a damaged file, which it names.
 
@@ -131,6 +135,8 @@ def load(folder: str | Path) -> Results:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
+    if two := _two_sweeps(folder):
+        warnings.warn(two, stacklevel=2)
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
         nothing = f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}; {MAKE}"
@@ -165,6 +171,24 @@ def unfinished(folder: Path) -> str:
         if begun and not any((folder / name).exists() for name in results):
             return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
     return ""
+
+
+def _two_sweeps(folder: Path) -> str:
+    """Return what is said where the results of no sweep or sample are those of the store beside them; "" elsewhere."""
+    own = identity_of(attributes(folder / STORE))
+    known = {name: identity_of(read(folder / name).attrs) for name in TABLES if (folder / name).is_file()}
+    others = {name: it for name, it in known.items() if it is not None}  # earlier versions wrote none
+    if own is None or not others or own in others.values():
+        return ""
+    unfinished = is_unfinished(folder / STORE)
+    name, other = next(iter(others.items()))
+    parts = in_a_row(differing(own, other))
+    state = "is not finished" if unfinished else "has all its runs"
+    goes_on = "goes on" if unfinished else "writes its results"
+    return (
+        f"{folder} holds two sweeps, differing in {parts}: {name} is of one, {STORE} of the other, which {state}:"
+        f" the command that began it, with --resume, {goes_on}"
+    )
 
 
 def _records(folder: Path) -> dict[str, Record]:

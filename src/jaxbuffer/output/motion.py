@@ -14,9 +14,9 @@ from ..mechanisms.drawing import Band, Drawing
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .layout import legend_below
-from .pulses import pulses
+from .pulses import last_contact, pulses
 from .sketch import INK, bounds, fills, forces, sketch
-from .style import BLUE, GREY, RED, styled
+from .style import BLUE, GREY, RED, blank, styled
 
 PANELS = 4  # of the chosen times, the start and the end among them
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
@@ -113,15 +113,13 @@ def motion_figure(run: Run, times: Sequence[float] | None = None) -> Figure:
 
     **Arguments:** ``run``: one with a history; ``times`` [s] (default: telling ones).
     """
-    from matplotlib.figure import Figure
-
     at = scene(run, telling_times(run) if times is None else times)
     count, detail = len(at.times), at.drawing.detail
     wide, high = at.views[0, 1] - at.views[0, 0]
     row = float(np.clip(6.0 * high / wide, 1.5, 2.9)) + 0.75  # inch
     columns = 1 if detail is None else 2
     width = min(6.6, (row - 0.75) * wide / high + 0.9)  # no wider than what is drawn
-    figure = Figure(figsize=(max(width + (columns - 1) * row, 6.0), row * count + 1.0), layout="constrained")
+    figure = blank(max(width + (columns - 1) * row, 6.0), row * count + 1.0)
     ratios = [width] if detail is None else [width, row]
     grid = figure.subplots(count, columns, squeeze=False, width_ratios=ratios)
     named: dict[str, Any] = {}
@@ -198,14 +196,16 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
 
 def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:
     """The start, the instants of the largest forces, and the end [s]; where there are few, evenly spaced ones too."""
-    end = float(np.asarray(run.history.time)[-1]) if run.history is not None else 0.0
+    if run.history is None:
+        return np.zeros(1)
+    end, busy = float(np.asarray(run.history.time)[-1]), last_contact(run)
     peaks: list[float] = []
     for pulse in sorted(pulses(run), key=lambda pulse: -pulse.force):
-        if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * end for other in peaks):
+        if len(peaks) < count - 2 and all(abs(pulse.peak - other) > APART * busy for other in peaks):
             peaks.append(pulse.peak)
     chosen = list(peaks)
-    for time in [0.0, end, *np.linspace(0.0, end, count + 1)]:
-        if len(chosen) < count and all(abs(time - other) > APART * end for other in chosen):
+    for time in [0.0, end, *np.linspace(0.0, busy, count + 1)]:
+        if len(chosen) < count and all(abs(time - other) > APART * busy for other in chosen):
             chosen.append(float(time))
     return np.sort(chosen)
 

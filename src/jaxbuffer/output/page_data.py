@@ -3,30 +3,59 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import equinox as eqx
 import numpy as np
 
-from ..mechanisms.drawing import Band, Detail, Rod, Spot, Spring
+from ..mechanisms.drawing import Band, Rod, Spot, Spring
 from ..mechanisms.run import Run
+from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
 from .motion import Scene, scene
-from .pulses import force_over_time
+from .pulses import TIMES, force_over_time, last_contact
 from .sketch import fills, is_filled, outline
 
 DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
-SIGNIFICANT = 6  # digits of a force
+SIGNIFICANT = 6  # digits of a force or a stroke
 
 
 def force_record(runs: Mapping[str, Run], scenario: str) -> dict[str, Any]:
-    """The forces of some runs by name: "before" and "after" say. ``scenario``: theirs, in words."""
-    return {"scenario": scenario, "curves": [{"name": name, **_curve(run)} for name, run in runs.items()]}
+    """The forces of some runs by name: "before" and "after" say. ``scenario``: theirs, in words.
+
+    Of one run alone also ``more``: what its mechanism draws to the end of it, long after the last contact.
+    """
+    curves = [{"name": name, **_curve(run)} for name, run in runs.items()]
+    more = [chart for name, run in runs.items() for chart in _to_end(name, run)] if len(runs) == 1 else []
+    return {"scenario": scenario, "curves": curves, "more": more}
+
+
+def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
+    """Curves of the mechanism's own over the whole run, each with its ``caption`` and its ``axis``."""
+    panels = run.mechanism.view.panels
+    if not any(panel.to_end for panel in panels(run)):
+        return []
+    end = float(np.asarray(run.history.time)[-1])  # type: ignore[union-attr]
+    time = np.union1d(np.linspace(0.0, end, TIMES), np.linspace(0.0, last_contact(run), TIMES))
+    seen = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
+    return [
+        {
+            "caption": f"{panel.title}, to the end of the run",
+            "axis": panel.axis,
+            "curves": [{"name": name, "time [s]": _rounded(time), panel.axis: _significant(panel.curves[0].values)}],
+        }
+        for panel in panels(seen)
+        if panel.to_end and not panel.stacked
+    ]
 
 
 def _curve(run: Run) -> dict[str, list[float]]:
     """A run's times and forces, without those that lie between two others without any force."""
     time, force = force_over_time(run)
     idle = np.concatenate([[False], (force[:-2] == 0.0) & (force[1:-1] == 0.0) & (force[2:] == 0.0), [False]])
-    forces = [float(f"{value:.{SIGNIFICANT}g}") for value in force[~idle]]
-    return {"time [s]": np.round(time[~idle], DIGITS).tolist(), "force [N]": forces}
+    return {"time [s]": np.round(time[~idle], DIGITS).tolist(), "force [N]": _significant(force[~idle])}
+
+
+def _significant(values: Any) -> list[float]:
+    return [float(f"{value:.{SIGNIFICANT}g}") for value in np.asarray(values)]
 
 
 def motion_record(run: Run) -> dict[str, Any]:
@@ -46,7 +75,14 @@ def motion_record(run: Run) -> dict[str, Any]:
         "contacts": [*run.mechanism.view.names(run.design).contacts],
         "bounds": _rounded([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)]),
         "shapes": _shapes(at.drawing.shapes, at.frames.shape[1]),
-        "detail": None if at.drawing.detail is None else _detail(at.drawing.detail, at.frames.shape[1]),
+        "detail": None
+        if (detail := at.drawing.detail) is None
+        else {
+            **_spot(detail.centre),
+            "half": detail.half,
+            "title": detail.title,
+            "shapes": _shapes(detail.shapes, at.frames.shape[1]),  # what is drawn there instead, if anything
+        },
     }
 
 
@@ -67,12 +103,8 @@ def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
     for shape in shapes:
         filled = is_filled(shape)
         colour = order.index(shape.part) if shape.part in order else colour
-        look = {
-            "filled": filled,
-            "part": shape.part,
-            "colour": colour,
-            "dashed": getattr(shape, "dashed", False),
-        }
+        dashed = getattr(shape, "dashed", False)
+        look = {"filled": filled, "part": shape.part, "colour": colour, "dashed": dashed}
         if isinstance(shape, Band):
             made.append({**look, "stations": [*shape.stations], "width": shape.width})
         elif isinstance(shape, (Spring, Rod)):
@@ -82,12 +114,6 @@ def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
             body = shape.body if hasattr(shape, "body") else shape.centre.body
             made.append({**look, "body": body, "corners": _rounded(outline(shape, rest))})
     return made
-
-
-def _detail(detail: Detail, bodies: int) -> dict[str, Any]:
-    """Where to look closer, and what is drawn there instead of the whole mechanism, if anything."""
-    shapes = _shapes(detail.shapes, bodies)
-    return {**_spot(detail.centre), "half": detail.half, "title": detail.title, "shapes": shapes}
 
 
 def _spot(spot: Spot) -> dict[str, Any]:

@@ -53,10 +53,11 @@ def made_in_python() -> dict[str, Any]:
 
 
 def _here() -> dict[str, Any]:
+    system = f"{platform.system()} {platform.release()}, {platform.machine()}"
     return {
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "versions": {"jaxbuffer": version(), "Python": platform.python_version(), "JAX": metadata.version("jax")},
-        "machine": {"processor": processor(), "cores": os.cpu_count(), "system": _system()},
+        "machine": {"processor": processor(), "cores": os.cpu_count(), "system": system},
     }
 
 
@@ -65,7 +66,3 @@ def processor() -> str:
     lines = CPUINFO.read_text(errors="replace").splitlines() if CPUINFO.is_file() else []
     names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(names, "") or platform.processor() or platform.machine() or "unknown"
-
-
-def _system() -> str:
-    return f"{platform.system()} {platform.release()}, {platform.machine()}"

@@ -12,6 +12,7 @@ EVEN = 600  # times that a curve is drawn through besides the steps
 FINE, MOST = 6, 4000  # parts that a short step with a contact is drawn in, and about how many there are in all
 TIMES = 2000  # evenly spread ones of a curve to be read off
 LOW = 0.02  # of its peak: below that a pulse counts as over
+BEYOND, WORTH = 1.2, 0.4  # of the last contact's time; a longer run's time axes end there
 
 
 class Pulse(NamedTuple):
@@ -43,6 +44,20 @@ def pulses(run: Run) -> list[Pulse]:
         one = int(run.peak_contact)
         found.append(pulse_around(time, force[:, one], float(run.peak_time), one))
     return [pulse for pulse in found if pulse.force > 0.0]
+
+
+def touching(run: Run) -> Float[np.ndarray, " n"]:
+    """When a contact is closed, of the times of a run's history [s]."""
+    assert run.history is not None
+    return np.asarray(run.history.time)[np.any(np.asarray(run.history.contact_force) > 0.0, axis=1)]
+
+
+def last_contact(run: Run) -> float:
+    """Until when impacts are drawn [s]: a little beyond the last contact, or to the end if that is not much later."""
+    assert run.history is not None
+    times, end = touching(run), float(np.asarray(run.history.time)[-1])
+    last = BEYOND * float(times[-1]) if times.size else end
+    return last if last < WORTH * end else end
 
 
 def fine_times(run: Run, even: int = EVEN, until: float = np.inf) -> Float[np.ndarray, " n"]:

@@ -16,7 +16,7 @@ from ..experiments.surface import Surface
 from ..fields import get, unit
 from ..fields.record import record
 from ..mechanisms.quantity import unit_of
-from ..mechanisms.run import Run, history_columns, rising
+from ..mechanisms.run import Run, history_columns
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, advice, sensitivity_rows
 from ..sweeps.columns import RunTable
@@ -24,7 +24,7 @@ from ..sweeps.result import Sweep
 from ..tuning.derived import Derived
 from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
-from ..tuning.objective import Constraints
+from ..tuning.objective import Constraints, Limits
 from ..tuning.pareto import Front, point_status
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..version import version
@@ -35,18 +35,27 @@ Table = tuple[list[str], list[Sequence[Any]]]
 def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | None = None) -> dict[str, Any]:
     """Return everything but the history; impacts count from 1. ``constraints``: the study's; ``trust`` in numbers."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
+    limits, own = (Limits(), {}) if constraints is None else constraints
     hits, energy, balance = jax.tree.map(np.asarray, (run.impacts, run.energy, run.balance))
+    energies = np.asarray(run.loads("effective_energy"))
     peak_impact, catalogue = int(run.peak_impact), mechanism.quantities
     return {
         "kind": mechanism.name,
         "outcome": run.outcome.name,
         **{f"{name} [{catalogue[name].unit}]": _number(catalogue[name].of(run)) for name in mechanism.swept},
-        **_constraints_record(run, constraints),
-        "trust": None if trust is None else _trust_record(trust),
-        "rising": rising(run),
+        **_limits_record(limits, own),
+        "limited": {n: _number(x) for n, x in ({} if constraints is None else constraints.values(run)).items()},
+        "trust": None
+        if trust is None
+        else {
+            "verdict": trust.verdict,
+            "reason": str(trust),
+            "errors": {name: _number(error) for name, error in trust.errors.items()},
+        },
         "outside_validity": mechanism.view.warnings(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
-        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)],
+        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)] if hits.count else None,
+        "maximum_times": {f"{name} [s]": _number(time) for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
             {
@@ -56,6 +65,7 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
                 "approach_speed [m/s]": _number(hits.approach_speed[k]),
                 "peak_force [N]": _number(hits.peak_force[k]),
                 "release_time [s]": _number(hits.release_time[k]),
+                "effective_energy [J]": _number(energies[k]),
             }
             for k in range(int(hits.count))
         ],
@@ -66,7 +76,10 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
             "angular_momentum [-]": _number(balance.angular_momentum),
             "constraint_drift [m]": _number(balance.drift),
         },
-        **{name: _numbers(values) for name, values in mechanism.view.record(run).items()},
+        **{
+            name: {inner: _number(value) for inner, value in values.items()}
+            for name, values in mechanism.view.record(run).items()
+        },
         "steps_accepted": int(run.accepted),
         "steps_attempted": int(run.attempts),
         "design": record(run.design),
@@ -75,27 +88,15 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
     }
 
 
-def _constraints_record(run: Run, constraints: Constraints | None) -> dict[str, Any]:
-    if constraints is None:
-        return {"limits": {}, "lower_limits": {}, "most_impacts": None, "quantities": {}, "limited": {}}
+def _limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
+    """What is limited, and what the own quantities among it are."""
     return {
-        "limits": dict(constraints.limits.at_most),
-        "lower_limits": dict(constraints.limits.at_least),
-        "most_impacts": constraints.limits.impacts,
-        "quantities": own_record(constraints.own),
-        "limited": {name: _number(value) for name, value in constraints.values(run).items()},
-    }
-
-
-def _trust_record(trust: Trust) -> dict[str, Any]:
-    errors = {name: _number(error) for name, error in trust.errors.items()}
-    return {"verdict": trust.verdict, "reason": str(trust), "errors": errors}
-
-
-def own_record(own: Mapping[str, Derived]) -> dict[str, Any]:
-    """What own quantities are."""
-    return {
-        name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()
+        "limits": dict(limits.at_most),
+        "lower_limits": dict(limits.at_least),
+        "most_impacts": limits.impacts,
+        "quantities": {
+            name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()
+        },
     }
 
 
@@ -188,6 +189,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "objective_after": _number(end),
         "first_order_residual [-]": _number(tuned.residual),
         "gradient_error [-]": _number(tuned.gradient_error),
+        "rtol_of_check [-]": tuned.tight,
         "above_floor [-]": _number(tuned.above_floor),
         "lowest_first_impact_within_bounds [N]": None if tuned.floor is None else _number(tuned.floor.lowest),
         "captures": tuned.captures,
@@ -204,10 +206,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
             }
             for v in problem.variables
         ],
-        "limits": dict(problem.limits.at_most),
-        "lower_limits": dict(problem.limits.at_least),
-        "most_impacts": problem.limits.impacts,
-        "quantities": own_record(problem.quantities),
+        **_limits_record(problem.limits, problem.quantities),
         "scenarios": [
             {
                 **record(case.scenario),
@@ -271,10 +270,9 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
             "first_peak [N]": _number(first),
             **{f"{name} [{symbol}]": _number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
             **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": _number(room)}),
-            "rising": [name for name, it in zip(problem.mechanism.tuned, still, strict=True) if it],
         }
-        for code, impacts, first, row, room, still in zip(
-            point.code, point.impacts, point.first, point.quantities, point.margin, point.rising, strict=True
+        for code, impacts, first, row, room in zip(
+            point.code, point.impacts, point.first, point.quantities, point.margin, strict=True
         )
     ]
 
@@ -447,7 +445,3 @@ def _number(value: Any) -> float | None:
         return None
     number = float(value)
     return number if math.isfinite(number) else None
-
-
-def _numbers(values: Any) -> Any:
-    return {name: _number(value) for name, value in values.items()}

@@ -24,37 +24,13 @@ from ..sweeps.table import sweep_rows
 from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
-from . import style
+from . import formats, records, style
 from .field_files import field_files
 from .figures import run_figure
-from .formats import (
-    Contents,
-    Made,
-    check_folder,
-    check_free,
-    compact_json,
-    csv_text,
-    is_figure,
-    json_text,
-    table_json,
-    write_all,
-)
+from .formats import Contents, Made, csv_text
 from .motion import motion_figure
 from .page_data import force_record, motion_record
 from .provenance import MADE, made_in_python
-from .records import (
-    front_record,
-    front_rows,
-    indices_rows,
-    run_history,
-    run_record,
-    sample_record,
-    sensitivity_record,
-    surface_rows,
-    sweep_record,
-    tuned_comment,
-    tuned_record,
-)
 from .sample_figures import indices_figure, sample_figure, surfaces_figure
 from .sweep_figures import envelope_figure, sweep_figure
 from .tune_figure import front_figure, tune_figure, worst_case
@@ -73,10 +49,10 @@ def run_files(
     """
     name, label = run.mechanism.view.run_name, run.mechanism.view.label(run.scenario)
     files: Writers = {
-        f"{name}.json": lambda: _json(run_record(run, constraints, trust), made),
-        "force.json": lambda: compact_json(force_record({name: run}, label)),
-        "history.csv": lambda: csv_text(*run_history(run)),
-        "motion.json": lambda: compact_json(motion_record(run)),
+        f"{name}.json": lambda: _json(records.run_record(run, constraints, trust), made),
+        "force.json": lambda: formats.compact_json(force_record({name: run}, label)),
+        "history.csv": lambda: csv_text(*records.run_history(run)),
+        "motion.json": lambda: formats.compact_json(motion_record(run)),
         f"{name}.txt": lambda: f"{run!r}\n",
         **style.both(name, lambda: run_figure(run)),
         **style.both("motion", lambda: motion_figure(run)),
@@ -90,7 +66,7 @@ def run_files(
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
     """Return those of `jaxbuffer sensitivity`. ``made``: how it came about."""
     return {
-        "sensitivity.json": lambda: _json(sensitivity_record(result), made),
+        "sensitivity.json": lambda: _json(records.sensitivity_record(result), made),
         "sensitivity.csv": lambda: csv_text(*sensitivity_rows(result)),
         "sensitivity.txt": lambda: f"{result!r}\n",
     }
@@ -122,10 +98,10 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
         return []
 
     return {
-        "design.toml": lambda: tuned_toml(tuned.design, tuned.problem, tuned_comment(tuned), tuned.worst_first),
-        "tuned.json": lambda: _json(tuned_record(tuned), made),
+        "design.toml": lambda: _design(tuned),
+        "tuned.json": lambda: _json(records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
-        "force.json": lambda: compact_json(
+        "force.json": lambda: formats.compact_json(
             force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), case.label(problem.cases))
         ),
         "tune.txt": lambda: f"{tuned!r}\n",
@@ -135,7 +111,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
 
 def swept_json(swept: RunTable) -> str:
     """Return a sweep or a sample as JSON: its table, a record for each run."""
-    return table_json("runs", *sweep_rows(swept))
+    return formats.table_json("runs", *sweep_rows(swept))
 
 
 def swept_files(swept: Sweep, made: Made = None, envelope: SafeRectangle | None = None) -> Contents:
@@ -147,7 +123,7 @@ def swept_files(swept: Sweep, made: Made = None, envelope: SafeRectangle | None 
         "sweep.csv": lambda: csv_text(*sweep_rows(swept)),
         "sweep.txt": lambda: "".join(f"{it!r}\n" for it in (swept, envelope) if it is not None),
         "sweep.nc": lambda: content(swept.to_xarray()),
-        "sweep.json": lambda: _json(sweep_record(swept, envelope), made),
+        "sweep.json": lambda: _json(records.sweep_record(swept, envelope), made),
     }
     if swept.grid is not None:
         files |= style.both("sweep", lambda: sweep_figure(swept))
@@ -165,16 +141,16 @@ def sample_files(
     """
     files: Writers = {
         "sample.csv": lambda: csv_text(*sweep_rows(sample)),
-        "sample.json": lambda: _json(sample_record(sample, indices, surfaces), made),
+        "sample.json": lambda: _json(records.sample_record(sample, indices, surfaces), made),
         "sample.txt": lambda: f"{sample_text(sample, indices, surfaces)}\n",
         "sample.nc": lambda: content(sample.to_xarray()),
         **style.both("sample", lambda: sample_figure(sample)),
     }
     if indices is not None:
-        files["indices.csv"] = lambda: csv_text(*indices_rows(indices))
+        files["indices.csv"] = lambda: csv_text(*records.indices_rows(indices))
         files |= style.both("indices", lambda: indices_figure(indices))
     if surfaces:
-        files["surface.csv"] = lambda: csv_text(*surface_rows(surfaces))
+        files["surface.csv"] = lambda: csv_text(*records.surface_rows(surfaces))
         files |= style.both("surface", lambda: surfaces_figure(surfaces))
     return files
 
@@ -186,22 +162,22 @@ def sample_text(sample: Sample, indices: Indices | None, surfaces: Sequence[Surf
 
 def front_files(front: Front, made: Made = None) -> Contents:
     """Return those of `jaxbuffer pareto`. ``made``: how it came about."""
-    files: Writers = {f"design-{k + 1}.toml": _design(point) for k, point in enumerate(front.points)}
+    files: Writers = {f"design-{k + 1}.toml": functools.partial(_design, it) for k, it in enumerate(front.points)}
     return files | {
-        "pareto.csv": lambda: csv_text(*front_rows(front)),
-        "pareto.json": lambda: _json(front_record(front), made),
+        "pareto.csv": lambda: csv_text(*records.front_rows(front)),
+        "pareto.json": lambda: _json(records.front_record(front), made),
         "pareto.txt": lambda: f"{front!r}\n",
         **style.both("pareto", lambda: front_figure(front)),
     }
 
 
-def _design(point: Tuned) -> Callable[[], str]:
-    return lambda: tuned_toml(point.design, point.problem, tuned_comment(point), point.worst_first)
+def _design(tuned: Tuned) -> str:
+    return tuned_toml(tuned.design, tuned.problem, records.tuned_comment(tuned), tuned.worst_first)
 
 
 def _json(record: Mapping[str, Any], made: Made) -> str:
     """Return a record with how it came about at its end, where that is known, as text."""
-    return json_text(record if made is None else {**record, MADE: made})
+    return formats.json_text(record if made is None else {**record, MADE: made})
 
 
 KINDS: dict[type, Callable[..., Contents]] = {
@@ -251,14 +227,14 @@ def save(
     folder = Path(folder)
     contents = _contents(result, beside)
     if not figures:
-        contents = {name: it for name, it in contents.items() if not (is_figure(name) or name in OF_FIGURES)}
-    if any(map(is_figure, contents)):
+        contents = {name: it for name, it in contents.items() if not (formats.is_figure(name) or name in OF_FIGURES)}
+    if any(map(formats.is_figure, contents)):
         style.require_matplotlib()
-    check_folder(folder)
-    check_free(folder, sorted(contents), force)
+    formats.check_folder(folder)
+    formats.check_free(folder, sorted(contents), force)
     lock = Lock(folder)
     try:
-        written, failure = write_all(folder, contents, force)
+        written, failure = formats.write_all(folder, contents, force)
     finally:
         lock.release()
     if failure is not None:

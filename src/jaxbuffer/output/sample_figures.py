@@ -21,12 +21,11 @@ METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gauss
 def sample_figure(sample: Sample) -> Figure:
     """The mechanism's first quantities over each number, every end of a run in its own colour and mark."""
     mechanism, drawn = sample.mechanism, sample.grid.axes[:COLUMNS]
-    names = mechanism.defaults.mapped[:ROWS]
+    names = mechanism.defaults_for(sample.design, [axis.path for axis in sample.grid.axes]).mapped[:ROWS]
     figure, grid = panels(max(2.6 * len(drawn), 5.0) + 0.6, 2.3 * len(names) + 1.0, len(names), len(drawn))
     columns, outcomes = sample.values, np.array([outcome.name for outcome in sample.outcomes])
-    ends = sorted(
-        set(outcomes[sample.solved]), key=lambda end: end != (mechanism.success or mechanism.outcomes.time_is_up())
-    )
+    aims = mechanism.successes or (mechanism.outcomes.time_is_up(),)
+    ends = sorted(set(outcomes[sample.solved]), key=lambda end: end not in aims)
     marks = outcome_marks(mechanism)
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
         title, unit, factor = shown(mechanism.quantities[name])
@@ -77,20 +76,14 @@ def indices_figure(indices: Indices) -> Figure:
         axes.set_yticks(places, [indices.paths[k] for k in order])
         axes.axvline(0.0, color="black", linewidth=0.8)
         axes.set_xlim(min(0.0, 1.05 * float(it.first_interval.min())), max(1.0, 1.05 * float(it.total_interval.max())))
-        through = _through(indices, name)
+        through = f", from {it.rows} rows of runs"
+        if (surface := indices.surfaces.get(name)) is not None:
+            through = f", by a response surface that misses {100 * surface.error.relative:.2g} %{_warned(surface)}"
         label(axes, f"{name.replace('_', ' ')}{through}", "share of the variance [-]", "", legend=False)
     handles, words = grid[0, 0].get_legend_handles_labels()
     legend_below(figure, handles[::-1], words[::-1])
     figure.suptitle(f"Sobol' indices with {100 * indices.confidence:g} % intervals")
     return figure
-
-
-def _through(indices: Indices, name: str) -> str:
-    """Where a quantity's indices come from."""
-    surface = indices.surfaces.get(name)
-    if surface is None:
-        return f", from {indices.estimates[name].rows} rows of runs"
-    return f", by a response surface that misses {100 * surface.error.relative:.2g} %{_warned(surface)}"
 
 
 def _warned(surface: Surface) -> str:

@@ -71,7 +71,9 @@ def outline(shape: Any, frames: Frames) -> Points:
     if isinstance(shape, Outline):
         return placed(shape.corners, shape.body, frames)
     if isinstance(shape, Disc):
-        return _spot(_circle(shape.radius), shape.centre, frames)
+        angle = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
+        circle = shape.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return _spot(circle, shape.centre, frames)
     if isinstance(shape, Coil):
         turn = np.linspace(0.0, 2.5, 100)
         angle = 2.0 * np.pi * turn
@@ -126,11 +128,6 @@ def bounds(drawing: Drawing, frames: Frames) -> Float[np.ndarray, "2 2"]:
     """The lower left and the upper right corner of a drawing [m]."""
     points = np.concatenate([outline(shape, frames) for shape in drawing.shapes] or [frames[:, :2]])
     return np.array([points.min(axis=0), points.max(axis=0)])
-
-
-def _circle(radius: float) -> Points:
-    angle = np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
 def _spot(points: Points, centre: Spot, frames: Frames) -> Points:

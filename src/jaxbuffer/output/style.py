@@ -29,8 +29,6 @@ BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
 STYLES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "v", "D", "P", "X", "<", ">", "p", "h")
-FLANK_COLOURS = (BLUE, ORANGE)
-ITERATION = "iteration [-]"
 COLUMNS = 3
 DOTS_PER_INCH = 150
 STYLE: dict[Any, Any] = {
@@ -125,21 +123,22 @@ def both(name: str, draw: Callable[[], Figure]) -> dict[str, Callable[[], bytes]
     return {f"{name}.png": lambda: png(drawn()), f"{name}.svg": lambda: svg(drawn())}
 
 
-def panels(width: float, height: float, rows: int, columns: int) -> tuple[Figure, np.ndarray]:
+def blank(width: float, height: float, layout: Any = "constrained") -> Figure:
     """A figure [inch] of its own: pyplot's global state stays as it is."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    return Figure(figsize=(width, height), layout=layout)
+
+
+def panels(width: float, height: float, rows: int, columns: int) -> tuple[Figure, np.ndarray]:
+    """A figure [inch] and its axes."""
+    figure = blank(width, height)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
 def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: int = 1) -> None:
     """Title, labels with their units and, if asked for, a legend in columns."""
-    from matplotlib.ticker import MaxNLocator
-
     axes.set_title(title)
-    if x == ITERATION:
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if legend:

@@ -16,13 +16,14 @@ from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks
 
 FAILED, UNDONE = "failed", "not computed"
 SLICES = 9
+WIDE = 30.0  # a ratio from which on colours are on a logarithmic scale
 POINTS = ("o", "s", "^", "D", "v", "P")
 SAFE, UNSAFE = "#B8DCEF", "#F3F3F3"
 
 
 @styled
 def sweep_figure(swept: Sweep) -> Figure:
-    """Over one number lines, one for each combination of choices; over two heat maps of four quantities; over more, or
+    """Over one number lines, one for each combination of choices; over two heat maps of some quantities; over more, or
     choices besides, the peak contact force in slices."""
     axes = swept.grid.axes
     moving = [k for k, axis in enumerate(axes) if len(axis) > 1]
@@ -36,14 +37,16 @@ def sweep_figure(swept: Sweep) -> Figure:
 
 
 def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
-    """Four quantities over one field, a line for each combination of the values of the others (``by``)."""
-    figure, grid = panels(9.0, 6.5, 2, 2)
+    """Some quantities over one field, a line for each combination of the values of the others (``by``)."""
+    mapped = _mapped(swept)
+    columns = math.ceil(len(mapped) / 2)
+    figure, grid = panels(4.5 * columns, 6.5, 2, columns)
     axis, axes_of = swept.grid.axes[along], swept.grid.axes
     order = np.argsort(_places(axis))
     x, marks, others = _places(axis)[order], _marks(swept), [axes_of[k] for k in by]
     outcomes = _by_line(_outcomes(swept), along, by)[:, order]
     words = [", ".join(map(_said, others, it)) for it in itertools.product(*(other.values for other in others))]
-    for axes, name in zip(grid.flat, swept.mechanism.defaults.mapped, strict=True):
+    for axes, name in zip(grid.flat, mapped, strict=False):
         title, y, factor = _drawn(swept, name)
         several = _by_line(factor * swept.shaped(name), along, by)[:, order]
         for k, (values, ended) in enumerate(zip(several, outcomes, strict=True)):
@@ -64,6 +67,7 @@ def _lines(swept: Sweep, along: int, by: list[int]) -> Figure:
         _scaled(axes, axis)
         handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
         label(axes, title, _name(axis), y, legend=bool(handles) and not by)
+    _remove(grid, len(mapped))
     if by:
         names = sorted(handles, key=lambda name: name in marks)  # lines, then ends of runs
         legend_below(figure, [handles[name] for name in names], names)
@@ -100,16 +104,44 @@ def _scaled(axes: Axes, axis: Axis) -> None:
 
 
 def _maps(swept: Sweep, across: int, up: int) -> Figure:
-    figure, grid = panels(11.0, 8.0, 2, 2)
-    for axes, name in zip(grid.flat, swept.mechanism.defaults.mapped, strict=True):
+    names = _mapped(swept)
+    columns = math.ceil(len(names) / 2)
+    figure, grid = panels(5.5 * columns, 8.0, 2, columns)
+    for axes, name in zip(grid.flat, names, strict=False):
         title, unit, factor = _drawn(swept, name)
         values = factor * swept.shaped(name)
-        image = _map(axes, swept, (across, up), values, (slice(None),) * values.ndim)
+        colours = _logarithmic(swept, name, values)
+        image = _map(axes, swept, (across, up), values, (slice(None),) * values.ndim, **colours)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
         figure.colorbar(image, ax=axes, label=unit)
+    _remove(grid, len(names))
     _legend(figure, swept)
     figure.suptitle(_title(swept))
     return figure
+
+
+def _mapped(swept: Sweep) -> list[str]:
+    """The quantities that are drawn of a sweep: of those of its mechanism the ones that some run has."""
+    varied = [] if swept.grid is None else [axis.path for axis in swept.grid.axes]
+    names = swept.mechanism.defaults_for(swept.design, varied).mapped
+    known = [name for name in names if np.isfinite(swept.shaped(name)).any()]
+    return known or list(names[:1])
+
+
+def _remove(grid: np.ndarray, first: int) -> None:
+    """Remove the panels that nothing is drawn in, from the first of them on."""
+    for axes in grid.flat[first:]:
+        axes.remove()
+
+
+def _logarithmic(swept: Sweep, name: str, values: np.ndarray) -> dict[str, Any]:
+    """A logarithmic scale of colours for a share that spreads widely: a few large ones would hide the rest."""
+    known = values[np.isfinite(values)]
+    if swept.mechanism.quantities[name].unit != "-" or not known.size or known.min() <= 0.0:
+        return {}
+    from matplotlib.colors import LogNorm
+
+    return {"norm": LogNorm(known.min(), known.max())} if known.max() > WIDE * known.min() else {}
 
 
 def _slices(swept: Sweep, moving: list[int]) -> Figure:
@@ -135,8 +167,7 @@ def _slices(swept: Sweep, moving: list[int]) -> Figure:
         fixed = ((swept.grid.axes[k], index) for k, index in zip(others, every[place], strict=True))
         title = between.join(_said(axis, axis.values[index]) for axis, index in fixed)
         label(axes, title, _name(swept.grid.axes[across]), _name(swept.grid.axes[up]), legend=False)
-    for axes in every_panel[len(places) :]:
-        axes.remove()
+    _remove(grid, len(places))
     figure.colorbar(image, ax=every_panel[: len(places)], label=_drawn(swept, "peak_force")[1])
     _legend(figure, swept)
     some = f"; {len(places)} of {len(every)} slices" if len(places) < len(every) else ""
@@ -189,12 +220,18 @@ def _drawn(swept: Sweep, name: str) -> tuple[str, str, float]:
 
 
 def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
-    """Marker, colour in lines and colour in maps of each outcome that is not what should be."""
+    """Marker, colour in lines and colour in maps of each outcome that is not what should be, and of successes other
+    than the first that occurs: of what is latched where others are held."""
     ended = outcome_marks(swept.mechanism).items()
-    return {name: (marker, colour, "white") for name, (marker, colour) in ended} | {
-        FAILED: ("s", RED, RED),
-        UNDONE: (".", GREY, GREY),
-    }
+    lesser = {name: (".", GREY, "white") for name in _successes(swept)[1:]}
+    return (
+        lesser
+        | {name: (marker, colour, "white") for name, (marker, colour) in ended}
+        | {
+            FAILED: ("s", RED, RED),
+            UNDONE: (".", GREY, GREY),
+        }
+    )
 
 
 def _outcomes(swept: Sweep) -> np.ndarray:
@@ -202,6 +239,11 @@ def _outcomes(swept: Sweep) -> np.ndarray:
     names = [FAILED if outcome.failed else outcome.name for outcome in swept.outcomes]
     words = [name if done else UNDONE for name, done in zip(names, swept.done, strict=True)]
     return np.array(words).reshape(swept.grid.shape)
+
+
+def _successes(swept: Sweep) -> list[str]:
+    """The successes that occur, the best one first."""
+    return [name for name in swept.mechanism.successes if np.any(swept.code == swept.mechanism.outcomes[name])]
 
 
 def _name(axis: Axis) -> str:
@@ -212,9 +254,8 @@ def _title(swept: Sweep) -> str:
     mechanism = swept.mechanism
     fixed = [_said(axis, axis.values[0]) for axis in swept.grid.axes if len(axis) == 1]
     parts = [f"Sweep of {len(swept.grid)} {mechanism.view.run_name}s"]
-    if mechanism.success is not None:
-        code = mechanism.outcomes[mechanism.success]
-        parts.append(f"{int(np.sum(swept.done & (swept.code == code)))} {mechanism.success}")
+    names = _successes(swept) or ([] if mechanism.success is None else [mechanism.success])
+    parts += [f"{int(np.sum(swept.done & (swept.code == mechanism.outcomes[name])))} {name}" for name in names]
     return ", ".join([*parts, *fixed])
 
 

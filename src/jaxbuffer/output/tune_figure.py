@@ -10,10 +10,9 @@ from ..fields import get
 from ..mechanisms.run import Run
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned
-from .figures import last_contact
 from .layout import legend_below, with_line_breaks
-from .pulses import force_over_time
-from .style import BLUE, COLOURS, GREY, ORANGE, RED, label, panels, styled
+from .pulses import force_over_time, last_contact
+from .style import BLUE, COLOURS, GREY, ORANGE, RED, blank, label, panels, styled
 from .words import newtons, seconds, shown
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
@@ -32,7 +31,6 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     **Arguments:** ``tuned``; ``worst``: runs with histories of `worst_case`, with the design before and after, whose
     force is drawn over time; none: that panel is left out.
     """
-    from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     problem = tuned.problem
@@ -44,7 +42,7 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     rows = ROW * min(len(problem.cases), MOST) + 1.0
     left = [2.6, rows] if worst else [rows]
     layout = ConstrainedLayoutEngine(w_pad=0.12)  # inch; the right column's labels are long
-    figure = Figure(figsize=(13.0, max(sum(left), sum(right)) + 1.0), layout=layout)
+    figure = blank(13.0, max(sum(left), sum(right)) + 1.0, layout)
     columns = figure.add_gridspec(1, 2)
     first = columns[0].subgridspec(len(left), 1, height_ratios=left)
     second = columns[1].subgridspec(len(right), 1, height_ratios=right)
@@ -83,7 +81,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
         met = point.succeeded[drawn]
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
-            missed = f"{name}, not {problem.mechanism.success or 'solved'}"
+            missed = f"{name}, not {problem.mechanism.success_of(problem.design) or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if floor is not None:
         axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
@@ -149,11 +147,14 @@ class Row(NamedTuple):
 
 
 def _rows(tuned: Tuned) -> list[Row]:
-    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone."""
+    """The largest of each quantity over the scenarios, or the least of one with a lower limit alone: of those that are
+    limited, or not zero throughout."""
     problem, rows = tuned.problem, []
-    allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most}
-    for k in _shown(tuned):
-        name = problem.names[k]
+    allowed = {**problem.mechanism.always(problem.design), **problem.limits.at_most}
+    largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
+    for k, name in enumerate(problem.names):
+        if largest[k] == 0.0 and name not in allowed and name not in problem.limits.at_least:
+            continue
         lowest = name in problem.limits.at_least and name not in allowed
         limit = problem.limits.at_least[name] if lowest else allowed.get(name)
         worst = np.min if lowest else np.max
@@ -188,16 +189,10 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     label(axes, "Worst over the scenarios, before → after", x, "", False)
 
 
-def _shown(tuned: Tuned) -> list[int]:
-    """The quantities that are limited, or not zero throughout."""
-    problem = tuned.problem
-    allowed = {**problem.mechanism.tuning.always, **problem.limits.at_most, **problem.limits.at_least}
-    largest = np.maximum(np.max(tuned.before.quantities, axis=0), np.max(tuned.after.quantities, axis=0))
-    return [k for k, name in enumerate(problem.names) if name in allowed or largest[k] != 0.0]
-
-
 def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
     """Every design tried in a stage, and the best so far among those within all limits."""
+    from matplotlib.ticker import MaxNLocator
+
     records = [it for it in tuned.records if it["stage"] == stage]
     kinds: list[tuple[str, str, str, Any]] = [
         ("starts", ".", GREY, lambda it: it["status"] == "start" and it["feasible"]),
@@ -217,15 +212,9 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
     if np.any(known):
         numbers = np.array([it["evaluation"] for it in records])
         axes.step(numbers[known], best[known], where="post", color=BLUE, label="best so far")
-    _integer_axis(axes)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     value = f"objective [{unit}]"
     label(axes, f"Every design tried for:\n{_asked(tuned.problem, asked)}", "evaluation [-]", value, columns=2)
-
-
-def _integer_axis(axes: Axes) -> None:
-    from matplotlib.ticker import MaxNLocator
-
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 @styled

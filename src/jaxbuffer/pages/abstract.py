@@ -1,6 +1,5 @@
 """The top of a page: badges, what one asks first of each folder, and what was found in plain words."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,10 +8,10 @@ import numpy as np
 from ..fields import as_typed, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .experiments import ON_FRONT, OPEN, STANDING, swept_fields
-from .limits import Standing, judged, keeping, standing
+from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, swept_fields
+from .limits import Standing, judged, standing
 from .page import Cell, shown
-from .records import by_name, ended, in_figures, same, scenario_of, words
+from .records import by_name, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -52,7 +51,7 @@ def _of_objective(found: Results, lenders: Sequence[Results], kept: bool) -> Cel
     if before is None or after is None:
         return Cell(told)
     start = judged(found, lenders, "before")
-    allowed = start is None or all(keeping(found.mechanism, start))
+    allowed = start is None or all(start.keeping)
     told += f" ({100 * (after / before - 1):+.2g} %)" if before else ""
     told += "" if allowed else ", from a start that breaks limits"
     return Cell(told, "" if not kept else "good" if after <= before or not allowed else "unsure")
@@ -72,7 +71,7 @@ def _broken(held: Standing) -> list[str]:
 
 def _nearly(held: Standing) -> list[str]:
     """What is kept, but not for certain."""
-    counts = {"at the limit": held.at_limit, "still rising at the end": held.rising, "not known": held.unknown}
+    counts = {"at the limit": held.at_limit, "not known": held.unknown}
     return [f"{count} {what}" for what, count in counts.items() if count]
 
 
@@ -152,13 +151,19 @@ def _tuning(found: Results, every: Sequence[Results]) -> str:
     ended = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
-    return " ".join([text, _variables(mechanism, tuned), ended, *_corners(tuned)])
+    texts = [text, _variables(mechanism, tuned), ended]
+    if (corners := tuned.get("corners")) is not None:  # how far samples say what is worst
+        texts.append(f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['said'][0]}.")
+    return " ".join(texts)
 
 
 def _objective(mechanism: Mechanism, tuned: Record) -> str:
     """From where to where the objective went; only where to, if runs of the start failed."""
     before, after = tuned["objective_before"], tuned["objective_after"]
-    symbol, factor = _objective_unit(mechanism, tuned["objective"], tuned["objective_unit"])
+    symbol, factor = tuned["objective_unit"], 1.0
+    known = mechanism.quantities.get(tuned["objective"].partition(",")[0])
+    if known is not None and known.unit == symbol:
+        symbol, factor = known.in_figures
     objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
     end = f"to {factor * after:.4g} {symbol}".rstrip(" -")
     if before is None:
@@ -166,12 +171,6 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
     way = "left" if same(before, after) else "lowered" if after < before else "raised"
     change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
     return f"Tuning {way} {objective}, from {factor * before:.4g} {end}{change}"
-
-
-def _objective_unit(mechanism: Mechanism, objective: str, symbol: str) -> tuple[str, float]:
-    """The unit in which people are shown an objective, and how many of those its own unit is."""
-    known = mechanism.quantities.get(objective.partition(",")[0])
-    return known.in_figures if known is not None and known.unit == symbol else (symbol, 1.0)
 
 
 def _variables(mechanism: Mechanism, tuned: Record) -> str:
@@ -184,14 +183,6 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
         texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {shown_in}".rstrip(" -"))
     left = len(moved) - len(texts)
     return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
-
-
-def _corners(tuned: Record) -> list[str]:
-    """How far samples say what is worst."""
-    corners = tuned.get("corners")
-    if corners is None:
-        return []
-    return [f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['said'][0]}."]
 
 
 def _run(found: Results, every: Sequence[Results]) -> str:
@@ -222,7 +213,7 @@ def _sensitivity(found: Results, every: Sequence[Results]) -> str:
         return ""
     most, verdict = max(rows, key=lambda row: abs(row["elasticity [-]"])), rows[0]["verdict"]
     change = f"{most['elasticity [-]']:+.2g} % ({'not certified' if verdict is None else verdict})"
-    moved = f"{most['parameter']} moves the {_title(mechanism, name)} most"
+    moved = f"{most['parameter']} moves the {title(mechanism, name)} most"
     return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
 
 
@@ -230,10 +221,9 @@ def _sweep(found: Results, every: Sequence[Results]) -> str:
     """How the runs ended, how far the largest force goes, and how many runs are safe."""
     if found.sweep is None:
         return ""
-    mechanism, names = found.mechanism, found.sweep.outcome.values.astype(str).ravel()
     over = " and ".join(swept_fields(found))
     over = f"over {over}" if over else "of runs given one by one"
-    text = f"{_ended(mechanism, Counter(names.tolist()))} in a sweep {over}."
+    text = f"{_ended(found.mechanism, outcome_counts(found))} in a sweep {over}."
     force = np.asarray(found.sweep["peak_force"].values, float) if "peak_force" in found.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
@@ -254,7 +244,7 @@ def _sample(found: Results, every: Sequence[Results]) -> str:
             largest[row["quantity"]] = row
     for name, row in largest.items():
         share = f"{100.0 * row['total [-]']:.2g} % of its variance"
-        text += f" The {_title(mechanism, name)} is scattered most by {row['number']} ({share})."
+        text += f" The {title(mechanism, name)} is scattered most by {row['number']} ({share})."
     return text
 
 
@@ -272,16 +262,14 @@ def _front(found: Results, every: Sequence[Results]) -> str:
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
         ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
-        text += f" The worst {_title(mechanism, name)} on it is {' to '.join(ends)} {symbol}".rstrip(" -") + "."
+        text += f" The worst {title(mechanism, name)} on it is {' to '.join(ends)} {symbol}".rstrip(" -") + "."
     return text + (f" {open_ends} of them did not converge." if open_ends else "")
 
 
 def _ended(mechanism: Mechanism, counts: Mapping[str, Any]) -> str:
     """How many runs ended as they should."""
-    should, every = mechanism.success or mechanism.outcomes.time_is_up(), sum(counts.values())
-    text = f"{counts.get(should, 0)} of {every} {mechanism.view.run_name}s end {words(should)}"
+    should, every = mechanism.successes or (mechanism.outcomes.time_is_up(),), sum(counts.values())
+    good = sum(counts.get(name, 0) for name in should)
+    ends = [words(name) for name in should if name in counts] or [words(should[0])]
+    text = f"{good} of {every} {mechanism.view.run_name}s end {' or '.join(ends)}"
     return text + (f", {counts[OPEN]} are {OPEN}" if OPEN in counts else "")
-
-
-def _title(mechanism: Mechanism, name: str) -> str:
-    return in_figures(mechanism, name)[0] if name in mechanism.quantities else words(name)

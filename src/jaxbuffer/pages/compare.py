@@ -9,12 +9,12 @@ from ..fields import get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .abstract import abstract, badges
-from .limits import Limit, asked_limits, case_labels, judged, keeping, limits
+from .limits import Limit, asked_limits, case_labels, judged, limits
 from .origin import origin
-from .page import Cell, Figure, Page, Section, Table, shown
+from .page import Cell, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
 from .review import distinct
-from .runs import once
+from .runs import FORCE, once
 
 HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
@@ -41,8 +41,10 @@ def comparison(every: Sequence[Results]) -> Page:
     parts += _with_differences(distinct(_limits(every)), every)
     if curves := _forces(every):
         caption = "Contact force over time, each curve by its folder"
-        parts.append(Section("Forces", curves=[{"caption": caption, "curves": curves}]))
-    if figures := [one for found in every for one in _figures(found)]:
+        parts.append(Section("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
+    run = every[0].mechanism.view.run_name
+    drawn = [(found, stem, words) for found in every for stem, words in ((run, run), ("tune", "the search"))]
+    if figures := [it for found, stem, words in drawn for it in figure(found, stem, f"{found.folder}: {words}")]:
         parts.append(Section("Figures", figures=figures))
     return Page(
         f"{every[0].mechanism.view.title}: designs compared", names, told, [*parts, origin(every)], abstract(every)
@@ -98,11 +100,6 @@ def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
     return [{**curve, "name": f"{found.folder} ({scenario})"} for found, scenario, curve in named]
 
 
-def _figures(found: Results) -> list[Figure]:
-    run, tune = found.mechanism.view.run_name, "tune"
-    return figure(found, run, f"{found.folder}: {run}") + figure(found, tune, f"{found.folder}: the search")
-
-
 def compared(every: Sequence[Results]) -> list[Table]:
     """Where the designs differ, and what their runs or tunings found, with a column for each folder."""
     folders = [str(found.folder) for found in every]
@@ -130,7 +127,8 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     records = [found.records["run"] for found in every]
     met = [scenario_of(mechanism, record["scenario"]) for record in records]
     alike = all(scenario == met[0] for scenario in met)
-    ends: list[list[Any]] = [["scenario", *_marked([mechanism.view.label(scenario, met) for scenario in met])]]
+    labels = [mechanism.view.label(scenario, met) for scenario in met]
+    ends: list[list[Any]] = [["scenario", *(Cell(it, "" if it == labels[0] else "changed") for it in labels)]]
     ends.append(["outcome", *(ended(mechanism, record["outcome"]) for record in records)])
     rows: list[list[Any]] = []
     designs = [by_name(record["design"]) for record in records]
@@ -165,10 +163,6 @@ def _change(first: float, value: float) -> str:
     """A relative difference in per cent; as a multiple from ten times on."""
     ratio = value / first
     return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({100 * (ratio - 1.0):+.3g} %)"
-
-
-def _marked(texts: Sequence[str]) -> list[Cell]:
-    return [Cell(text, "" if text == texts[0] else "changed") for text in texts]
 
 
 def differing(every: Sequence[Results]) -> list[str]:
@@ -213,8 +207,12 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     green, if its run keeps all limits."""
     mechanism = every[0].mechanism
     found = [_cells(it, every, name) for it in every]
+    # The labels tell all folders' scenarios apart.
+    among = [scenario_of(it.mechanism, record) for it in every for record in _cases(it)]
     met = {
-        _case(mechanism, case): label for it, labels in _labels(every) for case, label in zip(it, labels, strict=True)
+        _case(mechanism, case): label
+        for it in every
+        for case, label in zip(_cases(it), case_labels(it, among), strict=True)
     }
     title, symbol, factor = _shown(every, name)
     rows: list[list[str | Cell]] = []
@@ -237,18 +235,12 @@ def _cells(found: Results, every: Sequence[Results], name: str) -> Mapping[str, 
     """By scenario: the value, whether it breaks its limit, whether the run keeps all limits."""
     held, limits = judged(found, every), _asked_of(found, every)
     cases = _cases(found)
-    kept = [True] * len(cases) if held is None else keeping(found.mechanism, held)
+    kept = [True] * len(cases) if held is None else held.keeping
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
     values = [by_name(case["after"]).get(name) for case in cases]
     beyond = [any(it.broken_by(value) for it in sides) for value in values]
     names = [_case(found.mechanism, case) for case in cases]
     return dict(zip(names, zip(values, beyond, kept, strict=True), strict=True))
-
-
-def _labels(every: Sequence[Results]) -> list[tuple[list[Record], list[str]]]:
-    """Each folder's cases with their labels, which tell all folders' scenarios apart."""
-    among = [scenario_of(found.mechanism, record) for found in every for record in _cases(found)]
-    return [(_cases(found), case_labels(found, among)) for found in every]
 
 
 def _cases(found: Results) -> list[Record]:

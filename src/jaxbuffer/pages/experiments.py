@@ -10,7 +10,7 @@ from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .page import Cell, Section, Table, shown
-from .records import ended, field_name, figure, in_figures, units_of, words
+from .records import by_quantity, ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
 ON_FRONT = ("front", "front, not converged")
@@ -24,7 +24,7 @@ def sweep(found: Results) -> Section | None:
     sizes = (
         " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
     )
-    outcomes = _outcome_counts(found)
+    outcomes = outcome_counts(found)
     record = found.records.get("sweep", {})
     envelope = record.get("envelope")
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
@@ -39,7 +39,7 @@ def sweep(found: Results) -> Section | None:
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
 
 
-def _outcome_counts(found: Results) -> dict[str, int]:
+def outcome_counts(found: Results) -> dict[str, int]:
     """Return how many runs of a sweep ended how; of a store alone, from the numbers of the outcomes."""
     assert found.sweep is not None
     if "outcome" in found.sweep:
@@ -107,7 +107,8 @@ def sample(found: Results) -> Section | None:
         ranges.append([r["path"], symbol, shown(low), shown(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(found.mechanism, record["outcomes"]))
-    tables += [_indices(found.mechanism, name, rows) for name, rows in _by_quantity(record["indices"]).items()]
+    indices = by_quantity(sorted(record["indices"], key=lambda row: -row["total [-]"]))
+    tables += [_indices(found.mechanism, name, rows) for name, rows in indices.items()]
     if record["surfaces"]:
         tables.append(_surfaces(found.mechanism, record))
     warnings = [
@@ -123,13 +124,6 @@ def sample(found: Results) -> Section | None:
     return Section("Sample", text, figures, tables, warnings=warnings)
 
 
-def _by_quantity(rows: list[Record]) -> dict[str, list[Record]]:
-    found: dict[str, list[Record]] = {}
-    for row in sorted(rows, key=lambda row: -row["total [-]"]):
-        found.setdefault(row["quantity"], []).append(row)
-    return found
-
-
 def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     """The number that matters most first."""
     source, first = rows[0]["from"], rows[0]
@@ -137,16 +131,11 @@ def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
     caption += f", {100 * first['confidence [-]']:g} % intervals)"
     interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731
-    cells = [
-        [
-            row["number"],
-            f"{row['first_order [-]']:.3f}",
-            interval(row["first_order_interval [-]"]),
-            f"{row['total [-]']:.3f}",
-            interval(row["total_interval [-]"]),
-        ]
-        for row in rows
-    ]
+    cells = []
+    for row in rows:
+        alone, total = (f"{row[f'{name} [-]']:.3f}" for name in ("first_order", "total"))
+        intervals = [interval(row[f"{name}_interval [-]"]) for name in ("first_order", "total")]
+        cells.append([row["number"], alone, intervals[0], total, intervals[1]])
     return Table(caption, ("number", "alone", "interval", "with all others", "interval"), cells)
 
 

@@ -1,6 +1,6 @@
 """Where a page's numbers come from: commands, studies, versions, machines, numerical errors, verification."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from ..output.folder import BESIDE, RECORDS, Record, Results
 from ..output.provenance import MADE
@@ -16,8 +16,15 @@ MINUTE = 120.0  # s from which a time is told in minutes
 
 def origin(every: Sequence[Results]) -> Section:
     """How each result came about, and how exact the runs were."""
-    results = [(str(found.folder / name), record) for found in every for name, record in _results(found)]
-    tables = [_commands(results), _settings(results), _computers(results)]
+    results = [  # every record that says which version made it
+        (str(found.folder / (f"{found.mechanism.view.run_name}.json" if name == "run" else FILES[name])), record)
+        for found in every
+        for name, record in found.records.items()
+        if "jaxbuffer" in record or MADE in record
+    ]
+    typed: list[list[str | Cell]] = [[name, Cell(_made(it).get("command", UNRECORDED), "code")] for name, it in results]
+    commands = Table("Commands, as typed", ("result", "command"), typed)
+    tables = [commands, _settings(results), _computers(results)]
     if errors := _errors(results):
         tables.append(errors)
     missing = [name for name, record in results if not record.get(MADE)]
@@ -34,13 +41,6 @@ def verification() -> Section:
     return Section("Verification", [] if found is None else told, warnings=told if found is None else [])
 
 
-def _results(found: Results) -> Iterator[tuple[str, Record]]:
-    """Every record that says which version made it."""
-    for name, record in found.records.items():
-        if "jaxbuffer" in record or MADE in record:
-            yield f"{found.mechanism.view.run_name}.json" if name == "run" else FILES[name], record
-
-
 def differing(results: Sequence[tuple[str, Record]]) -> list[str]:
     """A warning for each program of which not all results were made by the same version."""
     found: dict[str, dict[str, list[str]]] = {}
@@ -50,13 +50,6 @@ def differing(results: Sequence[tuple[str, Record]]) -> list[str]:
             found.setdefault(program, {}).setdefault(version, []).append(name)
     told = lambda of: "; ".join(f"{version} ({', '.join(names)})" for version, names in of.items())  # noqa: E731
     return [f"Made by different versions of {program}: {told(of)}." for program, of in found.items() if len(of) > 1]
-
-
-def _commands(results: Sequence[tuple[str, Record]]) -> Table:
-    rows: list[list[str | Cell]] = [
-        [name, Cell(_made(record).get("command", UNRECORDED), "code")] for name, record in results
-    ]
-    return Table("Commands, as typed", ("result", "command"), rows)
 
 
 def _settings(results: Sequence[tuple[str, Record]]) -> Table:

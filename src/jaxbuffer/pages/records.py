@@ -2,11 +2,11 @@
 
 import base64
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from ..fields import paths
+from ..fields import Curve, paths
 from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
@@ -25,7 +25,9 @@ def by_name(record: Record) -> dict[str, Any]:
 
 
 def same(value: Any, other: Any) -> bool:
-    """Whether two fields' values are equal, numbers to nine digits."""
+    """Whether two fields' values are equal, numbers to nine digits; a curve is equal to a record's list of its
+    points."""
+    value, other = (it.points() if isinstance(it, Curve) else it for it in (value, other))
     numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, other))
     return value == other or (numbers and abs(value - other) <= ROUNDING * max(abs(value), abs(other)))
 
@@ -53,7 +55,7 @@ def scenario_of(mechanism: Mechanism, record: Record) -> Any:
 
 def ended(mechanism: Mechanism, outcome: str) -> Cell:
     """How a run ended, marked as good or bad."""
-    good = outcome == mechanism.success if mechanism.success is not None else not outcome.startswith("failed")
+    good = outcome in mechanism.successes if mechanism.successes else not outcome.startswith("failed")
     return Cell(outcome, "good" if good else "bad")
 
 
@@ -75,6 +77,19 @@ def in_figures(
         return words(name), str(own[name]["unit"]), 1.0
     known = mechanism.quantities[name]
     return known.title or words(name), *known.in_figures
+
+
+def title(mechanism: Mechanism, name: str) -> str:
+    """A quantity's title, or what one of an impact is called."""
+    return in_figures(mechanism, name)[0] if name in mechanism.quantities else words(name)
+
+
+def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
+    """Rows of a record by the quantity that they are of."""
+    found: dict[str, list[Record]] = {}
+    for row in rows:
+        found.setdefault(row["quantity"], []).append(row)
+    return found
 
 
 def figure(found: Results, stem: str, caption: str) -> list[Figure]:

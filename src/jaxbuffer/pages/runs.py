@@ -4,15 +4,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..fields import as_typed, unit
-from ..output.folder import Record, Results
+from ..output.folder import Results
 from ..tuning.problem import Variable
 from .designs import other_design
-from .limits import broken, case_labels, elsewhere
+from .limits import Limit, case_labels, elsewhere
 from .page import Cell, Section, Table, shown
 from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
 FIRST = "what to change first"
+FORCE = "force [N]"  # of contacts
 MARGIN = "_margin"  # how names of margins end
 HELPING = 3  # lines of advice that are shown
 
@@ -27,14 +28,8 @@ def run(found: Results, first: Results) -> Section | None:
     tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
         rows = [[shown(value) for value in impact.values()] for impact in hits]
-        tables.append(
-            Table(
-                f"{len(hits)} impact{'s' if len(hits) > 1 else ''}",
-                [words(name) for name in hits[0]],
-                rows,
-                folded=len(hits) > MANY,
-            )
-        )
+        caption = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}"
+        tables.append(Table(caption, [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
     scenario = scenario_of(mechanism, record["scenario"])
     text = [f"{words(record['outcome']).capitalize()}; {mechanism.view.label(scenario)}."]
     return Section(
@@ -60,7 +55,9 @@ def once(names: Sequence[str], *runs: Mapping[str, Any]) -> list[str]:
 def forces(found: Results, caption: str) -> list[dict[str, Any]]:
     """The force over time of a folder, to be read off, if it has it."""
     record = found.records.get("force")
-    return [] if record is None or not record["curves"] else [{"caption": caption, "curves": record["curves"]}]
+    if record is None or not record["curves"]:
+        return []
+    return [{"caption": caption, "axis": FORCE, "curves": record["curves"]}, *record.get("more", ())]
 
 
 def diagnosis(found: Results, every: Sequence[Results]) -> Section | None:
@@ -80,18 +77,16 @@ def diagnosis(found: Results, every: Sequence[Results]) -> Section | None:
 def what_to_change(found: Results, every: Sequence[Results]) -> str:
     """The numbers whose relative change moves the mechanism's margin most, to first order; "" where no sensitivities of
     the margin at this run are among the folders."""
+    run = {part: found.records["run"][part] for part in ("design", "scenario")}
     for other in every:
         record = other.sensitivity
-        if record is not None and record.get("advice") and _same_run(record, found.records["run"]):
+        if record is None or not record.get("advice"):
+            continue
+        if all(same(record[part].get(name), value) for part, known in run.items() for name, value in known.items()):
             heading, *lines = record["advice"]
             asked = heading.removeprefix("What to change first, ").rstrip(":")
             return f"{'; or '.join(lines[:HELPING])}; {asked}"
     return ""
-
-
-def _same_run(one: Record, other: Record) -> bool:
-    parts = ("design", "scenario")
-    return all(same(one[part].get(name), value) for part in parts for name, value in other[part].items())
 
 
 def scenarios(found: Results) -> Section | None:
@@ -100,15 +95,19 @@ def scenarios(found: Results) -> Section | None:
     if tuned is None:
         return None
     lower, own = tuned.get("lower_limits", {}), tuned.get("quantities", {})
-    names = list(dict.fromkeys(["peak_force", *tuned["limits"], *lower]))
+    known = by_name(tuned["scenarios"][0]["after"])
+    left = [name for name in mechanism.tuning.left_open(by_name(tuned["design"]).get) if name in known]
+    names = list(dict.fromkeys(["peak_force", *tuned["limits"], *lower, *left]))
     rows = []
     for record, label in zip(tuned["scenarios"], case_labels(found), strict=True):
         before, after = by_name(record["before"]), by_name(record["after"])
         row: list[str | Cell] = [label]
         row += [ended(mechanism, values["outcome"]) for values in (before, after)]
         for name in names:
-            factor, sides = in_figures(mechanism, name, own)[2], (tuned["limits"].get(name), lower.get(name))
-            row += [_value(values[name], factor, *sides) for values in (before, after)]
+            factor, upper = in_figures(mechanism, name, own)[2], tuned["limits"]
+            sides = [Limit(name, upper[name])] if name in upper else []
+            sides += [Limit(name, lower[name], True)] if name in lower else []
+            row += [_value(values[name], factor, sides) for values in (before, after)]
         rows.append(row)
     headings = ["scenario", "outcome\nbefore", "\nafter"]
     for name in names:
@@ -127,8 +126,8 @@ def scenarios(found: Results) -> Section | None:
     return Section("Scenarios", text, curves=curves, tables=tables, warnings=warnings)
 
 
-def _value(value: float | None, factor: float, high: float | None, low: float | None) -> Cell:
-    beyond = broken(value, high) or broken(value, low, lowest=True)
+def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
+    beyond = any(limit.broken_by(value) for limit in sides)
     return Cell(shown(None if value is None else factor * value), "bad" if beyond else "")
 
 
@@ -141,21 +140,17 @@ def search(found: Results) -> Section | None:
     rows = []
     for v in tuned["variables"]:
         told = [as_typed(v[name], unit(usual, v["path"]), v.get("shown_in", "")) for name in numbers]
-        rows.append([v["path"], told[0][1], *(shown(value) for value, _ in told), _bound(v)])
+        bound = Variable(v["path"], v["low"], v["high"], v.get("scale", "log")).at_bound(v["value"])
+        rows.append([v["path"], told[0][1], *(shown(value) for value, _ in told), bound])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
         f"{tuned['captures']} {found.mechanism.view.run_name}s; {100.0 * residual:.2g} % of the objective left to gain"
-        f" by small changes (checked at rtol 1e-9), the search's slopes right to"
+        f" by small changes (checked at rtol {tuned.get('rtol_of_check [-]', 1e-9):g}), the search's slopes right to"
         f" {100.0 * error:.2g} %.",
     ]
     if (above := tuned.get("above_floor [-]")) is not None:
         facts.append(f"The largest force is {100 * above:.3g} % above the first impact's, which no buffer softens.")
     figures = figure(found, "tune", "The search: objective, limits and variables over its evaluations")
     return Section("Tuning", facts, figures, [table])
-
-
-def _bound(variable: Record) -> str:
-    it = Variable(variable["path"], variable["low"], variable["high"], variable.get("scale", "log"))
-    return it.at_bound(variable["value"])

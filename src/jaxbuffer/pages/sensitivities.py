@@ -1,13 +1,14 @@
 """What a page says of sensitivities: elasticities, how sure they are, and what would break a limit."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
 from .designs import other_design
 from .limits import Limit, asked_limits, elsewhere, lender_of
 from .page import Cell, Section, Table, shown
-from .records import by_name, in_figures, scenario_of, words
+from .records import by_name, by_quantity, in_figures, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FAR = 0.5  # relative change beyond which first order says little
@@ -23,20 +24,14 @@ def sensitivity(found: Results, first: Results, every: Sequence[Results] = ()) -
     record = found.sensitivity
     if record is None:
         return None
-    derivatives = _by_quantity(record)
-    signed = {name: rows for name, rows in derivatives.items() if _signed(rows)}
+    derivatives = by_quantity(record["derivatives"])
+    # What can change sign has no elasticities.
+    signed = {name: rows for name, rows in derivatives.items() if all(row["elasticity [-]"] is None for row in rows)}
     relative = {name: rows for name, rows in derivatives.items() if name not in signed}
     tables = [_elasticities(found, relative)] if relative else []
-    tables += _slopes({_title(found, name): rows for name, rows in signed.items()})
+    tables += _slopes({title(found.mechanism, name): rows for name, rows in signed.items()})
     tables += _until_broken(found, relative, lender_of([found, first, *every]))
     return Section("Sensitivity", _text(found, first, record), tables=tables)
-
-
-def _by_quantity(record: Record) -> dict[str, list[Record]]:
-    found: dict[str, list[Record]] = {}
-    for row in record["derivatives"]:
-        found.setdefault(row["quantity"], []).append(row)
-    return found
 
 
 def _text(found: Results, first: Results, record: Record) -> list[str]:
@@ -76,7 +71,7 @@ def _elasticities(found: Results, of_quantity: Rows) -> Table:
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
         values = [shown(row["elasticity [-]"]) for row in derivatives]
-        rows.append([_title(found, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
+        rows.append([title(found.mechanism, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
     parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
     caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
     return Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)
@@ -100,28 +95,13 @@ def _until_broken(found: Results, of_quantity: Rows, asked: Record | None) -> li
 
 
 def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
-    changes = [(change, path) for change, path in _changes(value, limit, rows) if abs(change) <= FAR]
-    if not changes:
-        return Cell(f"no number alone by less than {100 * FAR:g} %")
-    change, path = min(changes, key=lambda it: abs(it[0]))
-    return Cell(f"{path} {100 * change:+.3g} %")
-
-
-def _changes(value: float, limit: Limit, rows: Sequence[Record]) -> Iterator[tuple[float, str]]:
-    """By how much each number alone would have to change: (limit / value - 1) / elasticity."""
-    for row in rows:
-        if value and row["elasticity [-]"]:
-            yield (limit.value / value - 1.0) / row["elasticity [-]"], row["parameter"]
-
-
-def _title(found: Results, name: str) -> str:
-    """A quantity's title, or what one of an impact is called."""
-    return in_figures(found.mechanism, name)[0] if name in found.mechanism.quantities else words(name)
-
-
-def _signed(rows: Sequence[Record]) -> bool:
-    """Whether a quantity has no elasticities, as it can change sign."""
-    return all(row["elasticity [-]"] is None for row in rows)
+    """The number that alone would have to change least, by (limit / value - 1) / elasticity."""
+    known = [row for row in rows if value and row["elasticity [-]"]]
+    changes = [((limit.value / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
+    change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
+    return Cell(
+        f"{path} {100 * change:+.3g} %" if abs(change) <= FAR else f"no number alone by less than {100 * FAR:g} %"
+    )
 
 
 def _slopes(signed: Rows) -> list[Table]:

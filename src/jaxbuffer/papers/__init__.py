@@ -10,6 +10,8 @@ from .study import Paper
 PAPERS = {
     "docking": "the buffer in a docking mechanism",
     "impact": "a bar dropped on a plate, a slider-crank with play",
+    "load": "how hard an impact is, by the energy before it",
+    "tank": "a slider falls on a fuel tank that is full",
 }
 
 

@@ -1,5 +1,6 @@
 """What a paper's studies are: cases as data, their runs and rows of numbers, claims and how the rows answer them."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -7,8 +8,10 @@ from .._types import Figure
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 
-YES, PARTLY, NO = "borne out", "in part", "not borne out"
+YES, PARTLY, NO, OPEN = "borne out", "in part", "not borne out", "cannot be judged"
 Row = dict[str, str | float | int]
+NEAR = 0.03  # relative: what still counts as a printed number, or as another one
+NONE = "none"  # in a row, for what its run does not have
 
 
 class Case(NamedTuple):
@@ -52,7 +55,7 @@ Rows = dict[str, tuple[Row, ...]]
 
 
 class Verdict(NamedTuple):
-    """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY` or `NO`."""
+    """``said``: what the model shows, with its numbers; ``verdict``: `YES`, `PARTLY`, `NO` or `OPEN`."""
 
     said: str
     verdict: str
@@ -66,11 +69,17 @@ class Claim(NamedTuple):
     judge: Callable[[Rows], Verdict]
 
 
+def simulated(case: Case) -> Run:
+    """The run of a case with its history."""
+    return simulate(case.design, case.scenario, **{"history": True, **case.options})
+
+
 class Part(NamedTuple):
     """The studies of one mechanism.
 
     ``studies``; ``columns``: of a row after study and case, with units; ``shown`` of them in tables; ``row``: the
-    numbers of a case and its run; ``claims``; ``figure``: of a study.
+    numbers of a case and its run; ``claims``; ``figure``: of a study; ``table``: of a study, in place of a row a run,
+    written to NAME.csv as well; ``solve``: how a case is run.
     """
 
     studies: tuple[Study, ...]
@@ -79,15 +88,19 @@ class Part(NamedTuple):
     row: Callable[[Case, Any], Row]
     claims: tuple[Claim, ...]
     figure: Callable[[Studied], "Figure"]
+    table: Callable[[Studied], list[Row]] | None = None
+    solve: Callable[[Case], Any] = simulated
 
 
 class Paper(NamedTuple):
-    """A paper: its ``name`` on the command line, ``title``, a ``note`` above its claims, and its parts."""
+    """A paper: its ``name`` on the command line, ``title``, a ``note`` above its claims, and its parts; ``published``:
+    further parts, with its equations as they are printed (``--published``)."""
 
     name: str
     title: str
     note: str
     parts: tuple[Part, ...]
+    published: tuple[Part, ...] = ()
 
     @property
     def studies(self) -> tuple[Study, ...]:
@@ -109,6 +122,21 @@ def verdict(parts: Sequence[bool]) -> str:
     return YES if all(parts) else PARTLY if any(parts) else NO
 
 
+def near(value: float, other: float) -> bool:
+    """Whether two numbers count as the same: see `NEAR`."""
+    return abs(value / other - 1.0) < NEAR
+
+
+def number(row: Row, name: str) -> float:
+    """A number of a row."""
+    return float(row[name])
+
+
+def known(row: Row) -> Row:
+    """Return a row with `NONE` in place of each NaN."""
+    return {name: NONE if isinstance(value, float) and math.isnan(value) else value for name, value in row.items()}
+
+
 def runs(studies: Sequence[Study]) -> int:
     """How many runs they take."""
     return sum(len(study.cases) for study in studies)
@@ -120,13 +148,14 @@ def run(
     """Simulate every case of a part's studies (default: all of them); ``done`` hears of each."""
     results = []
     for study in part.studies if studies is None else studies:
-        made: list[Run] = []
+        made: list[Any] = []
         for case in study.cases:
-            made.append(simulate(case.design, case.scenario, history=True, **case.options))
+            made.append(part.solve(case))
             done(f"{study.title}: {case.label}")
         pairs = zip(study.cases, made, strict=True)
         named = (
-            {"study": study.name, "case": case.label, "value": case.value, **part.row(case, one)} for case, one in pairs
+            {"study": study.name, "case": case.label, "value": case.value, **known(part.row(case, one))}
+            for case, one in pairs
         )
         results.append(Studied(study, tuple(made), tuple(named)))
     return results

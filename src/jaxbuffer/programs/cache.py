@@ -4,6 +4,9 @@ A program is exported by `jax.export`, and JAX's persistent cache keeps what XLA
 spares the compilation only: tracing and lowering a capture, which lead to that cache's key, take longer than loading
 what it holds. Here the key is all that a program is made from: the structure of its arguments, our own source, the
 packages, the processor and JAX's settings. A program of code of the user's, a contact law say, stays in memory.
+
+A wheel may hold exported programs of its own (`store.SHIPPED`), which are the same for all processors: a machine that
+has compiled nothing yet compiles them at once instead of tracing first.
 """
 
 import contextlib
@@ -15,7 +18,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -27,9 +30,8 @@ import numpy as np
 from jax import export
 from jax.stages import Compiled, Lowered
 
-from ..contact.laws import LAWS
 from . import store, structure
-from .identity import UserCode, fingerprint, label, lasts
+from .identity import UserCode, fingerprint, label
 from .process import check_ready, kind
 
 R = TypeVar("R")
@@ -62,7 +64,7 @@ class Static(eqx.Module):
 def made_from(tree: Any, *code: Any) -> Static:
     """What may change between two calls although the structure of the arguments is the same, for functions under
     `jax.jit`: the laws that names in a tree stand for, classes of the user's, and ``code`` called."""
-    return Static((_changeable(jax.tree.structure(tree)), fingerprint(*code)))
+    return Static((structure.changeable(jax.tree.structure(tree)), fingerprint(*code)))
 
 
 class _Program(NamedTuple):
@@ -116,10 +118,14 @@ class stored(Generic[R]):  # a decorator
         leaves, tree = jax.tree.flatten(arguments)
         kinds = tuple(map(_kind, leaves))
         if any(kind is jax.core.Tracer for kind in kinds):
-            return self.function(*arguments) if _tracing() else self.jitted(*arguments, made_from=_changeable(tree))
+            # While a larger program is being traced, even a constant is part of it.
+            larger = isinstance(jnp.zeros(()), jax.core.Tracer)
+            return (
+                self.function(*arguments) if larger else self.jitted(*arguments, made_from=structure.changeable(tree))
+            )
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
-        key = (store.folder(), tree, kinds, _changeable(tree))
+        key = (store.folder(), tree, kinds, structure.changeable(tree))
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles
                 if key not in self.programs:
@@ -129,21 +135,27 @@ class stored(Generic[R]):  # a decorator
     def _program(self, tree: Any, kinds: tuple[Any, ...], given: list[Any]) -> _Program:
         folder = store.folder()
         try:
-            described = (structure.outline(tree), *map(label, structure.nodes(tree)), *map(label, _laws(tree)))
+            described = (structure.outline(tree), *map(label, structure.nodes(tree)), *map(label, structure.laws(tree)))
         except UserCode:
             folder = None
         if folder is None:
             return self._compiled(tree, kinds, given)
-        file = folder / f"{self.last.__name__}-{_digest(repr(described), str(kinds))}{store.SUFFIX}"
-        program = self._read(file, given)
-        if program is None:
-            with store.being_made(file):  # of many processes that come at once, one compiles
-                program = self._read(file, given)
-                if program is None:
-                    # JAX never replaces a file of its own: one that is damaged or half written would stay.
-                    store.remove(*store.compiled_from(file, _of_jax()))
-                    program = self._compiled(tree, kinds, given, file)
-        return program
+        parts = (repr(described), str(kinds))
+        file = folder / self._file_name(_made_from(), *parts)
+        shipped = self._file_name(_traced_from(), *parts)
+        if (program := self._read(file, given)) is not None:
+            return program
+        with store.being_made(file):  # of many processes that come at once, one compiles
+            if (program := self._read(file, given)) is not None:
+                return program
+            # JAX never replaces a file of its own: one that is damaged or half written would stay.
+            store.remove(*store.compiled_from(file, _of_jax()))
+            return self._shipped(shipped, given, file) or self._compiled(tree, kinds, given, file, shipped)
+
+    def _file_name(self, made_from: bytes, *parts: str) -> str:
+        """The name of a program's file: a hash of its parts and of everything else that it depends on."""
+        content = hashlib.sha256(made_from + b"".join(part.encode() + b"\0" for part in parts))
+        return f"{self.last.__name__}-{content.hexdigest()[:32]}{store.SUFFIX}"
 
     def _read(self, file: Path, given: list[Any]) -> _Program | None:
         """The program of a file if there is one and it runs on these arguments."""
@@ -151,21 +163,36 @@ class stored(Generic[R]):  # a decorator
             stored = store.read(file, _of_jax())
             if stored is None:
                 return None
-            description, exported = stored.description, [export.deserialize(bytearray(it)) for it in stored.exported]
-            quick = store.compiled_from(file, _of_jax()) or description["seconds"] < QUICK
-            said = contextlib.nullcontext() if quick else _announced(description["seconds"])
+            seconds = stored.description["seconds"]
+            quick = store.compiled_from(file, _of_jax()) or seconds < QUICK
+            said = contextlib.nullcontext() if quick else _announced(seconds)
             with said, store.being_loaded(file):
-                parts = [_lowered(part, file, k).compile() for k, part in enumerate(exported)]
-                jax.block_until_ready(_run(parts, given))
-            output_structure = structure.read(description["structure"])
-            return _Program(parts, output_structure, tuple(description["sources"]), description["seconds"])
+                return _loaded(stored, given, file)
         except Exception as error:  # another machine's, another JAX's: whatever it is, compiling helps
             _log.info("%s cannot be used: %s", file, error)
             store.remove(file)
             return None
 
-    def _compiled(self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None) -> _Program:
-        """The program, traced and compiled, and written to a file, if any."""
+    def _shipped(self, name: str, given: list[Any], file: Path) -> _Program | None:
+        """The program that the package came with under this name, if any, compiled and written to a file."""
+        begin = time.monotonic()
+        try:
+            stored = store.read_shipped(name)
+            if stored is None:
+                return None
+            with _announced(_expected(self.last.__name__, self.seconds)):
+                program = _loaded(stored, given, file)
+        except Exception as error:  # tracing helps
+            _log.info("%s, which the package came with, cannot be used: %s", name, error)
+            return None
+        program = program._replace(seconds=time.monotonic() - begin)
+        _write(file, program, stored.exported, name)
+        return program
+
+    def _compiled(
+        self, tree: Any, kinds: tuple[Any, ...], given: list[Any], file: Path | None = None, shipped: str = ""
+    ) -> _Program:
+        """The program, traced and compiled, and written to a file, if any, with the name under which a wheel has it."""
         between: list[Any] = []  # the structure of what the first part finds
         result: list[Any] = []
 
@@ -193,7 +220,7 @@ class stored(Generic[R]):  # a decorator
             parts, exported = _built([begun, flat] if self.first else [flat], given, file)
         program = _Program(parts, result[0], result[1], time.monotonic() - begin)
         if file is not None and exported is not None:
-            _write(file, program, exported)
+            _write(file, program, exported, shipped)
         return program
 
 
@@ -204,11 +231,6 @@ def after(first: Callable[..., Any], seconds: float = UNKNOWN) -> Callable[[Call
     return lambda function: stored(function, first, seconds)
 
 
-def _tracing() -> bool:
-    """Whether a larger program is being traced: then even a constant is part of it."""
-    return isinstance(jnp.zeros(()), jax.core.Tracer)
-
-
 def _kind(leaf: Any) -> Any:
     """`float` for a number that may share an array with others, `Tracer`, or shape and type."""
     if type(leaf) is float or (type(leaf) is np.ndarray and leaf.shape == () and leaf.dtype == float):
@@ -217,39 +239,6 @@ def _kind(leaf: Any) -> Any:
         return jax.core.Tracer
     shape, kind = np.shape(leaf), jax.dtypes.result_type(leaf)
     return float if shape == () and kind is np.dtype(float) else (shape, kind)
-
-
-def _changeable(tree: Any) -> Hashable:
-    """What may change between two calls with arguments of one structure: contact laws, and code that is not known by
-    the version of its package."""
-    laws = _laws(tree)
-    things = [*_own(tree), *(law for law in laws if not lasts(law))]
-    return (laws, fingerprint(*things)) if things else laws
-
-
-def _laws(tree: Any) -> tuple[type, ...]:
-    """The laws whose names are in the arguments: looked up anew, since a name can be registered again."""
-    return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
-
-
-@functools.lru_cache(maxsize=1024)
-def _words(tree: Any) -> tuple[str, ...]:
-    return tuple(value for _, static in structure.nodes(tree) for value in _flat(static) if isinstance(value, str))
-
-
-@functools.lru_cache(maxsize=1024)
-def _own(tree: Any) -> tuple[Any, ...]:
-    """Types and static values of the arguments that are, or hold, code that may change."""
-    parts = [part for kind, static in structure.nodes(tree) for part in (kind, *_flat(static))]
-    return tuple(part for part in parts if not lasts(part))
-
-
-def _flat(static: Any) -> Iterator[Any]:
-    if isinstance(static, (tuple, list)):
-        for part in static:
-            yield from _flat(part)
-    else:
-        yield static
 
 
 @contextlib.contextmanager
@@ -302,6 +291,19 @@ def _built(
         return [it.result() for it in compiled], exported if len(exported) == len(functions) else None
 
 
+def _loaded(stored: store.Stored, given: list[Any], file: Path) -> _Program:
+    """A program that was exported, run once: each part is compiled, or what JAX's cache has of it loaded, on a core of
+    its own."""
+    exported = [export.deserialize(bytearray(it)) for it in stored.exported]
+    with ThreadPoolExecutor(len(exported)) as beside:
+        begun = [beside.submit(_lowered(part, file, k).compile) for k, part in enumerate(exported)]
+        parts = [it.result() for it in begun]
+    jax.block_until_ready(_run(parts, given))
+    description = stored.description
+    output_structure = structure.read(description["structure"])
+    return _Program(parts, output_structure, tuple(description["sources"]), description["seconds"])
+
+
 def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
     """The k-th part of a file's program as JAX lowers it: the same each time, so that JAX's cache finds it compiled."""
 
@@ -324,9 +326,10 @@ def _of_jax() -> Path | None:
     return None if place is None else Path(place)
 
 
-def _write(file: Path, program: _Program, exported: list[bytes]) -> None:
+def _write(file: Path, program: _Program, exported: list[bytes], shipped: str) -> None:
     try:
         description = {
+            "shipped": shipped,
             "structure": structure.written(program.structure),
             "sources": program.sources,
             "seconds": program.seconds,
@@ -348,15 +351,14 @@ def _expected(name: str, otherwise: float) -> float:
     return otherwise
 
 
-def _digest(*parts: str) -> str:
-    """A hash of the parts and of everything else that a program depends on."""
-    content = hashlib.sha256(_made_from())
-    for part in parts:
-        content.update(part.encode() + b"\0")
-    return content.hexdigest()[:32]
-
-
 @functools.cache
 def _made_from() -> bytes:
     """Our own source, the packages, the processor and JAX's settings."""
     return hashlib.sha256("\0".join([sys.version, *kind().values()]).encode()).digest()
+
+
+@functools.cache
+def _traced_from() -> bytes:
+    """The same but for the processor and Python's patches: what tracing depends on."""
+    python = ".".join(map(str, sys.version_info[:2]))
+    return hashlib.sha256("\0".join({**kind(), "Python": python, "processor": ""}.values()).encode()).digest()

@@ -1,7 +1,6 @@
 """Process-wide settings that make JAX fast here, whether JAX is ready for them, and what the numbers depend on.
 
-Importing jaxbuffer changes nothing; calling `configure` does. JAX is imported where it is used: a command's help, which
-needs this module, takes no time.
+Importing jaxbuffer changes nothing; calling `configure` does.
 
 XLA's CPU backend runs each operation of a loop on its own unless the loop is small. The option below lets it compile a
 whole loop into one function, which makes a capture about ten times faster; it must be set before JAX's backend starts.
@@ -13,20 +12,26 @@ import os
 import platform
 import sys
 import warnings
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
+
+import jax
+import numpy as np
+from jax.extend.backend import get_compile_options
 
 from ..errors import InputError
 from .store import folder, store_in
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optax", "optimistix")
+Kind = Mapping[str, str]
 HOST = ("processor", "backend", "XLA")  # what a machine has, rather than an installation
 THRESHOLD = "xla_cpu_small_while_loop_byte_threshold"
 ONE_KERNEL = f"--xla_backend_extra_options={THRESHOLD}=1000000000"
 # XLA ends the process at a flag that it does not know: what follows is set only with versions that it was tried on.
 TRIED = "0.10."  # of jaxlib
 # Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
-# and with all operations in one module instead of one each (docs/numerics.md).
+# and with all operations in one module instead of one each (docs/decisions.md).
 QUICK_COMPILATION = (
     "--xla_disable_hlo_passes=while-loop-invariant-code-motion,simplify-while-loops",
     "--xla_cpu_use_fusion_emitters=false",
@@ -91,8 +96,6 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
             )
         else:
             os.environ["XLA_FLAGS"] = " ".join([flags, *_flags(flags)]).strip()
-    import jax
-
     jax.config.update("jax_enable_x64", True)
     if cache is True and folder() is None:
         _keep_programs(cache_folder(), jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
@@ -110,8 +113,6 @@ def cache_folder() -> Path:
 
 def _keep_programs(cache: Path, of_jax: str | None = None) -> None:
     """Keep programs in a folder; ``of_jax``: the folder of JAX's own cache where that is to stay what it is."""
-    import jax
-
     if wrong := store_in(cache):
         print(f"note: compiled programs are not stored: {wrong}", file=sys.stderr)
     elif of_jax is None:
@@ -139,9 +140,6 @@ def check_ready() -> None:
 
     **Raises:** `InputError` that names the switch of JAX that is in the way.
     """
-    import jax
-    import numpy as np
-
     if _forked:
         raise RuntimeError(
             "this process was forked from one in which JAX had started, and would hang: start it by "
@@ -167,8 +165,6 @@ def check_ready() -> None:
 
 def _check_switches() -> None:
     """Raise `InputError` for a switch in `UNSUITABLE`: it would end in JAX's own traceback."""
-    import jax
-
     for name, (values, why) in UNSUITABLE.items():
         value = getattr(jax.config, name)
         value = getattr(value, "value", value)  # of an enumeration
@@ -182,8 +178,6 @@ def _check_switches() -> None:
 
 def _backend() -> str:
     """The name of the backend that JAX computes with. **Raises:** `InputError` where it cannot start."""
-    import jax
-
     try:
         return jax.default_backend()
     except (RuntimeError, AssertionError) as error:
@@ -197,8 +191,6 @@ def one_kernel() -> bool:
     """Whether loops become one kernel: by the flags JAX's backend started with, or, before, by those it would."""
     if not backend_is_up():
         return THRESHOLD in os.environ.get("XLA_FLAGS", "")
-    from jax.extend.backend import get_compile_options
-
     options = get_compile_options(num_replicas=1, num_partitions=1)
     return THRESHOLD.encode() in options.SerializeAsString()
 
@@ -214,10 +206,6 @@ if hasattr(os, "register_at_fork"):
 
 def backend_is_up() -> bool:
     """Whether JAX's backend has started, after which XLA's flags are read no more."""
-    if "jax" not in sys.modules:
-        return False
-    import jax
-
     # JAX refuses another number of devices once its backend is up; there is no other public way to ask.
     devices = jax.config.jax_num_cpu_devices  # type: ignore[attr-defined]
     try:
@@ -248,8 +236,6 @@ def processor() -> str:
 
 def kind() -> dict[str, str]:
     """All of it in short words, by name: two processes that agree in it compute the same bits."""
-    import jax
-
     return {
         "jaxbuffer": source(),
         "Python": sys.version.split()[0],
@@ -258,3 +244,21 @@ def kind() -> dict[str, str]:
         "backend": f"{jax.default_backend()} {jax.dtypes.canonicalize_dtype(float)}",
         "XLA": hashlib.sha256(f"{os.environ.get('XLA_FLAGS', '')} {one_kernel()}".encode()).hexdigest()[:16],
     }
+
+
+@functools.cache
+def prepared(address: str, cache: str | None) -> dict[str, str]:
+    """Set this process up for computing, once, and return what its numbers depend on.
+
+    **Arguments:** ``address``: of the worker that it is; ``cache``: folder of compiled programs where $JAXBUFFER_CACHE
+    names none.
+    """
+    asks_itself = address.startswith("inproc:")
+    if not asks_itself and (one_kernel() or not backend_is_up()):
+        configure(cache=os.environ.get("JAXBUFFER_CACHE") or cache)
+    return kind()
+
+
+def differing(one: Kind, other: Kind) -> list[str]:
+    """Return the names whose entries differ, in the kinds of two processes or the identities of two sweeps."""
+    return [name for name in {**one, **other} if one.get(name) != other.get(name)]

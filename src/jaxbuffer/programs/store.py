@@ -5,6 +5,8 @@ then plain descriptions and the exported programs. Nothing behind the header is 
 A file that turns out bad is deleted, also where it ended the process: a marker that lies beside a file while it is
 loaded is left behind then. What JAX's persistent cache compiled from a program is in files beside it, whose checksums
 are in the program's own.
+
+A wheel may have programs in the package itself, as exported: they are as trustworthy as the source beside them.
 """
 
 import base64
@@ -31,6 +33,7 @@ OTHERS = stat.S_IWGRP | stat.S_IWOTH
 MAGIC = b"jaxbuffer program 2\n"  # the number is the format's
 SUFFIX, MARKER, DRAFT, MAKING = ".program", ".loading", ".draft", ".making"
 COMPILED = "-cache"  # what the names of files of JAX's persistent cache end with
+SHIPPED = Path(__file__).parent / "shipped"  # in a wheel that was built with programs
 UNUSED = 30 * 86400.0  # s after which a file is deleted: new source makes new files
 _log = logging.getLogger(__name__)
 _folder: Path | None = None
@@ -139,8 +142,8 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
         content = file.read_bytes()
     except OSError:
         return None
-    body = content[len(MAGIC) + hashlib.sha256().digest_size :]
-    if content[: -len(body) or None] != MAGIC + _checksum(body):
+    body = _body(content)
+    if body is None:
         _log.info("%s is not a whole program of this format", file)
         remove(file)
         return None
@@ -152,6 +155,35 @@ def read(file: Path, of_jax: Path | None) -> Stored | None:
     for path in (file, *compiled):
         with contextlib.suppress(OSError):
             path.touch()
+    return _stored(record)
+
+
+def read_shipped(name: str) -> Stored | None:
+    """Read a program that the package came with; None where there is none, or none that is whole."""
+    try:
+        body = _body((SHIPPED / name).read_bytes())
+    except OSError:
+        return None
+    return None if body is None else _stored(json.loads(body))
+
+
+def ship(folder: Path, into: Path) -> None:
+    """Write a folder's programs as a wheel has them: as exported, under a name that is the same for all processors."""
+    into.mkdir(parents=True, exist_ok=True)
+    for file in folder.glob(f"*{SUFFIX}"):
+        body = _body(file.read_bytes())
+        if body is not None:
+            stored = _stored(json.loads(body))
+            write(into / stored.description["shipped"], stored, None)
+
+
+def _body(content: bytes) -> bytes | None:
+    """What is behind a file's header, if it is whole and of this format."""
+    body = content[len(MAGIC) + hashlib.sha256().digest_size :]
+    return body if content[: -len(body) or None] == MAGIC + _checksum(body) else None
+
+
+def _stored(record: Any) -> Stored:
     return Stored(record["description"], [base64.b64decode(program) for program in record["exported"]])
 
 

@@ -1,13 +1,15 @@
 """The structure of a program's arguments and result: which classes, which static values, and where the arrays are."""
 
+import functools
 import importlib
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable, Iterator
 from typing import Any
 
 import equinox as eqx
 import jax
 from jax.tree_util import PyTreeDef, default_registry
 
+from ..contact.laws import LAWS
 from . import identity
 
 _JSON = (type(None), bool, int, float, str)
@@ -36,6 +38,39 @@ def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
         yield kind, static[1:] if whole else static
         for child in structure.children():
             yield from nodes(child)
+
+
+def changeable(tree: Any) -> Hashable:
+    """What may change between two calls with arguments of one structure: contact laws, and code that is not known by
+    the version of its package."""
+    found = laws(tree)
+    things = [*_own(tree), *(law for law in found if not identity.lasts(law))]
+    return (found, identity.fingerprint(*things)) if things else found
+
+
+def laws(tree: Any) -> tuple[type, ...]:
+    """The laws whose names are in the arguments: looked up anew, since a name can be registered again."""
+    return tuple(LAWS[word] for word in _words(tree) if word in LAWS)
+
+
+@functools.lru_cache(maxsize=1024)
+def _words(tree: Any) -> tuple[str, ...]:
+    return tuple(value for _, static in nodes(tree) for value in _flat(static) if isinstance(value, str))
+
+
+@functools.lru_cache(maxsize=1024)
+def _own(tree: Any) -> tuple[Any, ...]:
+    """Types and static values of the arguments that are, or hold, code that may change."""
+    parts = [part for kind, static in nodes(tree) for part in (kind, *_flat(static))]
+    return tuple(part for part in parts if not identity.lasts(part))
+
+
+def _flat(static: Any) -> Iterator[Any]:
+    if isinstance(static, (tuple, list)):
+        for part in static:
+            yield from _flat(part)
+    else:
+        yield static
 
 
 def outline(structure: PyTreeDef) -> Any:

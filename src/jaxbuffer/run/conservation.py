@@ -21,15 +21,15 @@ def balance(
     last = jnp.maximum(log.count - 1, 0)
     states, closed = jnp.stack([start[0].state, log.rows[last, 0]]), jnp.stack([start[1], log.active[last]])
     energies = jax.vmap(lambda state, active: system.energy_at(system.posture(state), active))(states, closed)
-    held = jax.lax.stop_gradient
-    total = held(energies.total)
+    constant = jax.lax.stop_gradient
+    total = constant(energies.total)
     used = jnp.arange(log.kind.shape[0]) < log.count
-    linear, angular = _momentum_change(held(system), held(states))
+    linear, angular = _momentum_change(constant(system), constant(states))
     return jax.tree.map(lambda both: both[1], energies), Balance(
-        energy=(total[1] - total[0]) / jnp.maximum(jnp.abs(total[0]), held(jnp.asarray(system.energy_scale))),
+        energy=(total[1] - total[0]) / jnp.maximum(jnp.abs(total[0]), constant(jnp.asarray(system.energy_scale))),
         linear_momentum=linear,
         angular_momentum=angular,
-        drift=jnp.max(jnp.where(used, held(drift), 0.0)),
+        drift=jnp.max(jnp.where(used, constant(drift), 0.0)),
     )
 
 

@@ -18,28 +18,28 @@ def history(system: ContactSystem, steps: Steps) -> History:
     slots = steps.time.shape[0] - 1
     last = jnp.clip(steps.count - 1, 0, slots - 1)
     index = jnp.minimum(jnp.arange(slots), last)
-    seen = functools.partial(seen_at, system)
-    return jax.vmap(seen)(steps.time[index], steps.active[index], steps.rows[index, 0])
+    snapshot = functools.partial(history_at, system)
+    return jax.vmap(snapshot)(steps.time[index], steps.active[index], steps.rows[index, 0])
 
 
-def seen_at(system: ContactSystem, time: Array, active: Array, state: Array) -> History:
+def history_at(system: ContactSystem, time: Array, active: Array, state: Array) -> History:
     """What a history shows of one instant: a `History` without its first axis.
 
     **Arguments:** ``system``; ``time`` [s]; ``active``: 1 for each closed contact, else 0; ``state``.
     """
     posture = system.posture(state)
-    seen, kin = system.snapshot_at(posture, active), posture.kin
+    snapshot, kin = system.snapshot_at(posture, active), posture.kin
     return History(
         time=time,
         position=kin.q[: 3 * len(kin.frames)].reshape(-1, 3),
         velocity=kin.v[: 3 * len(kin.frames)].reshape(-1, 3),
-        multipliers=seen.multipliers,
-        gap=seen.gap,
-        approach_speed=seen.approach_speed,
-        slip=seen.slip,
-        contact_force=seen.normal,
-        friction_force=seen.friction,
-        others={name: jnp.asarray(value) for name, value in seen.others.items()},
+        multipliers=snapshot.multipliers,
+        gap=snapshot.gap,
+        approach_speed=snapshot.approach_speed,
+        slip=snapshot.slip,
+        contact_force=snapshot.normal,
+        friction_force=snapshot.friction,
+        others={name: jnp.asarray(value) for name, value in snapshot.others.items()},
         energy=system.energy_at(posture, active),
         state=state,
         closed=active,

@@ -10,7 +10,7 @@ from ..mechanisms.system import ContactSystem
 from .survey import Survey
 
 
-def impacts(system: ContactSystem, log: Log, seen: Survey) -> Impacts:
+def impacts(system: ContactSystem, log: Log, events: Survey) -> Impacts:
     """All impacts of a run whose log's events move (`moving_events`)."""
     contacts = system.impact_contacts
     if not contacts:
@@ -20,7 +20,7 @@ def impacts(system: ContactSystem, log: Log, seen: Survey) -> Impacts:
     touch, contact = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & in_order, log.which % contacts
     speed = jax.vmap(lambda row, contact: system.memory(row)[contact])(log.rows[:, 0], contact)
     top, release = _impact_ends(log, contacts)
-    peak = jnp.maximum(seen.force[top, contact], 0.0)
+    peak = jnp.maximum(events.force[top, contact], 0.0)
 
     picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]

@@ -12,7 +12,7 @@ from ..mechanisms.history import History
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
 from ..programs.cache import stored
-from .history import seen_at
+from .history import history_at
 
 BLOCK = 512  # instants looked at together
 
@@ -38,36 +38,36 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     >>> [f"{1e3 * gap:.1f} mm" for gap in seen.gap[:, 0]]
     ['194.0 mm', '187.4 mm', '164.2 mm']
     """
-    seen = run.history
-    if seen is None:
+    history = run.history
+    if history is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
-    known, times = np.asarray(seen.time), instants_of(times)
+    known, times = np.asarray(history.time), instants_of(times)
     if not times.size:
         return jax.tree.map(lambda values: np.asarray(values)[:0], at_times(run, known[:1]))
     times = np.clip(times, known[0], known[-1])
     first = np.clip(np.searchsorted(known, times, side="right") - 1, 0, max(len(known) - 2, 0))
     after = np.minimum(first + 1, len(known) - 1)
-    if seen.state is None or seen.closed is None:
+    if history.state is None or history.closed is None:
         length = np.where(known[after] > known[first], known[after] - known[first], 1.0)
         share = (times - known[first]) / length
-        return jax.tree.map(lambda values: _straight(np.asarray(values), first, after, share), seen)
-    state, closed = np.asarray(seen.state), np.asarray(seen.closed)
+        return jax.tree.map(lambda values: _straight(np.asarray(values), first, after, share), history)
+    state, closed = np.asarray(history.state), np.asarray(history.closed)
     # The end of the run, or of a step, is the step's own state: with the contacts that are closed from then on.
     on_end = times >= known[after]
     first = np.where(on_end, after, first)
     given = (known[first], known[after], times, closed[first], state[first], state[after])
     parameters = (run.design, run.scenario, run.stabilisation)
-    found = [_instants(run.mechanism, parameters, *block) for block in _blocks(given, len(times))]
-    return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *found)
+    blocks = [_instants(run.mechanism, parameters, *block) for block in _blocks(given, len(times))]
+    return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *blocks)
 
 
 def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
     """Times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
-    found = concrete(times)
-    if found is None or found.ndim != 1 or not np.all(np.isfinite(found)):
-        shape = "" if found is None else f", of the shape {found.shape}"
+    instants = concrete(times)
+    if instants is None or instants.ndim != 1 or not np.all(np.isfinite(instants)):
+        shape = "" if instants is None else f", of the shape {instants.shape}"
         raise InputError(f"times = {shown(times)}{shape}: expected an array (n,) of times [s], [0.0, 0.1] say")
-    return found
+    return instants
 
 
 def _straight(values: np.ndarray, first: np.ndarray, after: np.ndarray, share: np.ndarray) -> np.ndarray:
@@ -108,7 +108,7 @@ def _instants(
         curved = _quintic(
             share, length, *((y[:n], dy[:n], dy[n : 2 * n]) for y, dy in ((before, first), (after, last)))
         )
-        return seen_at(system, time, closed, jnp.concatenate([curved, state[n:]]))
+        return history_at(system, time, closed, jnp.concatenate([curved, state[n:]]))
 
     return jax.vmap(at)(start, end, time, closed, before, after)
 
@@ -116,9 +116,9 @@ def _instants(
 def _quintic(share: Array, length: Array, start: tuple[Array, ...], end: tuple[Array, ...]) -> Array:
     """Hermite's quintic at a ``share`` of a step's ``length``, from values, rates and their rates at both ends."""
     rest = 1.0 - share
-    found = jnp.zeros_like(start[0])
+    total = jnp.zeros_like(start[0])
     for here, there, sign, (value, rate, bend) in ((share, rest, 1.0, start), (rest, share, -1.0, end)):
         weights = 1.0 + 3.0 * here + 6.0 * here**2, here * (1.0 + 3.0 * here), 0.5 * here**2
         terms = value * weights[0] + sign * length * rate * weights[1] + length**2 * bend * weights[2]
-        found = found + there**3 * terms
-    return found
+        total = total + there**3 * terms
+    return total

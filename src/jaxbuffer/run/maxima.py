@@ -18,9 +18,9 @@ def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
     """The largest values over the start (posture, closed contacts), all located events and the end."""
     at, active = start
     first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
-    found = _located(system, log)
-    pairs = zip(found.others.items(), first[system.impact_contacts :], strict=True)
-    return found._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})
+    located = _located(system, log)
+    pairs = zip(located.others.items(), first[system.impact_contacts :], strict=True)
+    return located._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})
 
 
 def _located(system: ContactSystem, log: Log) -> Maxima:
@@ -54,8 +54,8 @@ def _located(system: ContactSystem, log: Log) -> Maxima:
     slots = jnp.argmax(jnp.where(used[:, None], candidates, -jnp.inf), axis=0)
     contact = jnp.argmax(log.values[slots[0], :contacts])
     columns = jnp.concatenate([contact[None], jnp.arange(contacts, len(system.observed))])
-    seen, rates = jax.vmap(observe)(slots)
-    peak, *values = seen[jnp.arange(len(slots)), columns]
+    observables, rates = jax.vmap(observe)(slots)
+    peak, *values = observables[jnp.arange(len(slots)), columns]
     others = dict(zip(system.observed[contacts:], values, strict=True))
     return Maxima(peak, _peak_time(system, log, slots[0], contact, rates[0]), contact, others)
 

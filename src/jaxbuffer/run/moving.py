@@ -23,9 +23,9 @@ def moving_end(system: ContactSystem, log: Log, by_guard: Bool[Array, ""]) -> Lo
     return dataclasses.replace(log, time=log.time.at[last].set(time), rows=rows)
 
 
-def moving_events(log: Log, seen: Survey) -> Log:
+def moving_events(log: Log, events: Survey) -> Log:
     """The same log, whose touchdowns and releases move with the parameters: to the time at which the gap is zero."""
-    gap = jnp.take_along_axis(seen.gap, (log.which % seen.gap.shape[1])[:, None], axis=1)[:, 0]
+    gap = jnp.take_along_axis(events.gap, (log.which % events.gap.shape[1])[:, None], axis=1)[:, 0]
     touch = (log.kind == Kind.TOUCHDOWN) & (log.time > 0.0)  # a run that starts in contact does so at t = 0
     guard = jnp.where(touch, -gap, jnp.where(log.kind == Kind.RELEASE, gap, 0.0))
     return dataclasses.replace(log, time=jax.vmap(shifted)(log.time, guard, log.guard_rate))

@@ -31,13 +31,13 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     mechanism, parameters, duration, _, options = request
     start = system.first_posture()
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
-    seen = survey(system, log)
-    log = moving_events(log, seen)
+    events = survey(system, log)
+    log = moving_events(log, events)
     code = outcome_code(mechanism.outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
-    top, hits = maxima(system, log, start), impacts(system, log, seen)
-    energy, conserved = balance(system, start, log, seen.drift)
+    top, hits = maxima(system, log, start), impacts(system, log, events)
+    energy, conserved = balance(system, start, log, events.drift)
     numbers = {
         "peak_force": top.peak_force,
         "peak_time": top.peak_time,

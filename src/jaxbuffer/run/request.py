@@ -35,7 +35,7 @@ def request(
     options = options_of() if options is None else options
     options = options if solver is None else dataclasses.replace(options, solver=solver)
     if isinstance(options.solver, Diffrax):  # it has no events to set a memory at; the run's design says so
-        design = mechanism.smooth(design)
+        design = mechanism.smooth(design, scenario)
     return Request(mechanism, (design, scenario, stabilisation), duration, tolerances, options)
 
 

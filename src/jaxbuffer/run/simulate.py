@@ -29,7 +29,7 @@ def simulate(
     solver: Solver | str | None = ...,
     rtol: Scalar = ...,
     atol: Scalar | None = ...,
-    history: bool = ...,
+    history: bool | int = ...,
     max_steps: int = ...,
     max_events: int = ...,
     stabilisation: Scalar = ...,
@@ -43,7 +43,7 @@ def simulate(
     solver: Solver | str | None = ...,
     rtol: Scalar = ...,
     atol: Scalar | None = ...,
-    history: bool = ...,
+    history: bool | int = ...,
     max_steps: int = ...,
     max_events: int = ...,
     stabilisation: Scalar = ...,
@@ -56,7 +56,7 @@ def simulate(
     solver: Solver | str | None = None,
     rtol: Scalar = DEFAULT_TOLERANCE,
     atol: Scalar | None = None,
-    history: bool = False,
+    history: bool | int = False,
     max_steps: int = 200_000,
     max_events: int = 512,
     stabilisation: Scalar = 20.0,
@@ -71,7 +71,7 @@ def simulate(
     - ``solver``: a name in `hybrid.SOLVER_NAMES` or a `hybrid.Solver` (`jb.Diffrax` takes the smooth contact law).
     - ``rtol``, ``atol``: local error allowed in a step, of a component's size and of its natural scale [-] (``atol``
       defaults to ``rtol``).
-    - ``history``: whether to keep time histories.
+    - ``history``: whether to keep time histories, of 20 000 steps at most; a number is another limit.
     - ``max_steps``: limit whose passing is a failed outcome.
     - ``max_events``: room for events in order; of later ones only the maxima, the end and the number of impacts are
       known.
@@ -90,7 +90,7 @@ def simulate(
     mechanism = mechanism_of(design)
     scenario = mechanism.scenario() if scenario is None else scenario
     check_pair(mechanism, design, scenario)
-    duration = mechanism.defaults.duration if duration is None else duration
+    duration = mechanism.duration(design) if duration is None else duration
     atol = rtol if atol is None else atol
     one = ONE_RUN.format(mechanism.view.run_name)
     for name, value, unit in (
@@ -100,10 +100,13 @@ def simulate(
         ("stabilisation", stabilisation, "1/s"),
     ):
         check_single(name, value, unit, one, **LIMITS[name])
-    check_flag("history", history)
+    if type(history) is int:
+        check_whole("history", history, 1)
+    else:
+        check_flag("history", history)
     check_whole("max_steps", max_steps, 1)
     check_whole("max_events", max_events, 1)
-    options = options_of(max_steps, max_events, HISTORY_STEPS if history else 0)
+    options = options_of(max_steps, max_events, HISTORY_STEPS if history is True else int(history))
     solver = None if solver is None else solver_named(solver)
     given = request(mechanism, design, scenario, duration, solver, (rtol, atol), stabilisation, options)
     leaves, traced = jax.tree.leaves(given), False

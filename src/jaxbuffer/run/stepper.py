@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from .._types import Scalar
@@ -17,7 +18,7 @@ from ..hybrid import (
     solve_at_fixed_times,
     solve_with_tangents,
 )
-from ..mechanisms.mechanism import Mechanism, Request, Stepper
+from ..mechanisms.mechanism import TOLERANCES, Mechanism, Request, Stepper
 from ..mechanisms.run import Run
 from ..mechanisms.system import ContactSystem
 from ..programs.cache import Static
@@ -65,7 +66,7 @@ class Events:
 
     def rows(self, run: Run) -> int:
         """See `Stepper`."""
-        return min(int(run.accepted), HISTORY_STEPS)
+        return min(int(run.accepted), run.history.time.size) if run.history is not None else 0
 
 
 EVENTS = Events()
@@ -89,6 +90,8 @@ def run_of(request: Request, result: Any) -> Run:
 def with_tolerances(request: Request) -> Options:
     """The options with a run's tolerances, and how closely its events are located at these."""
     system, (rtol, atol) = request.system, request.tolerances
+    if (share := system.tolerance_share) < 1.0:
+        rtol, atol = jnp.maximum(share * rtol, TOLERANCES["low"]), jnp.maximum(share * atol, TOLERANCES["low"])
     event_time = jax.lax.stop_gradient(_event_time(system, system.first_posture()[0].state, rtol))
     return dataclasses.replace(request.options, tolerance=Tolerance(rtol, atol), event_time=event_time, shortfall=rtol)
 

@@ -37,7 +37,10 @@ def state_of_maximum(system: ContactSystem, log: Log, slot: Int[Array, ""]) -> F
     kind = log.kind[slot]
     at_event = (kind == Kind.TOUCHDOWN) & system.jumps | (kind == Kind.RELEASE) & of_rate
     late = system.time_to_contact(state, log.which[slot] % system.contact_count)
-    return state + system.derivative(log.time[slot], state, log.active[slot]) * jnp.where(at_event, late, 0.0)
+    rate = system.derivative(log.time[slot], state, log.active[slot])
+    if system.jumps:  # its own change counts only with the time left to the event, as in `ContactSystem.saltation`
+        rate = jax.lax.stop_gradient(rate)
+    return state + rate * jnp.where(at_event, late, 0.0)
 
 
 def survey(system: ContactSystem, log: Log) -> Survey:

@@ -115,15 +115,15 @@ def relative_changes(
     for name, size in sizes.items():
         unit = mechanism.quantities[name].unit
         largest[unit] = np.fmax(largest.get(unit, 0.0), np.nan_to_num(size))
-    found = {}
+    changes = {}
     for name, size in sizes.items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
         least = np.fmax(size, SMALL * largest[mechanism.quantities[name].unit])
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
         same = (value == there) | (np.isnan(value) & np.isnan(there))
-        found[name] = np.where(same, 0.0, np.where(np.isnan(change), np.inf, change))
-    return found
+        changes[name] = np.where(same, 0.0, np.where(np.isnan(change), np.inf, change))
+    return changes
 
 
 def verdicts(error: Any, outcome_differs: Any, differs: Any) -> np.ndarray:

@@ -20,7 +20,8 @@ def as_diffrax(design: Part, scenario: Part | None = None) -> DiffraxProblem:
 
     **Returns:** a `DiffraxProblem`, whose ``args`` are the design and the scenario.
 
-    **Raises:** `InputError` where design and scenario don't fit, or for a contact law whose force jumps at touchdown.
+    **Raises:** `InputError` where design and scenario don't fit, for a contact law whose force jumps at touchdown, and
+    for latches and thrust, which begin and end at events.
 
     **Example:** the end of a capture, where the first of the guards, capture, ends the solve.
 
@@ -37,6 +38,6 @@ def as_diffrax(design: Part, scenario: Part | None = None) -> DiffraxProblem:
     scenario = mechanism.scenario() if scenario is None else scenario
     check_pair(mechanism, design, scenario)
     check_ready()
-    smooth = mechanism.smooth(design)
+    smooth = mechanism.smooth(design, scenario)
     args = jax.tree.map(lambda number: jnp.asarray(number, float), (smooth, scenario))
     return diffrax_problem(mechanism.system, args)

@@ -101,9 +101,9 @@ def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | N
     forces = np.array(hits.peak_force)[: int(hits.count)]
     others = np.where(np.arange(forces.size) == active, -np.inf, forces)
     second = int(np.argmax(others))
-    found = (float(run.peak_force), float(run.peak_time), int(run.peak_contact), active)
+    peak = (float(run.peak_force), float(run.peak_time), int(run.peak_contact), active)
     if forces.size < 2 or forces[second] <= 0.0:
-        return Peaks(*found, -1, 0.0, 1.0, "", np.inf)
+        return Peaks(*peak, -1, 0.0, 1.0, "", np.inf)
     closing = slopes[second] / forces[second] - slopes[active] / forces[active]
     with np.errstate(divide="ignore", invalid="ignore"):  # peaks that stay as far apart never swap, equal ones neither
         change = np.log(forces[active] / forces[second]) / closing
@@ -111,7 +111,7 @@ def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | N
     soonest = int(np.argmin(np.abs(change)))
     margin = float(1.0 - forces[second] / forces[active])
     path = paths[soonest] if np.isfinite(change[soonest]) else ""
-    return Peaks(*found, second, float(forces[second]), margin, path, float(np.expm1(change[soonest])))
+    return Peaks(*peak, second, float(forces[second]), margin, path, float(np.expm1(change[soonest])))
 
 
 def judge(

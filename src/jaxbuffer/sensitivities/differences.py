@@ -74,19 +74,19 @@ def side_by_side(
     **Arguments:** ``evaluate``: the quantities after each of some moves, which are given with the numbers of the
     differences that ask for them.
     """
-    found = dict[int, Difference]()
+    differences = dict[int, Difference]()
     answers: dict[int, Any] = dict.fromkeys(range(len(halvings)))
     while answers:
-        asked = list[tuple[int, float]]()
+        moves = list[tuple[int, float]]()
         for k, answer in answers.items():
             try:
-                asked += [(k, move) for move in halvings[k].send(answer)]
+                moves += [(k, move) for move in halvings[k].send(answer)]
             except StopIteration as end:
-                found[k] = end.value
-        answers = {k: {} for k, _ in asked}
-        for (k, move), quantities in zip(asked, evaluate(asked), strict=True):
+                differences[k] = end.value
+        answers = {k: {} for k, _ in moves}
+        for (k, move), quantities in zip(moves, evaluate(moves), strict=True):
             answers[k][move] = quantities
-    return [found[k] for k in range(len(halvings))]
+    return [differences[k] for k in range(len(halvings))]
 
 
 def balanced_direction(elasticities: np.ndarray, floor: float) -> np.ndarray:

@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from .._types import Scalar
-from ..cluster.pool import ClusterPool
+from ..cluster.extra import AnyPool
 from ..errors import InputError
 from ..fields import Part, with_values
 from ..hybrid import Solver
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run, value_of
-from ..programs.threads import Pool
 from ..run.request import check_pair
 from ..run.simulate import simulate
 from ..run.stepper import Events, stepper_of
@@ -66,18 +65,18 @@ class TightSolve(NamedTuple):
         the impacts up to it are no longer the same ones, or the outcome is another, there is nothing to compare: NaN.
         """
         rtol = stepper_of(self.mechanism).difference_tolerance
-        return self.seen(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
+        return self.values_of(simulate(*self.inputs(values), self.duration, rtol=rtol, solver=self.solver))
 
-    def seen(self, run: Run) -> np.ndarray:
+    def values_of(self, run: Run) -> np.ndarray:
         """All quantities of a run, NaN where they can't be compared."""
         if int(run.code) != self.code:
             return np.full(len(self.names), np.nan)
-        found = np.array([value_of(run, name) for name in self.names])
+        values = np.array([value_of(run, name) for name in self.names])
         if self.course and "peak_force" in self.names:
             contacts, forces = _impacts(run)
             same = contacts[: len(self.course)] == self.course
-            found[self.names.index("peak_force")] = forces[len(self.course) - 1] if same else np.nan
-        return found
+            values[self.names.index("peak_force")] = forces[len(self.course) - 1] if same else np.nan
+        return values
 
 
 def course_of(run: Run) -> list[int]:
@@ -93,7 +92,7 @@ class TightSolves:
     relative move of 1, alike; ``pool``: who solves.
     """
 
-    def __init__(self, solve: TightSolve, values: np.ndarray, moves: np.ndarray, pool: Pool | ClusterPool) -> None:
+    def __init__(self, solve: TightSolve, values: np.ndarray, moves: np.ndarray, pool: AnyPool) -> None:
         self.solve, self.values, self.moves, self.pool = solve, values, moves, pool
         self.known: dict[bytes, np.ndarray] = {}
 
@@ -108,11 +107,11 @@ class TightSolves:
 
     def after(self, moves: Sequence[tuple[np.ndarray, float]]) -> list[np.ndarray]:
         """All quantities after each of these moves, a direction and a length each."""
-        wanted = [self._moved(*move) for move in moves]
-        new = {values.tobytes(): values for values in wanted if values.tobytes() not in self.known}
+        parameters = [self._moved(*move) for move in moves]
+        new = {values.tobytes(): values for values in parameters if values.tobytes() not in self.known}
         if new:
             self.known |= zip(new, self.pool.map(self.solve.at, new.values()), strict=True)
-        return [self.known[values.tobytes()] for values in wanted]
+        return [self.known[values.tobytes()] for values in parameters]
 
     def _moved(self, direction: np.ndarray, move: float) -> np.ndarray:
         return np.asarray(self.values + move * direction * self.moves)
@@ -133,8 +132,8 @@ def each(tight: TightSolves, elasticities: np.ndarray, sizes: np.ndarray, by_tol
     change relative; ``by_tolerance``: the other evidence.
     """
     settled = [SETTLED * np.maximum(np.abs(column), FLOOR) * sizes for column in elasticities.T]
-    found = _differences(tight, list(np.eye(elasticities.shape[1])), settled)
-    value, uncertainty = (np.stack([part[k] / sizes for part in found], axis=1) for k in (0, 1))
+    differences = _differences(tight, list(np.eye(elasticities.shape[1])), settled)
+    value, uncertainty = (np.stack([part[k] / sizes for part in differences], axis=1) for k in (0, 1))
     return Evidence(by_tolerance, np.abs(elasticities - value), uncertainty, len(tight.known), True)
 
 
@@ -158,4 +157,4 @@ def _differences(tight: TightSolves, directions: list[np.ndarray], settled: list
         difference(functools.partial(tight.inside, direction), enough, NOISE)
         for direction, enough in zip(directions, settled, strict=True)
     ]
-    return side_by_side(halvings, lambda asked: tight.after([(directions[k], move) for k, move in asked]))
+    return side_by_side(halvings, lambda moves: tight.after([(directions[k], move) for k, move in moves]))

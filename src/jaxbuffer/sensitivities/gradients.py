@@ -7,13 +7,13 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
 from ..fields import Part, with_values
 from ..hybrid import Solver
 from ..mechanisms.mechanism import Mechanism, Request
-from ..mechanisms.quantity import IMPACT_UNITS, of_impact
+from ..mechanisms.quantity import IMPACT_UNITS, LOAD_UNITS, of_impact
 from ..mechanisms.run import Run
 from ..programs.cache import Static, after
 from ..run.request import DEFAULT_TOLERANCE, request
@@ -35,11 +35,11 @@ class Gradients(eqx.Module):
 
     def of(self, name: str) -> np.ndarray:
         """The gradient of one quantity (addresses,); NaN for an impact that the run does not have."""
-        asked = of_impact(name)
-        if asked is None:
+        address = of_impact(name)
+        if address is None:
             return np.asarray(self.gradients[list(self.run.mechanism.quantities).index(name)])
-        present = asked.slot < int(self.run.impacts.count)
-        return np.asarray(self.by_impact[asked.field][asked.slot]) * (1.0 if present else np.nan)
+        present = address.slot < int(self.run.impacts.count)
+        return np.asarray(self.by_impact[address.field][address.slot]) * (1.0 if present else np.nan)
 
 
 def gradients(
@@ -52,33 +52,46 @@ def gradients(
     *,
     rtol: Scalar = DEFAULT_TOLERANCE,
     solver: Solver | None = None,
+    names: Sequence[str] = (),
 ) -> Gradients:
     """A run of the design and scenario with ``addresses`` set to ``values``, and its derivatives by those.
+
+    All quantities have them whatever is asked for, but for the loads of impacts: those of ``names`` alone.
 
     One compiled program serves all designs, scenarios, durations, tolerances and quantities of a mechanism.
     """
     inputs = jax.tree.map(lambda x: np.asarray(x, float), (design, scenario, duration, rtol))
-    return _gradients(mechanism, inputs, np.asarray(values, float), Static(tuple(addresses)), solver)
+    # Each name that has a load of an impact, and each impact once.
+    loaded = {address.slot for name in names if (address := of_impact(name)) and address.field in LOAD_UNITS}
+    slots = np.array(sorted(loaded)) if loaded else None
+    return _gradients(mechanism, inputs, np.asarray(values, float), Static(tuple(addresses)), solver, slots)
 
 
 Inputs = tuple[Any, Any, Array, Array]  # design, scenario, duration [s], rtol [-]
 
 
-def _moved(mechanism: Mechanism, inputs: Inputs, values: list[Array], asked: Static, solver: Solver | None) -> Request:
+def _moved(
+    mechanism: Mechanism, inputs: Inputs, values: list[Array], addresses: Static, solver: Solver | None
+) -> Request:
     """The run with the asked addresses at ``values``."""
     design, scenario, duration, rtol = inputs
-    moved = with_values(design, scenario, dict(zip(asked.value, values, strict=True)))
+    moved = with_values(design, scenario, dict(zip(addresses.value, values, strict=True)))
     return request(mechanism, *moved, duration, solver, (rtol, rtol))
 
 
 def _stepped(
-    mechanism: Mechanism, inputs: Inputs, values: Float[Array, " addresses"], asked: Static, solver: Solver | None
+    mechanism: Mechanism,
+    inputs: Inputs,
+    values: Float[Array, " addresses"],
+    addresses: Static,
+    solver: Solver | None,
+    slots: Int[Array, " impacts"] | None,
 ) -> Any:
     """Step the run with a tangent for each address."""
-    separate = [values[k] for k in range(len(asked.value))]
+    separate = [values[k] for k in range(len(addresses.value))]
 
     def make(values: list[Array], inputs: Inputs) -> Request:
-        return _moved(mechanism, inputs, values, asked, solver)
+        return _moved(mechanism, inputs, values, addresses, solver)
 
     return stepper_of(mechanism).step_with_tangents(make, separate, inputs)
 
@@ -88,19 +101,25 @@ def _gradients(
     mechanism: Mechanism,
     inputs: Inputs,
     values: Float[Array, " addresses"],
-    asked: Static,
+    addresses: Static,
     solver: Solver | None,
+    slots: Int[Array, " impacts"] | None,
     result: Any,
 ) -> Gradients:
     catalogue = mechanism.quantities
 
     def outputs(values: list[Array]) -> tuple[tuple[Array, dict[str, Array]], tuple[Run, Array]]:
-        given = _moved(mechanism, inputs, values, asked, solver)
+        given = _moved(mechanism, inputs, values, addresses, solver)
         run = run_of(given, stepper_of(mechanism).differentiable(given, result, values))
-        results = jnp.stack([quantity.of(run) for quantity in catalogue.values()])
-        return (results, {name: getattr(run.impacts, name) for name in IMPACT_UNITS}), (run, results)
+        unknown = jnp.full((), jnp.nan)  # of what has no derivatives
+        results = jnp.stack([it.of(run) if it.differentiable else unknown for it in catalogue.values()])
+        impacts = {name: getattr(run.impacts, name) for name in IMPACT_UNITS}
+        if slots is not None:
+            others = jnp.full(run.impacts.time.shape, jnp.nan)
+            impacts |= {name: others.at[slots].set(run.loads(name, slots)) for name in LOAD_UNITS}
+        return (results, impacts), (run, results)
 
-    separate = [values[k] for k in range(len(asked.value))]
+    separate = [values[k] for k in range(len(addresses.value))]
     (slopes, by_impact), (run, results) = jax.jacfwd(outputs, has_aux=True)(separate)
     by_impact = {name: jnp.stack(columns, axis=1) for name, columns in by_impact.items()}
     return Gradients(run, results, jnp.stack(slopes, axis=1), by_impact)

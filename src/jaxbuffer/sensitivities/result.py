@@ -171,7 +171,7 @@ def advice(result: Sensitivity) -> list[str]:
     """
     run, mechanism = result.run, result.run.mechanism
     name = mechanism.tuning.margin
-    if name is None or name not in result.quantities or run.outcome.failed or run.outcome.name == mechanism.success:
+    if name is None or name not in result.quantities or run.outcome.failed or mechanism.succeeded(run.code):
         return []
     i = result.quantities.index(name)
     per_share = result.gradients[i] * result.values

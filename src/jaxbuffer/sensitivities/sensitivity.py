@@ -8,15 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._types import Scalar
-from ..cluster.pool import ClusterPool, pool_of
+from ..cluster.extra import AnyPool, pool_of
 from ..errors import check_choice, check_single
 from ..fields import POSITIVE, Part, check_numbers
 from ..hybrid import Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.quantity import check_quantities, is_signed
+from ..mechanisms.quantity import check_differentiable, is_signed
 from ..mechanisms.registry import mechanism_of
 from ..mechanisms.run import value_of
-from ..programs.threads import Pool
 from ..run.request import DEFAULT_TOLERANCE, ONE_RUN, TOLERANCES, check_pair
 from .certificate import Certificate, judge, peak_report
 from .evidence import TightSolve, TightSolves, course_of, each, together
@@ -65,13 +64,15 @@ def sensitivity(
     0.34, trusted
     """
     mechanism = mechanism_of(design)
-    defaults, catalogue = mechanism.defaults, mechanism.quantities
+    catalogue = mechanism.quantities
     scenario = mechanism.scenario() if scenario is None else scenario
     check_pair(mechanism, design, scenario)
-    names = check_quantities(catalogue, defaults.differentiated if quantities is None else quantities)
+    names = check_differentiable(
+        catalogue, mechanism.defaults_for(design).differentiated if quantities is None else quantities
+    )
     one = ONE_RUN.format(mechanism.view.run_name)
-    paths, values = check_numbers(design, scenario, defaults.parameters if wrt is None else wrt, one)
-    duration = defaults.duration if duration is None else duration
+    paths, values = check_numbers(design, scenario, mechanism.parameters(design) if wrt is None else wrt, one)
+    duration = mechanism.duration(design) if duration is None else duration
     check_choice("certify", certify, CERTIFICATES)
     check_single("duration", duration, "s", one, **POSITIVE)
     check_single("rtol", rtol, "-", one, **TOLERANCES)
@@ -83,9 +84,9 @@ def sensitivity(
             (solved,) = pool.map(task.gradients_at, [rtol])
             return task.uncertified(solved)
         solved, again = pool.map(task.gradients_at, [rtol, rtol / 10.0 if rtol >= 1e-12 else 10.0 * rtol])
-        found = task.uncertified(solved)
-        certificate = _certificate(task, found, solved, again, certify == "thorough", pool)
-    return dataclasses.replace(found, certificate=certificate)
+        result = task.uncertified(solved)
+        certificate = _certificate(task, result, solved, again, certify == "thorough", pool)
+    return dataclasses.replace(result, certificate=certificate)
 
 
 class _Differentiation(NamedTuple):
@@ -104,7 +105,7 @@ class _Differentiation(NamedTuple):
         """The run and all its gradients at a tolerance."""
         solver = None if self.solver is None else solver_named(self.solver)
         at = (self.design, self.scenario, self.paths, self.values, self.duration)
-        return gradients(self.mechanism, *at, rtol=rtol, solver=solver)
+        return gradients(self.mechanism, *at, rtol=rtol, solver=solver, names=self.names)
 
     def slopes(self, solved: Gradients) -> np.ndarray:
         """The gradients asked for (quantities, paths)."""
@@ -127,21 +128,21 @@ def _nonzero(results: np.ndarray) -> np.ndarray:
 
 def _certificate(
     task: _Differentiation,
-    found: Sensitivity,
+    result: Sensitivity,
     solved: Gradients,
     again: Gradients,
     thorough: bool,
-    pool: Pool | ClusterPool,
+    pool: AnyPool,
 ) -> Certificate:
     """The certificate of a result, from its gradients ``solved`` and ``again`` at another tolerance."""
-    run, names, values = found.run, task.names, task.values
+    run, names, values = result.run, task.names, task.values
     # Signed like elasticities, but finite where a parameter or a quantity is zero.
     moves = np.where(values == 0.0, 1.0, np.abs(values))
-    nonzero = _nonzero(found.results)
+    nonzero = _nonzero(result.results)
     sizes = np.where(np.isfinite(nonzero), np.abs(nonzero), 1.0)
-    claimed, evidence = found.gradients * moves / sizes[:, None], None
+    claimed, evidence = result.gradients * moves / sizes[:, None], None
     if not run.outcome.failed:
-        changes = np.abs(found.gradients - task.slopes(again)) * moves / sizes[:, None]
+        changes = np.abs(result.gradients - task.slopes(again)) * moves / sizes[:, None]
         inputs = (task.mechanism, task.design, task.scenario, task.paths, names, task.duration, task.solver)
         tight = TightSolves(TightSolve(*inputs, int(run.code), course_of(run)), values, moves, pool)
         evidence = (each if thorough else together)(tight, claimed, sizes, changes)

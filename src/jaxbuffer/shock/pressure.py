@@ -8,8 +8,8 @@ from .._types import Scalar, Values
 def hertz_shear(depth: Values | Scalar, poisson: Scalar) -> Values:
     """The largest shear stress at a depth on the axis of a Hertzian pressure, over the pressure's peak.
 
-    The peak pressure may change with time, q0(t): the shear follows it. Half of seed 003's (1), which is the difference
-    of the principal stresses and whose ν is Poisson's ratio.
+    The peak pressure may change with time, q0(t): the shear follows it. The tank paper's eq. 1 is the difference of the
+    principal stresses, twice this (docs/model.md, slips).
 
     **Arguments:** ``depth``: s, over the radius of the contact [-]; ``poisson``: ν [-].
 

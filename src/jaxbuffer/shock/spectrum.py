@@ -9,7 +9,7 @@ from .._types import Scalar
 from ..errors import InputError, concrete
 
 SAMPLES = 20  # of a period at least: a peak between two of them is then missed by 1.2 % at most
-FINE = 100  # samples of the shortest period that a motion is followed with
+FINE = 400  # samples of the shortest period that a motion is followed with
 
 
 def shock_spectrum(
@@ -71,8 +71,8 @@ def spectrum_of_motion(
     """The shock response spectrum of what moves with a body, from its velocity over time; differentiable by that.
 
     Instants may lie unevenly, as those of a run's history do. Between them the velocity goes in straight lines; its
-    changes over even steps, a hundredth of the shortest period long, are the acceleration. Before the first and after
-    the last instant the velocity stays as it is.
+    changes over even steps, 400 in the shortest period, are the acceleration. Before the first and after the last
+    instant the velocity stays as it is.
 
     **Arguments:**
 

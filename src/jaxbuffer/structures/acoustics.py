@@ -3,19 +3,65 @@
     [M_s   0 ] [ü]   [K_s -A ] [u]   [F]
     [ρAᵀ  M_f] [p̈] + [ 0  K_f] [p] = [0]
 
-with K_f = ∫∇N∇N, M_f = ∫NN/c². Seed 003's (4) lacks ρ in the mass coupling and repeats Aᵀ in the stiffness, where 0
-belongs.
+with K_f = ∫∇N∇N, M_f = ∫NN/c². The tank paper's eq. 4 lacks ρ in the mass coupling and repeats Aᵀ in the stiffness,
+where 0 belongs.
 """
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import Scalar
+from .boundary import boundary_areas
 from .incidence import Incidence, added_at
 from .mapping import Mapping, Rule
+
+
+class Cover(NamedTuple):
+    """A wall above a free surface, which may come down on it.
+
+    - ``surface``: (pairs,) nodes of the surface, ``width``: the area of each [m²].
+    - ``wall``: (pairs, 2) nodes of the wall above it, ``shares``: (pairs, 2) of each in the wall's height there.
+    - ``gap``: (pairs,) between surface and wall at rest [m].
+    """
+
+    surface: Int[np.ndarray, " pairs"]
+    width: Float[Array, " pairs"]
+    wall: Int[Array, "pairs 2"]
+    shares: Float[Array, "pairs 2"]
+    gap: Float[Array, " pairs"]
+
+    @staticmethod
+    def of(
+        surface: np.ndarray, at: Float[Array, "pairs 2"], wall: np.ndarray, above: Float[Array, "nodes 2"]
+    ) -> "Cover":
+        """The wall's nodes ``wall`` at ``above`` [m], from x = 0 outwards, over the nodes ``surface`` ``at`` [m]. The
+        last of these is on the wall, so that its strip's middle counts."""
+        x, width = jax.lax.cummax(above[:, 0]), jnp.abs(boundary_areas(at)[:, 1])
+        places = at[:, 0].at[-1].add(-0.5 * width[-1])
+        after = jnp.clip(jnp.searchsorted(x, places, side="right"), 1, len(wall) - 1)
+        near = jnp.stack([after - 1, after], axis=1)
+        share = (places - x[near[:, 0]]) / (x[near[:, 1]] - x[near[:, 0]])
+        shares = jnp.stack([1.0 - share, share], axis=1)
+        return Cover(
+            surface, width, jnp.asarray(wall)[near], shares, jnp.sum(shares * above[near, 1], axis=1) - at[:, 1]
+        )
+
+    def overlap(
+        self, displacement: Float[Array, "structure 2"], raised: Float[Array, " pairs"]
+    ) -> Float[Array, " pairs"]:
+        """The volume by which liquid and wall would overlap at each node [m²]; ``raised``: of the liquid that has gone
+        up through the surface [m²]."""
+        moved = jnp.sum(self.shares * displacement[self.wall, 1], axis=1)
+        return jnp.maximum(raised - self.width * (self.gap + moved), 0.0)
+
+    def push(self, pressure: Float[Array, " pairs"], structure: int) -> Float[Array, "structure 2"]:
+        """What the ``pressure`` [Pa] on its surface does to the wall [N]."""
+        up = (self.width * pressure)[:, None] * self.shares
+        return jnp.zeros((structure, 2)).at[self.wall, 1].add(up)
 
 
 class Liquid(NamedTuple):
@@ -28,6 +74,9 @@ class Liquid(NamedTuple):
     - ``density``: ρ [kg/m³].
     - ``wall``: (pairs,) the wall's nodes, and ``wet``: the liquid's nodes in the same places.
     - ``outward``: (pairs, 2) area of the wall that belongs to each, times its normal out of the liquid: A [m²].
+    - ``follows``: whether A is that of the wall as it moves, so that the volume which it encloses is exact; K_f and M_f
+      remain those of the mesh at rest.
+    - ``cover``: above its surface, or None. What lies half an element below the surface is compressed where both meet.
     """
 
     incidence: Incidence
@@ -38,10 +87,27 @@ class Liquid(NamedTuple):
     wall: Int[np.ndarray, " pairs"]
     wet: Int[np.ndarray, " pairs"]
     outward: Float[Array, "pairs 2"]
+    follows: bool = False
+    cover: Cover | None = None
 
-    def push(self, pressure: Float[Array, " nodes"], structure: int) -> Float[Array, "structure 2"]:
-        """A p: what the liquid does to the ``structure`` nodes of the wall's mesh [N]."""
-        return added_at(self.wall, pressure[self.wet][:, None] * self.outward, structure)
+    def push(
+        self, pressure: Float[Array, " nodes"], structure: int, positions: Float[Array, "structure 2"] | None = None
+    ) -> Float[Array, "structure 2"]:
+        """A p: what the liquid does to the ``structure`` nodes of the wall's mesh [N], at rest or at ``positions``."""
+        outward = self.outward if positions is None else boundary_areas(positions[self.wall])
+        return added_at(self.wall, pressure[self.wet][:, None] * outward, structure)
+
+    def rate(
+        self,
+        impulse: Float[Array, " nodes"],
+        velocity: Float[Array, "structure 2"],
+        positions: Float[Array, "structure 2"],
+    ) -> Float[Array, " nodes"]:
+        """ṗ [Pa/s] of a liquid that `follows`, from ∫p dt [Pa s] and the wall at one instant: M147 integrated once."""
+        swept = jnp.sum(boundary_areas(positions[self.wall]) * velocity[self.wall], axis=1)
+        inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
+        flow = self.density * added_at(self.wet, swept, len(self.mass)) + self.incidence.to_nodes(inside)
+        return -self.free * flow / self.mass
 
     def acceleration(
         self, pressure: Float[Array, " nodes"], wall: Float[Array, "structure 2"]
@@ -54,6 +120,26 @@ class Liquid(NamedTuple):
         """What an acceleration of the wall [m/s²] adds to p̈ [Pa/s²], or a sudden velocity [m/s] to ṗ [Pa/s]."""
         pushed = jnp.sum(self.outward * wall[self.wall], axis=1)
         return -self.free * self.density * added_at(self.wet, pushed, len(self.mass)) / self.mass
+
+    def met(
+        self,
+        pressure: Float[Array, " nodes"],
+        displacement: Float[Array, "structure 2"],
+        raised: Float[Array, " pairs"],
+    ) -> Float[Array, " nodes"]:
+        """The pressure with that of the surface below its cover [Pa]: M_f p = ρ times the volume of the overlap."""
+        if self.cover is None:
+            return pressure
+        met = self.density * self.cover.overlap(displacement, raised) / self.mass[self.cover.surface]
+        return pressure.at[self.cover.surface].set(met)
+
+    def rising(self, impulse: Float[Array, " nodes"], velocity: Float[Array, "structure 2"]) -> Float[Array, " pairs"]:
+        """Volume that goes up through the surface in a second [m²/s]: what M147, integrated once, leaves there."""
+        if self.cover is None:
+            return jnp.zeros(0)
+        inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
+        swept = added_at(self.wet, jnp.sum(self.outward * velocity[self.wall], axis=1), len(self.mass))
+        return -(self.incidence.to_nodes(inside) / self.density + swept)[self.cover.surface]
 
     def energy(
         self, pressure: Float[Array, " nodes"], before: Float[Array, " nodes"], after: Float[Array, " nodes"]

@@ -1,4 +1,4 @@
-"""How much of a boundary belongs to each of its nodes."""
+"""How much of a boundary belongs to each of its nodes, and what it encloses."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -10,3 +10,9 @@ def boundary_areas(path: Float[Array, "nodes 2"]) -> Float[Array, "nodes 2"]:
     along = path[1:] - path[:-1]
     normal = 0.5 * jnp.stack([along[:, 1], -along[:, 0]], axis=1)
     return jnp.zeros_like(path).at[:-1].add(normal).at[1:].add(normal)
+
+
+def enclosed(path: Float[Array, "nodes 2"]) -> Float[Array, ""]:
+    """Area between a boundary as of `boundary_areas` and the vertical axis, on which it begins and ends level [m²]."""
+    x, y = path[:, 0], path[:, 1]
+    return 0.5 * jnp.sum((x[1:] + x[:-1]) * (y[1:] - y[:-1]))

@@ -34,9 +34,19 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     weight = mass * system.gravity[None]
     constant = weight if system.load is None else weight + system.load
     residual = constant - sum((part.forces for part in resistances), jnp.zeros_like(positions))
+    pressure = state.pressure
     if (liquid := system.liquid) is not None:
-        whole = state.pressure if system.static_pressure is None else state.pressure + system.static_pressure
-        residual = residual + liquid.push(whole, len(positions))
+        pressure = liquid.met(pressure, state.displacement, state.raised)
+        static = system.static_pressure
+        if liquid.follows:
+            residual = residual + liquid.push(pressure, len(positions), positions)
+            residual = residual if static is None else residual + liquid.push(static, len(positions))
+        else:
+            residual = residual + liquid.push(pressure if static is None else pressure + static, len(positions))
+        if liquid.cover is not None:
+            residual = residual + liquid.cover.push(pressure[liquid.cover.surface], len(positions))
+    if system.gas is not None:
+        residual = residual + system.gas.push(positions)
     layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
     pressing = sum((forces.nodes for forces in layers), jnp.zeros_like(positions))
     contacts = []
@@ -49,22 +59,26 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     acceleration = inverse_mass * (residual + pressing)
     velocity = state.velocity + step * acceleration
     between = 0.5 * (state.velocity + velocity)
-    pressure, rate, impulse = state.pressure, state.pressure_rate, state.impulse
+    rate, impulse, raised, now = state.pressure_rate, state.impulse, state.raised, pressure
     if liquid is not None:
-        rate = rate + step * liquid.acceleration(pressure, acceleration)
         impulse = impulse + step * pressure
+        if liquid.follows:  # half a step later: with the wall half way, the area that it sweeps is exact
+            rate = liquid.rate(impulse, velocity, positions + 0.5 * step * velocity)
+        else:
+            rate = rate + step * liquid.acceleration(pressure, acceleration)
         pressure = pressure + step * rate
+        raised = raised + step * liquid.rising(impulse, velocity)
     energies = Energies(
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
         stored=_sum(resistances, "stored"),
         plastic=_sum(resistances, "plastic"),
         contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
-        liquid=jnp.zeros(()) if liquid is None else _liquid_energy(system, state, impulse),
+        liquid=_liquid_energy(system, state, now, impulse),
         potential=-jnp.sum(constant * state.displacement),
         released=state.released,
     )
     known = state.time, state.displacement, between
-    instant = Instant(*known, resistances, tuple(contacts), layers, state.pressure, energies)
+    instant = Instant(*known, resistances, tuple(contacts), layers, now, energies)
     after = State(
         state.time + step,
         state.displacement + step * velocity,
@@ -73,6 +87,7 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         pressure,
         rate,
         impulse,
+        raised,
         tuple(forces.over_step for forces in contacts),
         state.contact_work - step * jnp.sum(pressing * between),
         state.released + _sum(resistances, "released"),
@@ -85,10 +100,12 @@ def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:
     return sum((getattr(part, name) for part in resistances), jnp.zeros(()))
 
 
-def _liquid_energy(system: System, state: State, impulse: Array) -> Float[Array, ""]:
-    """Of the liquid, and of what its static pressure has done."""
-    assert system.liquid is not None
-    own = system.liquid.energy(state.pressure, state.impulse, impulse)
+def _liquid_energy(system: System, state: State, pressure: Array, impulse: Array) -> Float[Array, ""]:
+    """Of the liquid, of what its static pressure has done, and of the gas above it."""
+    own = jnp.zeros(()) if system.gas is None else system.gas.energy(system.positions + state.displacement)
+    if system.liquid is None:
+        return own
+    own = own + system.liquid.energy(pressure, state.impulse, impulse)
     if system.static_pressure is None:
         return own
     return own - jnp.sum(system.liquid.push(system.static_pressure, len(system.positions)) * state.displacement)

@@ -62,8 +62,9 @@ class Plane(eqx.Module):
 
     def resist(self, displacement: Float[Array, "nodes 2"], history: History) -> Resistance:
         """An element whose points have all failed is deleted: it carries nothing and remembers no more."""
-        here = self.quads.incidence.to_corners(displacement)
         alive = 1.0 - jnp.all(self.material.failed(history), axis=1)
+        # A deleted element may turn inside out, which has no strain: nothing times NaN would be NaN.
+        here = jnp.where(alive[:, None, None] > 0.0, self.quads.incidence.to_corners(displacement), 0.0)
         flowed = self.material.flowed_across(history)
 
         def stress_of(strain: Array) -> tuple[Array, Stressed]:

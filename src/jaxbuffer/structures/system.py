@@ -13,6 +13,7 @@ from .contact.forces import Contact, ContactForces
 from .contact.layer import Layer
 from .contact.search import candidates
 from .contact.surfaces import Segments
+from .gas import Gas
 from .materials import History
 from .structure import Elements, Resistance
 
@@ -27,7 +28,7 @@ class System(eqx.Module):
     - ``elements``: groups of one kind and material.
     - ``contacts``, ``layers``: which nodes may touch what.
     - ``gravity``: (2,) [m/s²]; ``load``: (nodes, 2) constant forces besides [N].
-    - ``liquid``: or None, with its static pressure (liquid nodes,) [Pa].
+    - ``liquid``: or None, with its static pressure (liquid nodes,) [Pa]; ``gas``: shut in, or None.
     """
 
     positions: Float[Array, "nodes 2"]
@@ -39,6 +40,7 @@ class System(eqx.Module):
     load: Float[Array, "nodes 2"] | None = None
     liquid: Liquid | None = None
     static_pressure: Float[Array, " liquid"] | None = None
+    gas: Gas | None = None
 
     @property
     def mass(self) -> Float[Array, "nodes 2"]:
@@ -59,6 +61,7 @@ class System(eqx.Module):
             quiet,
             quiet if self.liquid is None else self.liquid.struck(velocity),
             quiet,
+            jnp.zeros(0 if self.liquid is None or self.liquid.cover is None else len(self.liquid.cover.surface)),
             tuple(jnp.zeros(len(contact.slaves)) for contact in self.contacts),
             jnp.zeros(()),
             jnp.zeros(()),
@@ -86,9 +89,13 @@ class System(eqx.Module):
                 added.append(self._penalties(contact))
         if self.liquid is not None:
             wet = self.liquid
-            coupled = self.liquid.density * jnp.sum(wet.outward**2 * self.inverse_mass[wet.wall], axis=1)
-            coupled = coupled * wet.free[wet.wet] / wet.mass[wet.wet]
-            added.append(jnp.max(coupled))
+            coupled = wet.density * jnp.sum(wet.outward**2 * self.inverse_mass[wet.wall], axis=1) / wet.mass[wet.wet]
+            most = jnp.max(coupled * wet.free[wet.wet])
+            if (cover := wet.cover) is not None:  # its nodes and the wall above them, beside the wall at the surface
+                over = jnp.sum((cover.width[:, None] * cover.shares) ** 2 * self.inverse_mass[cover.wall, 1], axis=1)
+                over = jnp.max(wet.density * over / wet.mass[cover.surface])
+                most = jnp.maximum(most, over + jnp.max(coupled * (1.0 - wet.free[wet.wet]), initial=0.0))
+            added.append(most)
             fastest = jnp.maximum(fastest, wet.fastest() ** 2)
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
@@ -111,7 +118,7 @@ class State(NamedTuple):
     - ``displacement``: (nodes, 2) at t [m]; ``velocity``: (nodes, 2) half a step before [m/s].
     - ``histories``: of the elements' points.
     - ``pressure``: (liquid,) at t, beyond the static one [Pa]; ``pressure_rate``: half a step before [Pa/s];
-      ``impulse``: ∫p dt, half a step before [Pa s].
+      ``impulse``: ∫p dt, half a step before [Pa s]; ``raised``: volume that has gone up through a covered surface [m²].
     - ``pressed``: each contact's normal forces over the step before [N].
     - ``contact_work``: energy that contacts and layers have taken up so far [J].
     - ``released``: elastic energy of deleted elements [J].
@@ -124,6 +131,7 @@ class State(NamedTuple):
     pressure: Float[Array, " liquid"]
     pressure_rate: Float[Array, " liquid"]
     impulse: Float[Array, " liquid"]
+    raised: Float[Array, " surface"]
     pressed: tuple[Float[Array, " pairs"], ...]
     contact_work: Float[Array, ""]
     released: Float[Array, ""]
@@ -133,7 +141,8 @@ class Energies(NamedTuple):
     """At an instant, all in [J]; their sum does not change (M127, M149).
 
     - ``kinetic``: of nodes; ``stored``: elastic; ``plastic``: work; ``contact``: taken up by contacts and cushions;
-      ``liquid``: of compression and motion; ``potential``: of gravity and constant loads; ``released``: by deletion.
+      ``liquid``: of compression and motion, with a gas above it; ``potential``: of gravity and constant
+      loads; ``released``: by deletion.
     """
 
     kinetic: Float[Array, ""]

@@ -1,19 +1,23 @@
 """Studies as TOML: read into a `Config`, override fields by dotted path, write a design back."""
 
+import contextlib
 import dataclasses
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 import equinox as eqx
 import tomli_w
 
-from ..errors import InputError, as_number, check_number, check_whole, shown, suggest
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..experiments.points import METHODS, points
+from ..experiments.ranges import ranges
 from ..fields import (
     POSITIVE,
     SCENARIO,
+    Curve,
     Part,
     by_path,
     check_address,
@@ -23,9 +27,11 @@ from ..fields import (
     metadata,
     number,
     paths,
+    point_paths,
     replace,
     typed_unit,
     unit,
+    unknown,
 )
 from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms import mechanism_named
@@ -35,11 +41,12 @@ from ..run.request import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.grid import SPAN, grid, literal
 from ..tuning.problem import Problem, Settings
 from .mistaken import no_file, no_table, no_toml
-from .sample_toml import read_sample
+from .problem_toml import check_table, read_problem
 
 T = TypeVar("T", bound=eqx.Module)
 
 DEFAULT_KIND = "probe_cone"
+SAMPLE = ("count", "method", "seed", "ranges")
 KINDS = ("kind", "scenario", "scenarios", "options", "problem", "tune", "sweep", "sample")  # beside the design's own
 
 
@@ -69,7 +76,7 @@ class Config:
 
     ``table``: the ``[problem]`` section as read, checked when the `problem` is made; ``folder``: the file's own, where
     the Python files lie that it names; ``units``: those that numbers were typed with, by address, in which people are
-    told them.
+    told them; ``usual_duration``: whether ``options.duration`` is what is usual for the design, as none is given.
     """
 
     design: Part = dataclasses.field(default_factory=lambda: mechanism_named(DEFAULT_KIND).design())
@@ -83,13 +90,15 @@ class Config:
     folder: Path = Path()
     texts: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)  # typed with a unit, by address
     units: Mapping[str, str] = dataclasses.field(default_factory=dict, compare=False)
+    usual_duration: bool = dataclasses.field(default=False, compare=False)
 
     def __post_init__(self) -> None:
         mechanism = self.mechanism
         check_pair(mechanism, self.design, self.scenario)
         if self.options.duration is None:
-            filled = dataclasses.replace(self.options, duration=mechanism.defaults.duration)
+            filled = dataclasses.replace(self.options, duration=mechanism.duration(self.design))
             object.__setattr__(self, "options", filled)
+            object.__setattr__(self, "usual_duration", True)
         for i, scenario in enumerate(self.scenarios, 1):
             try:
                 check_pair(mechanism, self.design, scenario)
@@ -103,13 +112,17 @@ class Config:
         """Whose design it is."""
         return mechanism_of(self.design)
 
+    def varying(self, paths: Collection[str]) -> "Config":
+        """Return the study for runs in which the numbers at some paths vary: its duration, unless one is given, is what
+        is usual for what they make of the design."""
+        if not self.usual_duration:
+            return self
+        duration = self.mechanism.duration(self.design, paths)
+        return dataclasses.replace(self, options=dataclasses.replace(self.options, duration=duration))
+
     def problem(self) -> Problem:
         """The design problem; its start must lie within the bounds."""
-        from .problem_toml import read_problem
-
         options = self.options
-        if options.solver != Options.solver:
-            raise InputError(f"options.solver = {options.solver!r}: tuning has the {Options.solver} solver only")
         with errors_in_typed_units(self.units):
             return read_problem(
                 self.table,
@@ -148,7 +161,7 @@ def loads(content: bytes, name: str | Path) -> Config:
     try:
         units = dict(_typed_units(data))
         with errors_in_typed_units(units):
-            return dataclasses.replace(_config(data), folder=Path(name).parent, units=units)
+            return dataclasses.replace(_config(data, Path(name).parent), units=units)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 
@@ -165,9 +178,12 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
     design = {p: _typed(config.design, p, text) for p, text in values.items() if not p.startswith(SCENARIO)}
     scenarios = (_replaced(scenario, meeting, "scenario.") for scenario in config.scenarios)
     units = {**config.units, **{path: typed for path, text in values.items() if (typed := typed_unit(text))}}
+    # What duration is usual depends on the design: one that gets a latch runs on for longer.
+    options = dataclasses.replace(config.options, duration=None) if config.usual_duration else config.options
     with errors_in_typed_units(units):
         return dataclasses.replace(
             config,
+            options=options,
             design=_replaced(config.design, design),
             scenario=_replaced(config.scenario, meeting, "scenario."),
             scenarios=tuple(dict.fromkeys(scenarios)),
@@ -182,25 +198,6 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
         if (least := metadata(settings, name).get("least")) is not None:
             check_whole(f"--{name}", value, least, metadata(settings, name)["most"])
     return _replaced(settings, values, "--")
-
-
-def chosen_scenario(config: Config, number: str | None) -> tuple[Config, str]:
-    """The study with one scenario to simulate, and what to say of the choice.
-
-    **Arguments:** ``number``: as typed, which of ``config.scenarios``, counted from 1; None: ``config.scenario``.
-    """
-    count = len(config.scenarios)
-    if number is not None:
-        if not (number.isdecimal() and 1 <= int(number) <= count):
-            raise InputError(
-                f"--scenario-number {number} must be a whole number from 1 to {count}, as many as the study has"
-            )
-        return dataclasses.replace(config, scenario=config.scenarios[int(number) - 1]), ""
-    if count == 1:
-        return config, ""
-    which = f"the first of {count} scenarios" if config.scenario == config.scenarios[0] else "[scenario]"
-    label = config.mechanism.view.label(config.scenario)
-    return config, f"running {which}, {label}; --scenario-number N takes another, 1 to {count}"
 
 
 def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "") -> str:
@@ -222,12 +219,17 @@ def _lines(part: eqx.Module) -> list[str]:
         value, symbol = getattr(part, name), unit(part, name)
         if value is None:  # a stiffness to be computed: TOML has no word for it, leaving it out says it
             continue
+        if isinstance(value, Curve):
+            (x, first), (y, second) = value.axes
+            points = ", ".join(f"[{float(place)!r}, {float(number)!r}]" for place, number in value.points())
+            lines.append(f"{name} = [{points}]  # {x} {first}, {y} {second}")
+            continue
         entry = tomli_w.dumps({name: float(value) if symbol else value}).rstrip()
         lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") else entry)
     return lines
 
 
-def _config(data: dict[str, Any]) -> Config:
+def _config(data: dict[str, Any], folder: Path) -> Config:
     mechanism = mechanism_named(data.get("kind", DEFAULT_KIND))
     parts = sections(mechanism)
     known = (*parts, *KINDS)
@@ -235,7 +237,7 @@ def _config(data: dict[str, Any]) -> Config:
         if name not in known:
             raise InputError(f"[{name}] is unknown{no_table(name, known)}")
     fields = {f"{section}.{key}": value for section in parts for key, value in _table(data, section).items()}
-    design = _replaced(mechanism.design(), fields)
+    design = _replaced(mechanism.design(), fields, folder=folder)
     scenario = _replaced(mechanism.scenario(), _table(data, "scenario"), "scenario.")
     listed = data.get("scenarios", [])
     if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
@@ -247,18 +249,32 @@ def _config(data: dict[str, Any]) -> Config:
     sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
     if sweep:
         grid(sweep, design, scenario)  # checks it
-    sample = read_sample(_table(data, "sample"), design, scenario)
+    sample = _sample(_table(data, "sample"), design, scenario)
     tuning = _replaced(Settings(), _table(data, "tune"), "tune.")
     if table := _table(data, "problem"):
-        from .problem_toml import check_table
-
         check_table(table, design, scenario)
         for name in ("grid", "sample"):
             if scenarios and name in table:
                 raise InputError(f"[[scenarios]] and [problem.{name}] both say which scenarios to tune for; keep one")
     typed = fields | {f"{SCENARIO}{name}": value for name, value in _table(data, "scenario").items()}
     texts = {path: value for path, value in typed.items() if isinstance(value, str)}
-    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, texts=texts)
+    return Config(design, scenario, scenarios, options, tuning, table, sweep, sample, folder, texts=texts)
+
+
+def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str, Any]:
+    """Return what [sample] gives of count, method, seed and ranges by dotted path, checked."""
+    for name in table:
+        if name not in SAMPLE:
+            raise InputError(f"sample.{name} is unknown{suggest(name, SAMPLE)}; ranges go under [sample.ranges]")
+    sample = dict(table)
+    check_choice("sample.method", table.get("method", METHODS[0]), METHODS)
+    if "ranges" in table:
+        if not isinstance(table["ranges"], Mapping):
+            raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
+        sample["ranges"] = by_path(table["ranges"], where="sample.ranges")
+        axes = ranges(sample["ranges"], design, scenario)
+        points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
+    return sample
 
 
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
@@ -281,15 +297,18 @@ def sections(mechanism: Mechanism) -> tuple[str, ...]:
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
 
-def _replaced(module: T, values: Mapping[str, Any], prefix: str = "") -> T:
-    """`replace` with values from TOML or the command line, ``prefix`` completing the paths shown to the user."""
-    known = [prefix + path for path in paths(module)]
+def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Path = Path()) -> T:
+    """`replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``:
+    where mesh files lie."""
+    known = [prefix + path for path in (*paths(module), *point_paths(module))]
     checked = {}
     for path, value in values.items():
         if prefix + path not in known:
-            raise InputError(f"{prefix}{path} is unknown{suggest(prefix + path, known)}")
+            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known)}")
         symbol = unit(module, path)
         checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
+        if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):
+            checked[path] = str(folder / value)
     return replace(module, checked)
 
 
@@ -303,18 +322,18 @@ def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
 
 
 def _typed(owner: eqx.Module, path: str, text: str) -> Any:
-    """What was typed for a field: "2" is a whole number where it takes such."""
-    value, known = _literal(text), metadata(owner, path)
+    """What was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
+    curve."""
+    value = text == "true" if text in ("true", "false") else literal(text)
+    known = metadata(owner, path)
+    if "curve" in known:
+        with contextlib.suppress(ValueError):  # the check of the field says what it takes
+            return tomllib.loads(f"points = {text}")["points"]
     return int(value) if "least" in known and isinstance(value, float) and value.is_integer() else value
 
 
-def _literal(text: str) -> bool | float | str:
-    """What a word on the command line would be in TOML."""
-    return text == "true" if text in ("true", "false") else literal(text)
-
-
-def _table(data: Mapping[str, Any], name: str, path: str = "") -> dict[str, Any]:
-    table, path = data.get(name, {}), path or name
+def _table(data: Mapping[str, Any], name: str) -> dict[str, Any]:
+    table = data.get(name, {})
     if not isinstance(table, dict):
-        raise InputError(f"{path} = {shown(table)} is not a table; write [{path}] and its fields below it")
+        raise InputError(f"{name} = {shown(table)} is not a table; write [{name}] and its fields below it")
     return table

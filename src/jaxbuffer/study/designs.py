@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, check_single
-from ..fields import Part, get, paths, unit
+from ..fields import Part, get, paths, point_paths, unit
 from ..files import write
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
@@ -68,7 +68,7 @@ def save_design(
     for scenario in listed:
         check_pair(mechanism, design, scenario)
     for part in (design, *listed):
-        for name in paths(part):
+        for name in (*paths(part), *point_paths(part)):
             if unit(part, name) and get(part, name) is not None:
                 check_single(name, get(part, name), unit(part, name), "save each design to a file of its own")
     try:
@@ -80,14 +80,10 @@ def save_design(
 def tuned_toml(design: Part, problem: Problem, comment: str, scenarios: Iterable[Part] = ()) -> str:
     """A tuned design with the problem's limits, duration, tolerance, ``scenarios`` (default: in the problem's order):
     a study for the other commands, of which `simulate` takes the first."""
-    blocks = [design_toml(design, tuple(scenarios) or problem.scenarios_met, comment), _limits_toml(problem)]
-    return "\n".join([*blocks, _options_toml(problem)])
-
-
-def _options_toml(problem: Problem) -> str:
-    """How a problem's runs are simulated, as TOML."""
     assert problem.duration is not None
-    return f"[options]\nduration = {float(problem.duration)!r}  # s\nrtol = {float(problem.rtol)!r}\n"
+    options = f"[options]\nduration = {float(problem.duration)!r}  # s\nrtol = {float(problem.rtol)!r}\n"
+    whole = design_toml(design, tuple(scenarios) or problem.scenarios_met, comment)
+    return "\n".join([whole, _limits_toml(problem), options])
 
 
 def _limits_toml(problem: Problem) -> str:
@@ -98,7 +94,7 @@ def _limits_toml(problem: Problem) -> str:
         lines.append(f"captured = {str(limits.captured).lower()}")
     if limits.impacts is not None:
         lines.append(f"impacts = {limits.impacts}")
-    for name in dict.fromkeys([*limits.at_most, *limits.at_least]):
+    for name in dict.fromkeys(limits.names):
         sides = {"max": limits.at_most.get(name), "min": limits.at_least.get(name)}
         given = ", ".join(f"{side} = {float(value)!r}" for side, value in sides.items() if value is not None)
         line = f"{name} = {{{given}}}  # {problem.catalogue[name].unit}"

@@ -1,15 +1,17 @@
 """An example study of a mechanism: every field with its unit, default, range and meaning, most of them as comments."""
 
 import dataclasses
+import itertools
 import math
 import textwrap
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import tomli_w
 
 from ..errors import range_text
-from ..fields import Part, get, meaning, metadata, unit_at
+from ..fields import Part, get, meaning, metadata, replace, unit_at
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.problem import Settings
 from .config import Options, sections
@@ -19,8 +21,9 @@ SCHEMA = "jaxbuffer.schema.json"
 
 
 def example_toml(mechanism: Mechanism) -> str:
-    """A study that `load` reads unchanged to the mechanism's defaults, with a problem and a sweep of its own."""
-    design, scenario = mechanism.design(), mechanism.scenario()
+    """A study that `load` reads to the mechanism's defaults and what its example has beside them, with a problem and a
+    sweep of its own."""
+    design, scenario, example = mechanism.design(), mechanism.scenario(), mechanism.defaults.example
     lines = [
         f"#:schema ./{SCHEMA}",
         f"# A study of {mechanism.view.title};"
@@ -33,20 +36,30 @@ def example_toml(mechanism: Mechanism) -> str:
         f'kind = "{mechanism.name}"',
     ]
     for section in sections(mechanism):
-        lines += ["", f"[{section}]", *_fields(getattr(design, section), commented=True)]
+        own = {path.partition(".")[2]: it for path, it in example.items() if path.startswith(f"{section}.")}
+        lines += ["", f"[{section}]", *_fields(getattr(design, section), commented=True, own=own)]
     lines += ["", "[scenario]  # what is simulated", *_fields(scenario, commented=False)]
-    lines += ["", "[options]  # how", *_fields(Options(duration=mechanism.defaults.duration), commented=True)]
+    lines += [
+        "",
+        "[options]  # how",
+        *_fields(Options(duration=mechanism.duration(replace(design, example))), commented=True),
+    ]
     lines += ["", "[tune]  # how jaxbuffer tune searches", *_fields(Settings(), commented=True)]
-    lines += ["", *_problem(mechanism, design), "", *_sweep(mechanism, design, scenario)]
+    swept = ((_entry(path, it), unit_at(design, scenario, path)) for path, it in mechanism.defaults.grid.items())
+    sweep = ["[sweep]  # what jaxbuffer sweep combines: a list, or from, to, count and scale"]
+    lines += ["", *_problem(mechanism, design), "", *sweep, *itertools.starmap(_line, swept)]
     return "\n".join(lines) + "\n"
 
 
-def _fields(part: Part, commented: bool) -> Iterator[str]:
-    """A line for each field; ``commented``: whether a field that has a value is a comment too."""
+def _fields(part: Part, commented: bool, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:
+    """A line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values that the
+    example has beside the defaults."""
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
         words = [_allowed(known), meaning(part, name)]
-        if value is None:
+        if name in own:
+            yield _line(_entry(name, own[name]), ": ".join(words))
+        elif value is None:
             yield _line(f"# {name} = ", f"not set; {': '.join(words)}")
         else:
             yield _line(("# " if commented else "") + _entry(name, value), ": ".join(words))
@@ -56,6 +69,10 @@ def _allowed(known: Mapping[str, Any]) -> str:
     """Unit and range of a field, or its choices."""
     if "choices" in known:
         return f"one of {', '.join(known['choices'])}"
+    if "curve" in known:
+        return "points that rise in both numbers, [[0.01, 2.0], [0.02, 6.0]] say"
+    if "mesh" in known:
+        return f"a mesh file with the boundaries {' and '.join(known['mesh'])}"
     if "limits" in known:
         limits: dict[str, Any] = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
         symbol = "" if known["unit"] == "-" else f"{known['unit']}, "
@@ -67,7 +84,9 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     """The sections of jaxbuffer tune."""
     catalogue, defaults = mechanism.quantities, mechanism.defaults
     starts_inside = {
-        path: bounds for path, bounds in defaults.variables.items() if bounds[0] <= get(design, path) <= bounds[1]
+        path: bounds
+        for path, bounds in mechanism.variables(design).items()
+        if bounds[0] <= get(design, path) <= bounds[1]
     }
     if starts_inside:
         yield '[problem.variables]  # what jaxbuffer tune may change: [low, high] or [low, high, "linear"]'
@@ -79,17 +98,17 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     yield '# over = "worst"'
     yield ""
     yield "[problem.constraints]  # what it keeps to: at most, or {min = , max = }; a run outside them exits with 1"
-    for name, limit in defaults.limits.items():
+    for name, limit in {**defaults.limits, **defaults.example_limits}.items():
         yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
     yield _line("# end_time = {min = 0.1, max = 1.0}", "s, both sides")
     yield _line("# impacts = 20", "at most so many touchdowns")
     yield ""
-    first = _numbers(mechanism)[0]
+    first = next(f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata)
     yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"
     yield f"# {first} = {[float(getattr(mechanism.scenario(), first))]}"
     yield from _sampled(mechanism, first)
     yield "# [problem.then]  # what decides among designs that are about as good as the best"
-    yield f"# {mechanism.tuned[-1]} = 1.0"
+    yield f"# {next(name for name in reversed(mechanism.tuned) if mechanism.has(name, design))} = 1.0"
     yield "# slack = 0.01"
 
 
@@ -108,17 +127,6 @@ def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
     )
     yield "# [problem.sample.factors]  # tolerances: by which the built design's numbers differ from the drawn ones"
     yield _line(f"# {mechanism.defaults.parameters[0]} = {{uniform = [0.9, 1.1]}}", "a tolerance of 10 %")
-
-
-def _numbers(mechanism: Mechanism) -> list[str]:
-    """The numbers of the mechanism's scenarios."""
-    return [f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata]
-
-
-def _sweep(mechanism: Mechanism, design: Part, scenario: Part) -> Iterator[str]:
-    yield "[sweep]  # what jaxbuffer sweep combines: a list, or from, to, count and scale"
-    for path, values in mechanism.defaults.grid.items():
-        yield _line(_entry(path, values), unit_at(design, scenario, path))
 
 
 def _entry(name: str, value: Any) -> str:

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..fields import Part, get, metadata, paths, range_in_words, unit
+from ..fields import Part, cut, get, metadata, paths, range_in_words, unit
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from .config import Config, Options
@@ -25,16 +25,18 @@ def explained(study: Config, name: str) -> str:
     problem = study.problem() if study.table and not missing else None
     if study.table and missing and usable:  # everything else of the problem
         problem = dataclasses.replace(study, table={**study.table, "variables": usable}).problem()
+    own = {} if problem is None else problem.quantities
     swept = grid(study.sweep or mechanism.defaults.grid, study.design, study.scenario)
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
+        "worth a look": mechanism.view.doubts(study.design),
         "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],
         "variables": missing or ([] if problem is None else _variables(problem)),
         "objective": [] if problem is None else [problem.worded(problem.objective)],
-        "own quantities": [] if problem is None else _own(problem),
+        "own quantities": [f"{name} [{it.unit}] = {it.signature}" for name, it in own.items()],
         "limits": [] if problem is None else _limits(problem),
         "then": [] if problem is None or problem.then is None else [problem.worded(problem.then.objective)],
         "sweep": [f"{axis.path} {axis.spanned()}" for axis in swept.axes] if study.sweep else [],
@@ -58,7 +60,7 @@ def _differences(study: Config) -> list[str]:
                 differences.append(
                     f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
                 )
-    default_options = Options(duration=mechanism.defaults.duration)
+    default_options = Options(duration=mechanism.duration(study.design))
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):
             differences.append(f"{_shown(study.options, path, 'options.')} (default {_value(default_options, path)})")
@@ -96,7 +98,7 @@ def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
     """Of a study without bounds of its own: the default ones that hold the start, and a line for each other."""
     if "variables" in study.table:
         return {}, []
-    design, usual = study.design, study.mechanism.defaults.variables
+    design, usual = study.design, study.mechanism.variables(study.design)
     usable = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
     return usable, [
         f"{path} = {_value(design, path)} is outside the default bounds [{bounds[0]:g}, {bounds[1]:g}]: tune needs"
@@ -106,27 +108,28 @@ def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
     ]
 
 
-def _own(problem: Problem) -> list[str]:
-    return [f"{name} [{own.unit}] = {own.signature}" for name, own in problem.quantities.items()]
-
-
 def _limits(problem: Problem) -> list[str]:
     limits, mechanism = problem.limits, problem.mechanism
     lines = limits.lines(problem.catalogue)
     lines += [
-        f"{name} ≤ {limit:g}, always" for name, limit in mechanism.tuning.always.items() if name not in limits.at_most
+        f"{name} ≤ {limit:g}, always"
+        for name, limit in mechanism.always(problem.design).items()
+        if name not in limits.at_most
     ]
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
-    return [*lines, f"every case must end {mechanism.success}"] if limits.captured and mechanism.success else lines
+    if limits.captured and mechanism.successes:
+        lines.append(f"every case must end {' or '.join(mechanism.successes)}")
+    return lines
 
 
 def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
     """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
-    mechanism, defaults = study.mechanism, study.mechanism.defaults
+    mechanism = study.mechanism
     run = mechanism.view.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
-    of, by = ", ".join(defaults.differentiated), ", ".join(defaults.parameters)
+    of = ", ".join(mechanism.defaults_for(study.design).differentiated)
+    by = ", ".join(mechanism.parameters(study.design))
     commands = [
         f"jaxbuffer simulate {name}     one {run}: {mechanism.view.label(study.scenario)}",
         f"jaxbuffer sensitivity {name}  {of}",
@@ -151,7 +154,7 @@ def _value(part: Part, path: str) -> str:
     if value is None:
         return "not set"
     if isinstance(value, bool) or not isinstance(value, float):
-        return str(value).lower() if isinstance(value, bool) else str(value)
+        return str(value).lower() if isinstance(value, bool) else cut(str(value))
     return f"{value:g} {_unit(part, path)}".rstrip(" -")
 
 

@@ -16,7 +16,10 @@ from ..fields import (
     in_unit,
     in_words,
     limits_of,
+    metadata,
+    no_number,
     paths,
+    point_paths,
     range_in_words,
     typed_unit,
     unit,
@@ -50,29 +53,16 @@ def read_problem(
     sample is taken at every point of the grid; ``folder``: the study's, beside which its Python files are; ``units``:
     as of `Config`.
     """
-    check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    symbols = _units(table, mechanism)
-    variables = _variables_of(table, mechanism, design)
-    _check_start(design, variables, "variables" in table, units)
     try:
-        return Problem(
-            design=design,
-            scenarios=_scenarios(table, base, listed),
-            variables=variables,
-            objective=_objective(_table(table, "objective", {}), "objective", symbols),
-            limits=limits(table, mechanism),
-            then=_then(_table(table, "then", {}), symbols) if "then" in table else None,
-            duration=duration,
-            rtol=rtol,
-            quantities=own_quantities(table, mechanism, folder),
-            scatter=_scatter(table, design, base),
-            units=units,
-        )
+        parts = _parts(table, design, base, listed)
+        _check_start(design, parts["variables"], "variables" in table, units)
+        own = own_quantities(table, mechanism, folder)
+        return Problem(design, **parts, duration=duration, rtol=rtol, quantities=own, units=units)
     except InputError as error:
         if not str(error).startswith(SECTIONS):
             raise
-        at_most = limits(table, mechanism).at_most
+        at_most, symbols = limits(table, mechanism).at_most, _units(table, mechanism)
         broken = (name for name in at_most if str(error).startswith(f"constraints.{name} = "))
         hints = (meant(at_most[name], symbols[name], low=0.0) for name in broken)
         raise error.between("problem.", next(hints, "")) from None
@@ -80,18 +70,24 @@ def read_problem(
 
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
+    parts = _parts(table, design, base, ())
+    if (scatter := parts["scatter"]) is not None:
+        scatter.cases(parts["scenarios"], design)
+
+
+def _parts(table: Mapping[str, Any], design: Part, base: Part, listed: tuple[Part, ...]) -> dict[str, Any]:
+    """What the table says of a `Problem`, but for the own quantities, whose functions are in files."""
     check_known(table, SECTIONS, "problem")
     mechanism = mechanism_of(design)
-    _variables_of(table, mechanism, design)
-    if (scatter := _scatter(table, design, base)) is not None:
-        scatter.cases(_scenarios(table, base, ()), design)
-    else:
-        _scenarios(table, base, ())
-    units = _units(table, mechanism)
-    _objective(_table(table, "objective", {}), "objective", units)
-    limits(table, mechanism)
-    if "then" in table:
-        _then(_table(table, "then", {}), units)
+    symbols = _units(table, mechanism)
+    return {
+        "variables": _variables_of(table, mechanism, design),
+        "scatter": _scatter(table, design, base),
+        "scenarios": _scenarios(table, base, listed),
+        "objective": _objective(_table(table, "objective", {}), "objective", symbols),
+        "limits": limits(table, mechanism),
+        "then": _then(_table(table, "then", {}), symbols) if "then" in table else None,
+    }
 
 
 def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
@@ -102,7 +98,7 @@ def _units(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, str]:
 
 def _variables_of(table: Mapping[str, Any], mechanism: Mechanism, design: Part) -> tuple[Variable, ...]:
     """The variables of a [problem], by default the mechanism's."""
-    bounds = _table(table, "variables", mechanism.defaults.variables)
+    bounds = _table(table, "variables", mechanism.variables(design))
     if not bounds:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
     by_name = by_path(bounds, where="problem.variables")
@@ -127,7 +123,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
     check_path(design, path)
     where, symbol = f"problem.variables.{path}", unit(design, path)
     if not symbol:
-        raise InputError(f"{where}: {path} is a choice; only numbers can be tuned")
+        raise InputError(f"{where}: {path} is {no_number(design, path)}; only numbers can be tuned")
     parts = [as_number(x) for x in given] if isinstance(given, list) else []
     scale = parts.pop() if len(parts) == 3 else SCALES[0]
     check_units_agree(where, parts)
@@ -173,7 +169,7 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
     check_known(sample, SAMPLE, "problem.sample")
     fields, factors = (
-        _distributions(_table(sample, name, {}), tuple(paths(part)), f"problem.sample.{name}")
+        _distributions(_table(sample, name, {}), _single(part), f"problem.sample.{name}")
         for name, part in (("scenario", base), ("factors", design))
     )
     for name in fields:
@@ -188,6 +184,11 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
         {path: read(f"factors.{path}", given, "-") for path, given in factors.items()},
         seed,
     )
+
+
+def _single(part: Part) -> tuple[str, ...]:
+    """The paths of a part, for measured curves those of their numbers."""
+    return tuple(path for path in (*paths(part), *point_paths(part)) if "curve" not in metadata(part, path))
 
 
 def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:

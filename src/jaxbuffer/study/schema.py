@@ -5,11 +5,12 @@ It knows names, ranges, choices and units; what must fit together is checked by 
 
 import dataclasses
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from ..experiments.points import METHODS
-from ..fields import Part, get, meaning, metadata, paths
+from ..fields import POSITIVE, Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
 from ..sweeps.grid import SCALES as RANGES
 from ..tuning.problem import SCALES, Settings
@@ -34,7 +35,7 @@ def study_schema(mechanism: Mechanism) -> Schema:
         "options": _part(Options()),
         "tune": _part(Settings()),
         "problem": _problem(mechanism, design, scenario),
-        "sweep": _by_path({path: _values(known) for path, known in fields.items()}),
+        "sweep": _by_path(fields, _values),
         "sample": _sample(fields),
     }
     return {
@@ -67,6 +68,12 @@ def _field(known: Mapping[str, Any]) -> Schema:
         return {"enum": list(known["choices"])}
     if "unit" in known:
         return {"anyOf": [_number(known), TEXT]}
+    if "curve" in known:
+        one: Schema = {"anyOf": [_number({"limits": POSITIVE}), TEXT]}
+        point = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+        return {"type": "array", "items": point, "minItems": 1}
+    if "mesh" in known:
+        return {"type": "string"}
     return {"type": "integer", "minimum": known["least"]} if "least" in known else {"type": "boolean"}
 
 
@@ -79,13 +86,26 @@ def _number(known: Mapping[str, Any]) -> Schema:
     return schema
 
 
-def _by_path(schemas: Mapping[str, Schema]) -> Schema:
-    """Of a table of dotted paths, which TOML reads as tables in tables, or quoted as they are."""
-    nested: dict[str, dict[str, Schema]] = {}
-    for path, schema in schemas.items():
+def _by_path(fields: Mapping[str, Mapping[str, Any]], schema_of: Callable[[Mapping[str, Any]], Schema]) -> Schema:
+    """Of a table of dotted paths, which TOML reads as tables in tables, or quoted as they are: ``schema_of`` what each
+    field declares; of a measured curve of its numbers, "force[2]" say."""
+    nested, whole, patterns = dict[str, dict[str, Schema]](), dict[str, Schema](), dict[str, Schema]()
+    for path, known in fields.items():
         section, _, name = path.partition(".")
-        nested.setdefault(section, {})[name] = schema
-    return _object({section: _object(inner) for section, inner in nested.items()} | dict(schemas))
+        if "curve" in known:
+            numbers = {axis: schema_of({"unit": unit, "limits": POSITIVE}) for axis, unit in known["curve"]}
+            schema = _object({}, patternProperties={rf"^{axis}\[[0-9]+\]$": it for axis, it in numbers.items()})
+            patterns |= {rf"^{re.escape(path)}\.{axis}\[[0-9]+\]$": it for axis, it in numbers.items()}
+        else:
+            schema = schema_of(known)
+        nested.setdefault(section, {})[name] = whole[path] = schema
+    sections = {section: _object(inner) for section, inner in nested.items()}
+    return _object(sections | whole, **({"patternProperties": patterns} if patterns else {}))
+
+
+def _numeric(known: Mapping[str, Any]) -> bool:
+    """Whether a field is a number or has numbers: a measured curve's."""
+    return "unit" in known or "curve" in known
 
 
 def _values(known: Mapping[str, Any]) -> Schema:
@@ -108,9 +128,11 @@ def _listed_or_spanned(known: Mapping[str, Any]) -> Schema:
 
 
 def _sample(fields: Mapping[str, Mapping[str, Any]]) -> Schema:
-    ranges = {path: _range(known, RANGES) for path, known in fields.items() if "unit" in known}
+    ranges = {path: known for path, known in fields.items() if _numeric(known)}
     whole = {"count": {"type": "integer", "minimum": 1}, "seed": {"type": "integer", "minimum": 0}}
-    return _object({**whole, "method": {"enum": list(METHODS)}, "ranges": _by_path(ranges)})
+    return _object(
+        {**whole, "method": {"enum": list(METHODS)}, "ranges": _by_path(ranges, lambda known: _range(known, RANGES))}
+    )
 
 
 def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
@@ -122,13 +144,13 @@ def _range(known: Mapping[str, Any], scales: Sequence[str]) -> Schema:
 
 def _scatter(numbers: Mapping[str, Mapping[str, Any]], scenario: Mapping[str, Mapping[str, Any]]) -> Schema:
     """Of how the cases of a tuning scatter."""
-    factors = {path: _distribution("[-] of the drawn number") for path in numbers}
     fields = {path: _distribution(f"[{known['unit']}]") for path, known in scenario.items() if "unit" in known}
     parts: dict[str, Schema] = {
         "count": {"type": "integer", "minimum": 1, "description": "samples of each scenario; their worst is no bound"},
         "seed": {"type": "integer", "minimum": 0, "description": "the same seed draws the same samples"},
         "scenario": _object(fields, description="how the scenario's fields scatter"),
-        "factors": _by_path(factors) | {"description": "tolerances: factors on the design's numbers, 1 being as drawn"},
+        "factors": _by_path(numbers, lambda known: _distribution("[-] of the drawn number"))
+        | {"description": "tolerances: factors on the design's numbers, 1 being as drawn"},
     }
     return _object(parts, description="robust designs: samples of scenarios and tolerances that a tuning serves")
 
@@ -144,8 +166,7 @@ def _distribution(words: str) -> Schema:
 
 
 def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
-    numbers = {path: metadata(design, path) for path in paths(design) if "unit" in metadata(design, path)}
-    variables = {path: _range(known, SCALES) for path, known in numbers.items()}
+    numbers = {path: metadata(design, path) for path in paths(design) if _numeric(metadata(design, path))}
     listed = {path: _listed_or_spanned(metadata(scenario, path)) for path in paths(scenario)}
     weights = _quantities(mechanism, mechanism.tuned, {"type": "number", "exclusiveMinimum": 0})
     bound: Schema = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, TEXT]}
@@ -154,7 +175,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     limits: dict[str, Schema] = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
     return _object(
         {
-            "variables": _by_path(variables),
+            "variables": _by_path(numbers, lambda known: _range(known, SCALES)),
             "grid": _object(listed),
             "sample": _scatter(numbers, {path: metadata(scenario, path) for path in paths(scenario)}),
             "objective": _open(weights | over),

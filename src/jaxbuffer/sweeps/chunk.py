@@ -22,6 +22,9 @@ from .columns import NO_VERDICT, column_names
 from .grid import Batch
 
 CHUNK = 16
+TASK = 512  # runs of a task at most on few threads: about a second
+PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the last
+BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
 class Settings(NamedTuple):
@@ -148,10 +151,12 @@ def _common_length(structure: Any, arrays: list[np.ndarray]) -> int:
     lengths = {array.shape for array in arrays if array.ndim}
     if not lengths:
         return 1
+    shapes = ", ".join(sorted(map(str, lengths)))
     if len(lengths) > 1 or len(shape := lengths.pop()) != 1 or shape[0] == 0:
-        raise InputError("the arrays of a sweep must all have one shape (n,), n at least 1; found " + _shapes(arrays))
+        raise InputError(f"the arrays of a sweep must all have one shape (n,), n at least 1; found {shapes}")
     return int(shape[0])
 
 
-def _shapes(arrays: list[np.ndarray]) -> str:
-    return ", ".join(sorted({str(array.shape) for array in arrays if array.ndim}))
+def task_size(runs: int, threads: int) -> int:
+    """Return how many runs a task, or a block of the store, has at most."""
+    return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))

@@ -13,6 +13,8 @@ from ..run.request import NO_TENTH
 from ..run.trust import DOUBTFUL, VERDICTS
 from .grid import Places
 
+IDENTITY = "identity"  # the attribute of a store and of a dataset that says which sweep it is of, in JSON
+EMPTY = {"<i8": -1, "<f8": np.nan}  # what is in the place of runs that are not computed, by the column's type
 NO_VERDICT = -1  # on how far a run's numbers can be trusted: not asked, or it has none
 
 
@@ -25,6 +27,7 @@ class RunTable(Saved):
     design: Part = None  # type: ignore[assignment] # not known, as of `scenarios`
     scenarios: Part = None  # type: ignore[assignment]
     grid: Places = None  # type: ignore[assignment] # the runs were given one by one
+    identity: Mapping[str, str] | None = None  # see `store.identity`
 
     def __getattr__(self, name: str) -> np.ndarray:
         columns = object.__getattribute__(self, "columns")
@@ -93,17 +96,15 @@ def tally(values: np.ndarray) -> dict[int, int]:
 
 def column_names(mechanism: Mechanism) -> tuple[str, ...]:
     """The names of a sweep's columns, in order."""
-    return ("code", *mechanism.swept, *whole_numbers(mechanism)[1:])
+    return tuple(column_types(mechanism))
 
 
-def whole_numbers(mechanism: Mechanism) -> tuple[str, ...]:
-    """Those of `column_names` that are whole numbers."""
-    return ("code", f"peak_{mechanism.view.contact}", "impact_count", "attempts", "trust")
+def column_types(mechanism: Mechanism) -> dict[str, str]:
+    """The type of each column by name: whole numbers or others."""
+    whole = (f"peak_{mechanism.view.contact}", "impact_count", "attempts", "trust")
+    return {"code": "<i8"} | dict.fromkeys(mechanism.swept, "<f8") | dict.fromkeys(whole, "<i8")
 
 
 def empty_columns(mechanism: Mechanism, count: int) -> dict[str, np.ndarray]:
-    """Room for a number of runs, none of them done: -1 for whole numbers, NaN for others."""
-    whole = whole_numbers(mechanism)
-    return {
-        name: np.full(count, -1, int) if name in whole else np.full(count, np.nan) for name in column_names(mechanism)
-    }
+    """Room for a number of runs, none of them done."""
+    return {name: np.full(count, EMPTY[kind], kind) for name, kind in column_types(mechanism).items()}

@@ -74,7 +74,7 @@ class Template(NamedTuple):
     duration: Any
 
 
-class BlockSweep:
+class _Blocks:
     """A sweep in blocks, which have a dimension of each name in ``dims``."""
 
     template: Template
@@ -91,14 +91,6 @@ class BlockSweep:
         """Of the runs [s]."""
         return self.template.duration
 
-    def identity(self) -> dict[str, Any]:
-        """What makes it the sweep it is."""
-        raise NotImplementedError
-
-    def coordinates(self) -> dict[str, Labelled]:
-        """The values of its dimensions, and what else differs between the runs."""
-        raise NotImplementedError
-
     def blocks(self) -> Iterator[Block]:
         """All of them, made as they are asked for."""
         for number in range(len(self.cut)):
@@ -113,7 +105,7 @@ class BlockSweep:
         raise NotImplementedError
 
 
-class GridSweep(BlockSweep):
+class GridSweep(_Blocks):
     """A sweep over a grid: blocks are boxes of it, one choice thick. Nothing here has an entry for each run."""
 
     def __init__(self, grid: Grid, template: Template, size: int) -> None:
@@ -150,7 +142,7 @@ class GridSweep(BlockSweep):
         return Batch(None, *swept), template.duration
 
 
-class RunsSweep(BlockSweep):
+class RunsSweep(_Blocks):
     """A sweep of runs that are given one by one, as designs and scenarios with arrays (n,)."""
 
     def __init__(self, design: Part, scenarios: Part, duration: Any, count: int, size: int) -> None:
@@ -187,6 +179,9 @@ class RunsSweep(BlockSweep):
         leaves = [block.values.get(k, leaf) for k, leaf in enumerate(leaves)]
         design, scenarios, duration = jax.tree.unflatten(structure, leaves)
         return Batch(None, design, scenarios), duration
+
+
+BlockSweep = GridSweep | RunsSweep
 
 
 def box(sizes: list[int], most: int) -> tuple[int, ...]:

@@ -8,21 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..cluster.connect import connected, require
+from ..cluster.connect import connected
 from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
 from ..files import Lock
-from .chunk import CHUNK, Settings, columns_of_chunk, runs
+from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
 from .columns import tally
-from .cut import Block, GridSweep, RunsSweep, Template
+from .cut import Block, BlockSweep, GridSweep, RunsSweep, Template
 from .executor import Where
 from .store import STORE, Store, begun, check_resumable, resumed
 from .stored import StoredInterrupted, StoredSweep
-
-TASK = 512  # runs of a task at most on few threads: about a second
-PER_THREAD = 8  # tasks a thread at least there, so that none waits long for the last
-BUSY = 2  # runs of a task for each thread at least, so that one scheduler can hand out so many (docs/clusters.md)
 
 
 class Job(NamedTuple):
@@ -36,32 +32,27 @@ class Job(NamedTuple):
 
 
 class Report(NamedTuple):
-    """A worker's report on a block. ``computed``: False if it was there already; ``outcomes``: how many runs ended with
-    each code; ``verdicts``: how many have each verdict of `jb.trust`; ``solving``, ``storing``: how long that took
-    [s]."""
+    """A worker's report on a block: how many ``runs`` it has, how many of them ended with each code (``outcomes``) and
+    have each verdict of `jb.trust` (``verdicts``); ``solving``: how long that took [s], 0 if it was stored already."""
 
-    number: int
     runs: int
-    computed: bool
     outcomes: dict[int, int]
     verdicts: dict[int, int]
     solving: float
-    storing: float
 
 
 def solve_block(job: Job, block: Block) -> Report:
     """Solve and store a block, unless the store has it whole already."""
     job.store.check()
-    columns, begin = job.store.read_done(block), time.perf_counter()
-    computed = columns is None
+    columns, solving = job.store.read_done(block), 0.0
     if columns is None:
+        begin = time.perf_counter()
         columns = solved(job, block)
-    between = time.perf_counter()
-    if computed:
+        solving = time.perf_counter() - begin
         job.store.write(block, columns)
-    by_name, ended = dict(zip(job.store.types, columns, strict=True)), time.perf_counter()
+    by_name = dict(zip(job.store.types, columns, strict=True))
     outcomes, verdicts = (tally(by_name[name]) for name in ("code", "trust"))
-    return Report(block.number, columns[0].size, computed, outcomes, verdicts, between - begin, ended - between)
+    return Report(columns[0].size, outcomes, verdicts, solving)
 
 
 def solved(job: Job, block: Block) -> list[np.ndarray]:
@@ -75,10 +66,9 @@ def solved(job: Job, block: Block) -> list[np.ndarray]:
     return [np.concatenate(column) for column in zip(*parts, strict=True)]
 
 
-def run(cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Settings, where: Where) -> StoredSweep:
+def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where: Where) -> StoredSweep:
     """Solve all runs, or those that the store lacks; ``cut``: the sweep of ``count`` runs in blocks of at most so
     many."""
-    require()
     if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
     path = Path(where.folder).absolute() / STORE
@@ -101,13 +91,8 @@ def run(cut: Callable[[int], GridSweep | RunsSweep], count: int, settings: Setti
         lock.release()
 
 
-def task_size(runs: int, threads: int) -> int:
-    """How many runs a task, or a block of the store, has at most."""
-    return max(CHUNK, min(TASK, runs // (PER_THREAD * threads)), min(BUSY * threads, runs // threads))
-
-
 def _solved(
-    reports: Generator[Report, None, None], sweep: GridSweep | RunsSweep, count: int, store: Path, where: Where
+    reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: Path, where: Where
 ) -> StoredSweep:
     """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0

@@ -9,9 +9,8 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ..cluster.workers import differing, prepared
 from ..errors import InputError
-from ..programs.process import kind
+from ..programs.process import Kind, differing, kind, prepared
 from ..programs.store import folder
 
 I = TypeVar("I")  # noqa: E741 # an item
@@ -28,15 +27,6 @@ class Where(NamedTuple):
     progress: Callable[[int, int], None] | None
     folder: str | Path | None
     resume: bool
-
-
-class Home(NamedTuple):
-    """The process that hands out calls: its ``address``, the ``kind`` of numbers that it computes, and its folder of
-    compiled programs."""
-
-    address: str
-    kind: dict[str, str]
-    cache: str | None
 
 
 def completed(
@@ -77,17 +67,18 @@ def check_executor(executor: Any) -> None:
 def _elsewhere(function: Callable[[I], R]) -> Callable[[I], R]:
     """The function with a check of the process that it is called in, for executors that have other processes."""
     cache = folder()
-    home = Home(_address(), kind(), None if cache is None else str(cache))
-    return functools.partial(_checked, home, function)
+    return functools.partial(_checked, function, _address(), kind(), None if cache is None else str(cache))
 
 
-def _checked(home: Home, function: Callable[[I], R], item: I) -> R:
+def _checked(function: Callable[[I], R], home: str, expected: Kind, cache: str | None, item: I) -> R:
+    """Call the function, if this process computes the ``expected`` kind of numbers.
+
+    **Arguments:** ``home``: the address of the process that hands out calls; ``cache``: its folder of programs.
+    """
     here = _address()
-    if here != home.address:
-        names = differing(home.kind, prepared(here, home.cache))
-        if names:
-            what = ", ".join(names)
-            raise InputError(f"a process of the executor differs from this one in {what}, and so might its bits")
+    if here != home and (names := differing(expected, prepared(here, cache))):
+        what = ", ".join(names)
+        raise InputError(f"a process of the executor differs from this one in {what}, and so might its bits")
     return function(item)
 
 

@@ -4,7 +4,7 @@ import dataclasses
 import itertools
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -20,6 +20,9 @@ from ..fields import (
     errors_in_typed_units,
     in_unit,
     in_words,
+    metadata,
+    no_number,
+    paths,
     typed_unit,
     unit_at,
     value_at,
@@ -202,8 +205,8 @@ class Grid:
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
         """Design and scenario with an array (n,) for each field of the grid, the others as they are; of a grid without
         choices."""
-        ((_, *swept),) = self.batches(design, scenario)
-        return swept[0], swept[1]
+        ((_, design, scenario),) = self.batches(design, scenario)
+        return design, scenario
 
 
 def grid(over: Mapping[str, Any], design: Part, scenario: Part, in_memory: bool = True) -> Grid:
@@ -232,13 +235,6 @@ def axis(path: str, given: Any, design: Part, scenario: Part) -> Axis:
     with errors_in_typed_units({path: made.typed}):
         with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
     return made
-
-
-def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
-    """Raise `InputError` for a field set on the command line that takes several values anyway, which are ``where``."""
-    for path in swept:
-        if path in fields:
-            raise InputError(f"--{path} {fields[path]} and the values of {path} in {where} contradict; keep one")
 
 
 def typed(text: str) -> tuple[str, Any]:
@@ -295,15 +291,15 @@ def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
 
 def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
     """Values of a choice, each checked by itself: whether they go with others, `Grid.batches` checks."""
-    if isinstance(given, Mapping):
-        raise InputError(
-            f"sweep.{path} is a choice; list its values, as in [{shown(value_at(design, scenario, path))}]"
-        )
-    listed = _as_list(given)
-    if not listed:
-        raise InputError(f"sweep.{path} is empty; list its values, as in [{shown(value_at(design, scenario, path))}]")
+    if path in paths(design) and "curve" in metadata(design, path):
+        raise InputError(f"sweep.{path} is {no_number(design, path)}; sweep one of these")
     now = value_at(design, scenario, path)
-    values = tuple(_as_choice(value, now) for value in listed)
+    remedy = f"list its values, as in [{shown(now)}]"
+    if isinstance(given, Mapping):
+        raise InputError(f"sweep.{path} is a choice; {remedy}")
+    values = tuple(_as_choice(value, now) for value in _as_list(given))
+    if not values:
+        raise InputError(f"sweep.{path} is empty; {remedy}")
     for value in values:
         check_alone(design, scenario, path, value)
         if values.count(value) > 1:

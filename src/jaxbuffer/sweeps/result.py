@@ -27,6 +27,7 @@ class Sweep(RunTable):
     - ``design``, ``scenarios``: what was swept, with arrays (n,) for the numbers that differ; over a grid, what the
       grid's values were put into.
     - ``grid``: the grid of ``over``, None without.
+    - ``identity``: a hash of each part that makes the sweep the one it is, by name; None where that is not known.
 
     **Example:**
 
@@ -51,7 +52,7 @@ class Sweep(RunTable):
             return self
         choices = any(not axis.unit for axis in self.grid.axes)
         swept = (None, None) if choices else self.grid.applied(self.design, self.scenarios)
-        return Sweep(self.mechanism, self.columns, *swept)  # type: ignore[arg-type]
+        return Sweep(self.mechanism, self.columns, *swept, identity=self.identity)  # type: ignore[arg-type, misc]
 
     def shaped(self, quantity: str) -> np.ndarray:
         """A quantity in the grid's shape."""

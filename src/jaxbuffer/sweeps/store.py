@@ -20,23 +20,24 @@ import jax
 import numpy as np
 
 from .._types import Dataset
+from ..cluster.extra import require
 from ..errors import InputError
 from ..files import Lock, naming
-from ..hybrid import name_of
+from ..hybrid import Automatic, name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
+from ..programs.process import differing
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
 from .chunk import Settings
-from .columns import column_names, whole_numbers
+from .columns import EMPTY, IDENTITY, column_names, column_types
 from .cut import Block, BlockSweep, Cut
 
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
 DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
-IDENTITY, BLOCK, KIND, TOKEN = "identity", "block", "made_on", "token"  # attributes, the last one a word, else JSON
-EMPTY = {"<i8": -1, "<f8": np.nan}  # what is in the place of runs that are not computed, by the column's type
+BLOCK, KIND, TOKEN = "block", "made_on", "token"  # attributes as `IDENTITY`, the last one a word, else JSON
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
 
@@ -63,9 +64,9 @@ class Store:
         inside = tuple(slice(length) for length in block.shape)  # blocks at an edge are smaller than their files
         files = {}
         for (name, kind), values in zip(self.types.items(), columns, strict=True):
-            files[self._file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
+            files[self.file(name, block)] = full = np.full(self.cut.block, EMPTY[kind], kind)
             full[inside] = values.reshape(block.shape)
-        files[self._file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
+        files[self.file(CHECKSUM, block)] = np.array([self._checksum(block, columns)], "<u8")
         with naming(self.path):
             zarr_format.write(files)
 
@@ -73,9 +74,9 @@ class Store:
         """Return a block's columns, (runs,) each, or None where it is not there, or not whole."""
         inside, columns = tuple(slice(length) for length in block.shape), list[np.ndarray]()
         try:
-            (expected,) = zarr_format.read(self._file(CHECKSUM, block), "<u8", (1,))
+            (expected,) = zarr_format.read(self.file(CHECKSUM, block), "<u8", (1,))
             for name, kind in self.types.items():
-                columns.append(zarr_format.read(self._file(name, block), kind, self.cut.block)[inside].ravel())
+                columns.append(zarr_format.read(self.file(name, block), kind, self.cut.block)[inside].ravel())
         except (OSError, ValueError, zlib.error):  # missing, cut off or garbled: all mean the same
             return None
         return columns if self._checksum(block, columns) == expected else None
@@ -85,11 +86,8 @@ class Store:
         columns = self.read(block)
         return None if columns is None or np.any(columns[[*self.types].index("code")] < 0) else columns
 
-    def is_begun(self, block: Block) -> bool:
-        """Return whether the block has a checksum, right or wrong."""
-        return self._file(CHECKSUM, block).exists()
-
-    def _file(self, name: str, block: Block) -> Path:
+    def file(self, name: str, block: Block) -> Path:
+        """Return a column's file of a block, or that of its checksum."""
         if name == CHECKSUM:
             return self.path / name / str(block.number)
         return self.path.joinpath(name, *map(str, np.unravel_index(block.number, self.cut.counts)))
@@ -107,7 +105,7 @@ def fill(store: Store, sweep: BlockSweep, columns: Mapping[str, np.ndarray]) -> 
     for block in sweep.blocks():
         values = store.read(block)
         if values is None:
-            damaged += store.is_begun(block)
+            damaged += store.file(CHECKSUM, block).exists()  # right or wrong
             continue
         for name, those in zip(store.types, values, strict=True):
             columns[name].reshape(sizes)[block.region] = those.reshape(block.shape)
@@ -173,11 +171,11 @@ def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[st
     ``made_on``: the kind of process that makes it.
     """
     cut, draft, token = sweep.cut, path.with_name(DRAFT), uuid.uuid4().hex
-    types = _types(sweep.mechanism)
+    types = column_types(sweep.mechanism)
     about = {
         **attributes(sweep.mechanism, sweep.template.design, sweep.template.scenario),
         "settings": json.dumps(_in_words(settings, sweep), sort_keys=True),
-        IDENTITY: json.dumps(_identity(settings, sweep), sort_keys=True),
+        IDENTITY: json.dumps(identity(settings, sweep), sort_keys=True),
         BLOCK: json.dumps(cut.block),
         KIND: json.dumps(dict(made_on), sort_keys=True),
         TOKEN: token,
@@ -206,9 +204,11 @@ def begun(path: Path, sweep: BlockSweep, settings: Settings, made_on: Mapping[st
     return Store(path, token, types, cut)
 
 
-def _identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
+def identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
     """Return what makes a sweep the one it is, by name: a hash of each part's numbers and of how they are arranged."""
     hashes = {"version": version()}
+    # No solver is the automatic one, which the command line names and a call in Python leaves out.
+    settings = settings._replace(solver=settings.solver or Automatic())
     parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
     for name, part in {**sweep.identity(), **parts}.items():
         leaves, structure = jax.tree.flatten(part)
@@ -229,11 +229,6 @@ def _in_words(settings: Settings, sweep: BlockSweep) -> dict[str, Any]:
     }
 
 
-def _types(mechanism: Mechanism) -> dict[str, str]:
-    whole = whole_numbers(mechanism)
-    return {name: "<i8" if name in whole else "<f8" for name in column_names(mechanism)}
-
-
 def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, dict[str, str]]:
     """Return a store that is there, and the kind of process that made it; the ``sweep`` gets its blocks.
 
@@ -241,25 +236,33 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, d
     """
     check_resumable(path)
     zarr_format.check_codecs(path)
-    known, own = zarr_format.attributes(path), _identity(settings, sweep)
+    known, own = zarr_format.attributes(path), identity(settings, sweep)
     try:
         other, block, made_on = (json.loads(known[name]) for name in (IDENTITY, BLOCK, KIND))
         other, made_on, token = dict(other), dict(made_on), str(known[TOKEN])
         cut = Cut(sweep.cut.sizes, tuple(map(int, block)))
     except (KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
-    if differ := [name for name in {**own, **other} if own.get(name) != other.get(name)]:
+    if differ := differing(own, other):
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        raise InputError(f"{path} holds another sweep, differing in {_and(differ)}; {remedy}; it is left as it is")
+        raise InputError(f"{path} holds another sweep, differing in {in_a_row(differ)}; {remedy}; it is left as it is")
     for draft in path.rglob(f"*{zarr_format.PARTIAL}"):  # what killed processes left half written
         draft.unlink(missing_ok=True)
     sweep.cut = cut
-    return Store(path, token, _types(sweep.mechanism), cut), made_on
+    return Store(path, token, column_types(sweep.mechanism), cut), made_on
+
+
+def identity_of(attributes: Mapping[str, Any]) -> dict[str, str] | None:
+    """Return which sweep a store or dataset with these attributes is of, or None where that is missing or damaged."""
+    try:
+        return dict(json.loads(attributes[IDENTITY]))
+    except (KeyError, ValueError, TypeError):
+        return None
 
 
 def existing(path: Path, sweep: BlockSweep) -> Store:
     """Return the store of a sweep in these blocks, to read it."""
-    return Store(path, str(zarr_format.attributes(path).get(TOKEN)), _types(sweep.mechanism), sweep.cut)
+    return Store(path, str(zarr_format.attributes(path).get(TOKEN)), column_types(sweep.mechanism), sweep.cut)
 
 
 def check_resumable(path: Path) -> None:
@@ -292,11 +295,9 @@ def opened(path: Path) -> Dataset:
 
     **Raises:** `InputError` where it is damaged.
     """
-    from ..cluster.connect import require  # with Zarr, an optional package
-
     require()
     zarr_format.check_codecs(path)
-    import xarray as xr
+    import xarray as xr  # takes a third of a second, which a sweep that is not read is spared
 
     try:
         return xr.open_zarr(path, mask_and_scale=False).drop_vars(CHECKSUM)
@@ -328,6 +329,7 @@ def _removed(path: Path) -> None:
             shutil.rmtree(folder if folder == gone else path.rename(gone))
 
 
-def _and(words: Sequence[str]) -> str:
+def in_a_row(words: Sequence[str]) -> str:
+    """Return words as a sentence lists them."""
     *others, last = words
     return f"{', '.join(others)} and {last}" if others else last

@@ -7,9 +7,10 @@ from typing import Any
 from .._types import Dataset
 from ..mechanisms.mechanism import Mechanism
 from .columns import doubts, empty_columns
-from .cut import GridSweep, RunsSweep
+from .cut import BlockSweep, RunsSweep
 from .result import Sweep
-from .store import existing, fill, opened
+from .store import existing, fill, identity_of, opened
+from .zarr_format import attributes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,7 +33,7 @@ class StoredSweep:
     """
 
     store: Path
-    asked: GridSweep | RunsSweep
+    asked: BlockSweep
     count: int
     done: int
     codes: dict[int, int]
@@ -55,12 +56,12 @@ class StoredSweep:
 
     def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
-        columns = empty_columns(self.mechanism, self.count)
+        columns, identity = empty_columns(self.mechanism, self.count), identity_of(attributes(self.store))
         fill(existing(self.store, self.asked), self.asked, columns)
         if isinstance(self.asked, RunsSweep):
-            return Sweep(self.mechanism, columns, *self.asked.swept[:2])
+            return Sweep(self.mechanism, columns, *self.asked.swept[:2], identity=identity)
         template = self.asked.template
-        return Sweep(self.mechanism, columns, template.design, template.scenario, self.asked.grid)
+        return Sweep(self.mechanism, columns, template.design, template.scenario, self.asked.grid, identity)
 
     def __repr__(self) -> str:
         name = self.mechanism.view.run_name

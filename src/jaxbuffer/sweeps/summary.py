@@ -1,5 +1,7 @@
 """A sweep in words and tables, for people."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from rich.table import Table
 
@@ -17,13 +19,10 @@ def sweep_parts(sweep: RunTable) -> list[str | Table]:
     failed."""
     if not isinstance(sweep.grid, Grid):
         return [sweep_table(sweep)]
-    mechanism, axes, done = sweep.mechanism, sweep.grid.axes, int(sweep.done.sum())
-    title = f"Sweep of {len(sweep)} {mechanism.view.run_name}s: " + " × ".join(
-        f"{len(axis)} {axis.name}" for axis in axes
-    )
-    parts: list[str | Table] = [title if done == len(sweep) else f"{title}; interrupted, {done} of them done"]
-    parts += [f"  {axis.path:26} {_values(axis)}" for axis in axes]
-    return [*parts, outcomes_table(sweep), *summary(sweep, "sweep.csv")]
+    axes = sweep.grid.axes
+    title = f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: "
+    title += " × ".join(f"{len(axis)} {axis.name}" for axis in axes)
+    return summary(sweep, title, {axis.path: _values(axis) for axis in axes}, "sweep.csv")
 
 
 def sweep_table(sweep: RunTable) -> Table:
@@ -32,9 +31,8 @@ def sweep_table(sweep: RunTable) -> Table:
     ends = ", ".join(
         f"{count} {sweep.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
     )
-    shown = table(f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: {ends}")
-    for heading in ("quantity", "least", "median", "greatest"):
-        shown.add_column(heading, justify="left" if heading == "quantity" else "right")
+    title = f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: {ends}"
+    shown = table(title, ("quantity",), ("least", "median", "greatest"))
     for name in sweep.mechanism.swept:
         values, (symbol, factor) = sweep.columns[name], sweep.mechanism.quantities[name].in_figures
         known = factor * values[np.isfinite(values)]
@@ -44,7 +42,7 @@ def sweep_table(sweep: RunTable) -> Table:
     return shown
 
 
-def outcomes_table(sweep: RunTable) -> Table:
+def _outcomes(sweep: RunTable) -> Table:
     """How many runs ended how."""
     mechanism = sweep.mechanism
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
@@ -55,32 +53,23 @@ def outcomes_table(sweep: RunTable) -> Table:
     return outcomes
 
 
-def summary(sweep: RunTable, file: str) -> list[str | Table]:
-    """The spread of every quantity, the worst and the best run, what lies beyond validity, and those that failed.
+def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -> list[str | Table]:
+    """What was run, how it ended, the spread of every quantity, the worst and the best run, what lies beyond validity,
+    and those that failed.
 
-    ``file``: where all of these can be looked up.
+    ``fields``: what differs between the runs, by its path, in words; ``file``: where all runs can be looked up.
     """
-    parts: list[str | Table] = []
+    done = int(sweep.done.sum())
+    parts: list[str | Table] = [title if done == len(sweep) else f"{title}; interrupted, {done} of them done"]
+    parts += [*(f"  {path:26} {words}" for path, words in fields.items()), _outcomes(sweep)]
     if sweep.solved.any():
         parts += [_spread(sweep), *_extremes(sweep)]
     return [
         *parts,
         *_beyond_validity(sweep),
-        *_rising(sweep),
         *sweep.doubts(f"see trust in {file}"),
         *_failures(sweep, file),
     ]
-
-
-def _rising(sweep: RunTable) -> list[str]:
-    """In how many runs that succeeded a largest value is the last one, and would go on to rise."""
-    mechanism, lines = sweep.mechanism, list[str]()
-    good = sweep.solved if mechanism.success is None else sweep.code == mechanism.outcomes[mechanism.success]
-    for name, quantity in mechanism.quantities.items():
-        if quantity.rising and (count := int(np.sum(good & (sweep.columns[quantity.rising] > 0.0)))):
-            runs = f"{count} of {int(good.sum())} {mechanism.view.run_name}s that ended {mechanism.success or 'solved'}"
-            lines.append(f"{name} is still rising where the run ends, in {runs}: it is the largest up to there only")
-    return lines
 
 
 def _beyond_validity(sweep: RunTable) -> list[str]:
@@ -109,26 +98,20 @@ def _spread(sweep: RunTable) -> Table:
         values, (symbol, factor) = sweep.columns[name][solved], mechanism.quantities[name].in_figures
         known = factor * values[np.isfinite(values)]
         if known.size:
-            spread.add_row(
-                f"{name} [{symbol}]",
-                *(f"{x:.5g}" for x in _without_rounding(np.quantile(known, list(QUANTILES.values())))),
-            )
+            quantiles = np.quantile(known, list(QUANTILES.values()))
+            # Zeros in place of what only rounding leaves.
+            figures = (f"{x:.5g}" for x in np.where(np.abs(quantiles) < 1e-12, 0.0, quantiles))
+            spread.add_row(f"{name} [{symbol}]", *figures)
     return spread
 
 
-def _without_rounding(values: np.ndarray) -> np.ndarray:
-    """Values with zeros in place of what only rounding leaves."""
-    return np.where(np.abs(values) < 1e-12, 0.0, values)
-
-
 def _extremes(sweep: RunTable) -> list[str]:
-    success = sweep.mechanism.success
     force = np.where(sweep.solved, sweep.peak_force, np.nan)
     lines = [f"greatest peak force {_run(sweep, int(np.nanargmax(force)))}"]
-    good = np.ones(len(sweep), bool) if success is None else sweep.code == sweep.mechanism.outcomes[success]
-    least = np.where(sweep.solved & good, sweep.peak_force, np.nan)
+    least = np.where(sweep.solved & sweep.mechanism.succeeded(sweep.code), sweep.peak_force, np.nan)
     if np.isfinite(least).any():
-        of = "" if success is None else f" of those {success}"
+        ends = [name for name in sweep.mechanism.successes if np.any(sweep.code == sweep.mechanism.outcomes[name])]
+        of = f" of those {' or '.join(ends)}" if ends else ""
         lines.append(f"least peak force{of} {_run(sweep, int(np.nanargmin(least)))}")
     return lines
 

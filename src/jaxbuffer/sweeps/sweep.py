@@ -8,12 +8,13 @@ import functools
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, TypedDict, Unpack, overload
 
 import jax
 import numpy as np
 
 from .._types import Scalar
+from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
 from ..files import Lock
@@ -23,19 +24,33 @@ from ..programs.process import check_ready, kind
 from ..programs.threads import cores
 from ..progress import counted
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
-from .chunk import CHUNK, Settings, columns_of_chunk, runs
+from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
 from .columns import empty_columns
 from .cut import BlockSweep, GridSweep, RunsSweep, Template
-from .distributed import run as run_distributed
-from .distributed import task_size
 from .executor import Where, check_executor, completed
 from .grid import Batch, grid
 from .result import Sweep, SweepInterrupted
-from .store import STORE, Saver, begun, check_resumable, fill, resumed
+from .store import STORE, Saver, begun, check_resumable, fill, identity, resumed
 from .stored import StoredSweep
 
-Cutter = Callable[[int], GridSweep | RunsSweep]  # a sweep in blocks of at most so many runs
+Cutter = Callable[[int], BlockSweep]  # a sweep in blocks of at most so many runs
 ONE_FOR_ALL = "all runs of a sweep share it"
+
+
+class SweepOptions(TypedDict, total=False):
+    """The keywords of `sweep` but the client."""
+
+    over: Mapping[str, Any] | None
+    executor: Executor | None
+    solver: Solver | str | None
+    rtol: float
+    stabilisation: float
+    trust: bool
+    workers: int | None
+    progress: Callable[[int, int], None] | bool | None
+    folder: str | Path | None
+    resume: bool
+    save: bool
 
 
 @overload
@@ -44,39 +59,14 @@ def sweep(
     scenarios: Part,
     duration: Scalar | None = None,
     *,
-    over: Mapping[str, Any] | None = None,
-    executor: Executor | None = None,
     client: None = None,
-    solver: Solver | str | None = None,
-    rtol: float = DEFAULT_TOLERANCE,
-    stabilisation: float = 20.0,
-    trust: bool = False,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | bool | None = None,
-    folder: str | Path | None = None,
-    resume: bool = False,
-    save: bool = True,
+    **options: Unpack[SweepOptions],
 ) -> Sweep: ...
 
 
 @overload
 def sweep(
-    design: Part,
-    scenarios: Part,
-    duration: Scalar | None = None,
-    *,
-    over: Mapping[str, Any] | None = None,
-    executor: None = None,
-    client: Any,
-    solver: Solver | str | None = None,
-    rtol: float = DEFAULT_TOLERANCE,
-    stabilisation: float = 20.0,
-    trust: bool = False,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | bool | None = None,
-    folder: str | Path | None = None,
-    resume: bool = False,
-    save: bool = True,
+    design: Part, scenarios: Part, duration: Scalar | None = None, *, client: Any, **options: Unpack[SweepOptions]
 ) -> StoredSweep: ...
 
 
@@ -143,7 +133,8 @@ def sweep(
     """
     mechanism = mechanism_of(design)
     check_pair(mechanism, design, scenarios)
-    duration = mechanism.defaults.duration if duration is None else duration
+    varied = over if isinstance(over, Mapping) else ()  # `grid` says what is wrong with others
+    duration = mechanism.duration(design, varied) if duration is None else duration
     check_number("duration", duration, "s", **POSITIVE)
     check_single("rtol", rtol, "-", ONE_FOR_ALL, **TOLERANCES)
     check_single("stabilisation", stabilisation, "1/s", ONE_FOR_ALL, low=0.0)
@@ -162,15 +153,19 @@ def sweep(
     )
     if over is None:
         count = runs(Batch(None, design, scenarios), duration, 1, 1, filled=True).places.size
-        result = Sweep(mechanism, {}, design, scenarios)
+        axes = None
         cut: Cutter = functools.partial(RunsSweep, design, scenarios, duration, count)
     else:
         check_single("duration", duration, "s", ONE_FOR_ALL)
         axes = grid(over, design, scenarios, in_memory=client is None)
-        count, result = len(axes), Sweep(mechanism, {}, design, scenarios, axes)
+        count = len(axes)
         cut = functools.partial(GridSweep, axes, Template(design, scenarios, duration))
     if client is not None:
+        require()
+        from .distributed import run as run_distributed  # imports Dask, an optional package
+
         return run_distributed(cut, count, settings, where)
+    result = Sweep(mechanism, {}, design, scenarios, axes, identity(settings, cut(CHUNK)))  # type: ignore[arg-type]
     _run(result, cut, duration, settings, where)
     if save and folder is not None:
         result.save(folder, force=True, figures=False)
@@ -206,8 +201,7 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
     try:
         if progress is not None and finished.any():
             progress(int(finished.sum()), count)
-        solve = functools.partial(_solved, settings)
-        for places, values in completed(solve, calls, workers, where.executor):
+        for places, values in completed(functools.partial(_solved, settings), calls, workers, where.executor):
             for column, those in zip(columns, values, strict=True):
                 column[places] = those[: places.size]
             finished[places] = True

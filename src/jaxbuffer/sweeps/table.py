@@ -1,5 +1,6 @@
 """Sweeps as labelled arrays and as rows of a table."""
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -11,7 +12,7 @@ from ..fields import addresses, unit_at, value_at
 from ..labelled.arrays import Labelled, dataset
 from ..mechanisms.dataset import attributes
 from ..version import version
-from .columns import RunTable
+from .columns import IDENTITY, RunTable
 from .grid import Grid
 
 Rows = tuple[list[str], Iterator[Sequence[Any]]]
@@ -19,14 +20,15 @@ Rows = tuple[list[str], Iterator[Sequence[Any]]]
 
 def sweep_dataset(sweep: RunTable) -> Dataset:
     """See `Sweep.to_xarray`."""
+    own = {} if sweep.identity is None else {IDENTITY: json.dumps(dict(sweep.identity), sort_keys=True)}
     if isinstance(sweep.grid, Grid):
         axes = {axis.path: Labelled((axis.path,), axis.values, axis.unit, axis.name) for axis in sweep.grid.axes}
         about = attributes(sweep.mechanism, sweep.design, sweep.scenario)
-        return dataset(_variables(sweep, tuple(axes), sweep.grid.shape), axes, about)
+        return dataset(_variables(sweep, tuple(axes), sweep.grid.shape), axes, about | own)
     runs = {"run": Labelled(("run",), np.arange(len(sweep)), "", "number of the run, from 0")}
     inputs = {path: Labelled(("run",), values, unit) for path, (unit, values) in _inputs(sweep).items()}
     about = {"title": sweep.mechanism.view.title, "kind": sweep.mechanism.name, "jaxbuffer": version()}
-    return dataset(_variables(sweep, ("run",), (len(sweep),)), runs | inputs, about)
+    return dataset(_variables(sweep, ("run",), (len(sweep),)), runs | inputs, about | own)
 
 
 def sweep_rows(sweep: RunTable) -> Rows:

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_single, check_type, check_whole, shown
-from ..fields import Part, check_path, get, replace, unit
+from ..fields import Curve, Part, check_path, get, replace, unit
 from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
 
@@ -86,11 +87,9 @@ class Distribution:
 
     def at(self, share: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
         """Return the quantiles of these shares."""
-        from scipy.stats import norm  # takes seconds to import, which a command without samples is spared
-
         if self.kind == "uniform":
             return self.first + share * (self.second - self.first)
-        return np.asarray(norm.ppf(share, self.first, self.second))
+        return np.asarray(scipy.stats.norm.ppf(share, self.first, self.second))
 
     @property
     def range(self) -> tuple[float, float]:
@@ -138,8 +137,6 @@ class Scatter:
         **Raises:** `InputError` for unknown fields, those that are no numbers, ends of a range that a scenario does not
         allow, and too many cases.
         """
-        from scipy.stats import qmc  # takes seconds to import
-
         if (most := MOST // len(scenarios)) < self.count:
             raise InputError(f"sample.count = {self.count} is out of range; allowed: [1, {most}]")
         for scenario in scenarios:
@@ -147,10 +144,10 @@ class Scatter:
                 check_path(scenario.scenario, name)
         for path in self.factors:
             value = get(design, path)
-            if value is None or isinstance(value, (str, bool)):
+            if value is None or isinstance(value, (str, bool, Curve)):
                 raise InputError(f"sample: {path} = {value!r} is not a number that can scatter")
         self.corners(scenarios)  # raises for ends of a range that a scenario does not allow
-        shares = qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
+        shares = scipy.stats.qmc.LatinHypercube(len(self.distributions), rng=self.seed).random(self.count).T
         spread = [d.at(s) for d, s in zip(self.distributions.values(), shares, strict=True)]
         return self._at(scenarios, np.array(spread).T)
 

@@ -9,11 +9,14 @@ A design tuned for samples is run in the corners of the ranges they come from, b
 """
 
 import dataclasses
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
-from ..fields import get, replace
+from ..fields import Curve, Part, get, replace
 from .cases import Case
 from .evaluation import Evaluator, built_design, measure
 from .goal import Goal
@@ -61,14 +64,12 @@ def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | 
         np.array([np.nan if c is None else float(c.elastic_peak) for c in closed]),
         np.array([np.nan if c is None else float(c.effective_energy) for c in closed]),
         lowest,
-        {path: value for path, value in at.items() if path not in known.softeners},
+        {path: value for path, value in at.items() if path not in _gone(problem.design, known.softeners)},
     )
 
 
 def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[float, np.ndarray]:
     """Search for the least floor within the bounds [N] and where it is, from the design with these ``peaks``."""
-    from scipy.optimize import minimize  # takes half a second to import
-
     here = problem.objective.aggregate(peaks)
     if not np.isfinite(here):
         return np.nan, scaled
@@ -85,7 +86,8 @@ def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[fl
         best = min(best, (value, where.copy()), key=lambda pair: pair[0])
         return value, slope
 
-    minimize(objective, scaled, jac=True, bounds=[(0.0, 1.0)] * len(scaled), method="L-BFGS-B", tol=1e-6)
+    bounds = [(0.0, 1.0)] * len(scaled)
+    scipy.optimize.minimize(objective, scaled, jac=True, bounds=bounds, method="L-BFGS-B", tol=1e-6)
     return best
 
 
@@ -96,15 +98,15 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
     """
     known, values = problem.mechanism.tuning.floor, problem.values(scaled)
     assert known is not None
+    gone = _gone(problem.design, known.softeners)
     peaks, slopes = np.full(len(problem.cases), np.nan), np.full((len(problem.cases), len(scaled)), np.nan)
     for k, case in enumerate(problem.cases):
         if (built := built_design(problem, scaled, case)) is None:
             continue
-        design = replace(built, {path: GONE * float(get(built, path)) for path in known.softeners})
+        design = replace(built, _gone(built, known.softeners))
         duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
         run = measure(
-            design,
-            case.scenario,
+            (design, case.scenario),
             mechanism=problem.mechanism,
             measured=problem.measured,
             paths=problem.paths,
@@ -116,11 +118,24 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
         factors = dict(case.factors)
         # The softeners are taken away whatever their variables say, so the floor has no slope by these.
         scale = [
-            v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in known.softeners)
+            v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in gone)
             for v, x in zip(problem.variables, values, strict=True)
         ]
         peaks[k], slopes[k] = float(run.peaks[0]), run.peaks_slope[0] * np.array(scale)
     return peaks, slopes
+
+
+def _gone(design: Part, softeners: Sequence[str]) -> dict[str, float]:
+    """Return what is left of a design's softeners by path: of measured curves their values, of what is not there
+    nothing."""
+    numbers = dict[str, Any]()
+    for path in softeners:
+        value = get(design, path)
+        if isinstance(value, Curve):
+            numbers |= {f"{path}.{address}": value.get(address) for address in value.value_addresses()}
+        elif value is not None:
+            numbers[path] = value
+    return {path: GONE * float(number) for path, number in numbers.items()}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -4,7 +4,8 @@ Limits enter by an augmented Lagrangian (Nocedal and Wright, eq. 17.65): f + Σ 
 multipliers μ are raised every few steps. Maxima over impacts and load cases have the slope of the largest one.
 """
 
-from collections.abc import Callable
+import hashlib
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -13,24 +14,63 @@ from jaxtyping import Float
 from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import End, ending, infeasible, left_to_gain
+from .message import ending, infeasible, left_to_gain
 from .model_step import residual
 from .problem import Problem, Settings
 from .rounds import anywhere, check_starts, size
 from .search import CONVERGED, SCREENING_PENALTY, STALLED, Branch, Search
-from .store import Store, record_of
+from .store import Store, evaluations_of, record_of, stored_evaluations
 from .tuned import Tuned, assess
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
 PATIENCE = 10  # steps between two rises of the multipliers
 
 
-def check_optimizer(problem: Problem, optimizer: Any, resume: bool) -> None:
+def optimizer_named(settings: Settings) -> Any:
+    """Return the optimiser of optax that the settings name, None for the default search."""
+    if settings.optimizer == "quadratic":
+        return None
+    import optax  # takes half a second
+
+    return getattr(optax, settings.optimizer)(settings.learning_rate)
+
+
+def behaviour_of(optimizer: Any) -> str:
+    """Return a text that differs for optimisers whose first three steps differ: they are functions, without names."""
+    at = np.array([0.2, 0.5])
+    state, changes = optimizer.init(at), []
+    for slope in ([1.0, -0.3], [0.2, -0.3], [-0.4, 0.1]):
+        change, state = optimizer.update(np.array(slope), state, at)
+        changes.append(np.asarray(change, float))
+    return hashlib.sha256(np.array(changes).tobytes()).hexdigest()[:8]
+
+
+class Repeated:
+    """An evaluator that keeps what it evaluates in the store, and begins with what is there: a descent that is resumed
+    repeats its steps, which cost nothing but runs, with the numbers of before."""
+
+    def __init__(self, evaluator: Evaluator, store: Store) -> None:
+        self.evaluator, self.store = evaluator, store
+        self.known, self.used = evaluations_of(store.state), 0
+
+    def __call__(self, points: Iterable[np.ndarray], slopes: bool | None = None) -> list[Evaluation]:
+        """As of `Evaluator`."""
+        points = [np.asarray(point, float) for point in points]
+        stored = self.known[self.used : self.used + len(points)]
+        if np.array_equal(points, [point.scaled for point in stored]):
+            self.evaluator.captures += len(points) * len(self.evaluator.problem.cases)
+        else:
+            stored = self.evaluator(points, slopes=slopes)
+            self.known = [*self.known[: self.used], *stored]
+            self.store.keep(stored_evaluations(self.known))
+        self.used += len(points)
+        return stored
+
+
+def check_optimizer(problem: Problem, optimizer: Any) -> None:
     """Raise `InputError` for what is no optimiser, and for what is not offered with one."""
     if not (hasattr(optimizer, "init") and hasattr(optimizer, "update")):
         raise InputError(f"optimizer = {optimizer!r} is not an optax optimizer; write optax.adam(0.05) say")
-    if resume:
-        raise InputError("a tuning by an optimizer cannot be resumed; leave out resume or optimizer")
     if problem.then is not None:
         raise InputError("a tuning by an optimizer has no second objective; leave out problem.then or optimizer")
 
@@ -48,20 +88,25 @@ def descend(
     ``settings.iterations`` steps each.
     """
     goal, own = Goal(problem, problem.objective), problem.start()
-    points = evaluator([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=False)
+    repeated, logged = Repeated(evaluator, store), list(store.records)
+    points = repeated([own, *anywhere(settings, 0, len(own), settings.starts - 1)], slopes=False)
     scale = size(goal, points)
     search = Search(goal, scale, settings)
 
     def log(number: int, point: Evaluation, branch: Branch | None) -> None:
-        store.append(record_of(goal, point, len(store.records), 0, number, branch))
+        if logged:  # a run that is resumed has it already
+            logged.pop()
+        else:
+            store.append(record_of(goal, point, len(store.records), 0, number, branch))
 
     for point in points:
         log(0, point, None)
-    chosen = evaluator([point.scaled for point in sorted(points, key=search.rank)[: settings.searches]])
+    chosen = repeated([point.scaled for point in sorted(points, key=search.rank)[: settings.searches]])
     check_starts(problem, chosen)
-    branches = [_descent(search, optimizer, evaluator, start, number, log) for number, start in enumerate(chosen)]
+    branches = [_descent(search, optimizer, repeated, start, number, log) for number, start in enumerate(chosen)]
     best = min(branches, key=lambda branch: search.rank(branch.best))
-    ended = f"{settings.iterations} steps of the optimizer from each of {len(branches)} starts"
+    effort = f"{settings.iterations} steps of the optimizer from each of {len(branches)} starts"
+    well = f"{effort}; {left_to_gain(best)}; iterations, in [tune] of a study, allow more steps"
     return assess(
         goal,
         settings,
@@ -70,21 +115,17 @@ def descend(
         best.best,
         scale,
         SCREENING_PENALTY,
-        lambda after: End(ending(best, settings), False, _message(goal, after, ended, best)),
+        lambda after: well if goal.feasible(after) else infeasible(goal, after, effort),
         store.records,
+        ended=ending(best, settings),
+        borne_out=False,
     )
-
-
-def _message(goal: Goal, after: Evaluation, ended: str, best: Branch) -> str:
-    if not goal.feasible(after):
-        return infeasible(goal, after, ended)
-    return f"{ended}; {left_to_gain(best)}; iterations, in [tune] of a study, allow more steps"
 
 
 def _descent(
     search: Search,
     optimizer: Any,
-    evaluator: Evaluator,
+    evaluator: Repeated,
     start: Evaluation,
     number: int,
     log: Callable[[int, Evaluation, Branch], None],

@@ -15,13 +15,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..cluster.pool import pool_of
+from ..cluster.extra import pool_of
 from ..errors import InputError
 from ..fields import Part, get
+from ..hybrid import Diffrax, Solver, name_of, solver_named
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.run import Run, rising
+from ..mechanisms.run import Run
 from ..run.request import check_pair
 from ..run.simulate import simulate
+from ..run.stepper import stepper_of
 from ..sensitivities.gradients import gradients
 from .cases import Case
 from .problem import PEAK_FORCE, Problem
@@ -29,6 +31,8 @@ from .problem import PEAK_FORCE, Problem
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24
 LOST = -10.0  # margin of a run that could not be solved [-]
+# rtol of the last check by diffrax: below it the smooth law's bias is larger, and derivatives take too many steps.
+FINEST_OF_DIFFRAX = 1e-8
 
 
 class Evaluation(NamedTuple):
@@ -38,8 +42,7 @@ class Evaluation(NamedTuple):
     cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
     of that); ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts
     they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
-    the run succeeds; ``first`` [N]: the first impact's peak; ``rising``: which of the mechanism's tuned quantities are
-    largest at the end of a run that succeeded, and still rising there; ``rest_slope``: at a fixed largest peak,
+    the run succeeds; ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest peak,
     ``by_peak`` [unit/N]: by that peak, zero for all but own quantities.
     """
 
@@ -53,7 +56,6 @@ class Evaluation(NamedTuple):
     rest: Float[np.ndarray, "cases rest"]
     margin: Float[np.ndarray, " cases"]
     first: Float[np.ndarray, " cases"]
-    rising: Bool[np.ndarray, "cases tuned"]
     peaks_slope: Float[np.ndarray, "cases peaks variables"]
     rest_slope: Float[np.ndarray, "cases rest variables"]
     margin_slope: Float[np.ndarray, "cases variables"]
@@ -79,12 +81,23 @@ class Evaluation(NamedTuple):
 class Evaluator:
     """An evaluator runs designs of one problem and counts the runs.
 
-    Each run has its derivatives unless ``slopes`` is False: they are zero then, for methods that use none. ``client``:
-    as in `tune`.
+    Each run has its derivatives unless ``slopes`` is False: they are zero then, for methods that use none. ``client``,
+    ``solver``: as in `tune`. ``tight``: relative error of the runs in which a tuned design is checked [-].
     """
 
-    def __init__(self, problem: Problem, workers: int | None = None, slopes: bool = True, client: Any = None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        workers: int | None = None,
+        slopes: bool = True,
+        client: Any = None,
+        solver: Solver | str | None = None,
+    ) -> None:
         self.problem, self.captures, self.slopes = problem, 0, slopes
+        named = None if solver is None else solver_named(solver)
+        self._solver = named if client is None else name_of(named)
+        usual = stepper_of(problem.mechanism).tight
+        self.tight = max(usual, FINEST_OF_DIFFRAX) if isinstance(named, Diffrax) else usual
         self._pool = pool_of(client, workers)
 
     def __enter__(self) -> "Evaluator":
@@ -110,12 +123,13 @@ class Evaluator:
         jobs = [(built_design(problem, point, case), case.scenario) for point in points for case in cases]
         fitting = [(design, scenario) for design, scenario in jobs if design is not None]
         one = functools.partial(
-            _measure_job,
+            measure,
             mechanism=problem.mechanism,
             measured=problem.measured,
             paths=problem.paths,
             duration=problem.duration,
             rtol=rtol or problem.rtol,
+            solver=self._solver,
             slopes=with_slopes,
         )
         results = iter(self._pool.map(one, fitting))
@@ -149,7 +163,6 @@ class Measurement(NamedTuple):
     rest: Float[np.ndarray, " rest"]
     margin: float
     first: float
-    rising: Bool[np.ndarray, " tuned"]
     peaks_slope: Float[np.ndarray, "peaks paths"]
     rest_slope: Float[np.ndarray, "rest paths"]
     margin_slope: Float[np.ndarray, " paths"]
@@ -158,48 +171,41 @@ class Measurement(NamedTuple):
     def lost(problem: Problem) -> "Measurement":
         """Return that of a load case whose design and scenario do not fit each other."""
         rest, paths = len(problem.measured) - 1, len(problem.paths)
-        return Measurement(
-            code=int(problem.mechanism.outcomes["failed_input"]),
-            impacts=0,
-            peaks=np.full(PEAKS, np.nan),
-            slots=np.arange(PEAKS),
-            rest=np.full(rest, np.nan),
-            margin=np.nan,
-            first=np.nan,
-            rising=np.zeros(len(problem.mechanism.tuned), bool),
-            peaks_slope=np.full((PEAKS, paths), np.nan),
-            rest_slope=np.full((rest, paths), np.nan),
-            margin_slope=np.full(paths, np.nan),
-        )
+        slopes = {"peaks_slope": (PEAKS, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
+        shapes = {"peaks": (PEAKS,), "rest": (rest,), "margin": (), "first": ()} | slopes
+        numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        code = int(problem.mechanism.outcomes["failed_input"])
+        return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
 
 
 def measure(
-    design: Part,
-    scenario: Part,
+    built: tuple[Part, Part],
     *,
     mechanism: Mechanism,
     measured: Sequence[str],
     paths: Sequence[str],
     duration: Any,
     rtol: float,
+    solver: Solver | str | None = None,
     slopes: bool = True,
 ) -> Measurement:
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
 
-    **Arguments:** ``mechanism``: whose design it is; ``measured``: names of the quantities to read off; ``paths``: by
-    which they are differentiated.
+    **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
+    quantities to read off; ``paths``: by which they are differentiated; ``solver``: as for `simulate`.
     """
+    (design, scenario), solver = built, None if solver is None else solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]
     catalogue = mechanism.quantities
     margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
     if slopes:
         at = [float(get(design, p)) for p in paths]
-        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol)
+        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol, solver=solver)
         run = result.run
         of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
         top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
     else:
-        run = simulate(design, scenario, duration, rtol=rtol)
+        run = simulate(design, scenario, duration, rtol=rtol, solver=solver)
         none = np.zeros(len(paths))
         of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
         top_slope, others = none, [none] * (len(rest) + len(margin))
@@ -215,16 +221,10 @@ def measure(
         rest=values[: len(rest)],
         margin=float(values[-1]) if margin else 1.0,
         first=float(peaks[0]),
-        rising=np.isin(mechanism.tuned, rising(run)),
         peaks_slope=of_peaks[slots],
         rest_slope=of_rest,
         margin_slope=others[-1] if margin else np.zeros(len(paths)),
     )
-
-
-def _measure_job(job: tuple[Part, Part], **options: Any) -> Measurement:
-    """Measure a pair of design and scenario: a function of a module, because a pool's tasks are pickled."""
-    return measure(*job, **options)
 
 
 def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -259,17 +259,17 @@ def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: l
     run = _by_field(problem, stacked, lost)
     peak, rest = run["peaks"][:, 0], run["rest"]  # peaks fall, so the first is the largest
     own = compose(problem, peak, rest, run["rest_slope"])
-    if np.any(without := ~own.finite & ~lost):
+    known = np.isfinite(own.values) & np.isfinite(own.by_peak) & np.all(np.isfinite(own.slopes), axis=2)
+    if np.any(without := ~np.all(known, axis=1) & ~lost):
         if cases is problem.cases and np.array_equal(scaled, problem.start()):
             check_start(problem, peak, rest, int(np.argmax(without)))
         run = _by_field(problem, stacked, lost | without)
     # Quantities that only the own ones are made of stand behind the mechanism's tuned ones and are left out here.
-    solved, others = run["solved"][:, None], len(problem.mechanism.tuned) - 1
+    solved, others = run["solved"][:, None], len(problem.names) - len(problem.quantities) - 1
     return Evaluation(
         scaled=scaled,
         **run
         | {
-            "rising": run["rising"] & run["succeeded"][:, None],
             "rest": np.column_stack([run["rest"][:, :others], np.where(solved, own.values, 0.0)]),
             "rest_slope": np.concatenate(
                 [run["rest_slope"][:, :others], np.where(solved[:, :, None], own.slopes, 0.0)], axis=1
@@ -281,22 +281,21 @@ def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: l
 
 def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray) -> dict[str, np.ndarray]:
     """Return the runs' numbers by the fields of `Evaluation`, zero for the ``lost`` runs."""
-    outcomes, success = problem.mechanism.outcomes, problem.mechanism.success
-    code = stacked["code"]
+    outcomes, code = problem.mechanism.outcomes, stacked["code"]
     code = np.where(lost & (code < outcomes["failed_steps"]), outcomes["failed_not_finite"], code)
     numbers = ("peaks", "rest", "margin", "first", "peaks_slope", "rest_slope", "margin_slope")
     run = {name: stacked[name].copy() for name in numbers}
     for array in run.values():
         array[lost] = 0.0
     run["margin"][lost] = LOST
-    succeeded = ~lost if success is None else code == outcomes[success]
+    succeeded = ~lost & problem.mechanism.succeeded(code)
     ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.outcomes.time_is_up()])
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
     time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
     run["rest"][ended_otherwise, time] = problem.duration
     run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": succeeded}
-    return run | states | {name: stacked[name] for name in ("impacts", "slots", "rising")}
+    return run | states | {name: stacked[name] for name in ("impacts", "slots")}
 
 
 class OwnQuantities(NamedTuple):
@@ -309,12 +308,6 @@ class OwnQuantities(NamedTuple):
     values: Float[np.ndarray, "cases own"]
     slopes: Float[np.ndarray, "cases own variables"]
     by_peak: Float[np.ndarray, "cases own"]
-
-    @property
-    def finite(self) -> Bool[np.ndarray, " cases"]:
-        """Which load cases have numbers throughout."""
-        known = np.isfinite(self.values) & np.isfinite(self.by_peak) & np.all(np.isfinite(self.slopes), axis=2)
-        return np.asarray(np.all(known, axis=1))
 
 
 def compose(

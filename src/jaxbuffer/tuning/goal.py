@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from .evaluation import Evaluation
 from .objective import Objective
-from .problem import PEAK_FORCE, Problem
+from .problem import Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N, of a slot without an impact: below every peak, so that it is never the largest
@@ -86,17 +86,13 @@ class Goal:
         by_case = np.einsum("q,cqn->cn", self.weights(self.objective), evaluation.quantities_slope)
         return np.asarray(case_weights @ by_case)
 
-    def uses_peak(self, objective: Objective) -> bool:
-        """Return whether the peak force is part of an objective."""
-        return PEAK_FORCE in objective.weights
-
     def signed_limits(self) -> list[tuple[int, float]]:
         """Return the index of each limited quantity in `Problem.names`, and its limit.
 
         A lower limit has a minus sign: then ``value / limit`` stays at most the limit's sign.
         """
         limits = self.problem.limits
-        most, least = {**self.problem.mechanism.tuning.always, **limits.at_most}, limits.at_least
+        most, least = {**self.problem.mechanism.always(self.problem.design), **limits.at_most}, limits.at_least
         signed = [*most.items(), *((name, -limit) for name, limit in least.items())]
         return [(self.problem.names.index(name), float(limit)) for name, limit in signed]
 
@@ -180,13 +176,13 @@ class Goal:
         """Return what fails in one load case."""
         lines, margin, mechanism = [], evaluation.margin[k], self.problem.mechanism
         limits = self.problem.limits
-        limits = dataclasses.replace(limits, at_most={**mechanism.tuning.always, **limits.at_most})
+        limits = dataclasses.replace(limits, at_most={**mechanism.always(self.problem.design), **limits.at_most})
         outcome = mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
             own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""
             lines.append(f"the simulation failed{own}")
         elif self.must_succeed and margin < 0.0:
-            lines.append(f"not {mechanism.success} ({mechanism.tuning.margin} {margin:.3g})")
+            lines.append(f"not {mechanism.success_of(self.problem.design)} ({mechanism.tuning.margin} {margin:.3g})")
         if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
             lines.append(outcome.reason)
         values = dict(zip(self.problem.names, evaluation.quantities[k].tolist(), strict=True))

@@ -21,21 +21,8 @@ Ended = Literal["converged", "limit_of_steps", "stalled", "cliff"]
 tolerance though more seems to be left, or where a small change makes a run fail."""
 
 
-class End(NamedTuple):
-    """How a tuning ended; fields as of `Tuned`."""
-
-    ended: Ended
-    borne_out: bool
-    message: str
-
-
-def end(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> End:
-    """Return how the best search ended, whether another one agrees, and what to do."""
-    agree = progress.searches > 1 and progress.apart <= AGREE
-    return End(ending(branch, settings), agree, _message(goal, branch, after, progress, settings))
-
-
-def _message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
+def message(goal: Goal, branch: Branch, after: Evaluation, progress: Progress, settings: Settings) -> str:
+    """Say how the best search ended, whether another one agrees, and what to do."""
     more = (
         f"raise starts (now {settings.starts}) or rounds (now {settings.rounds}), or change seed, in [tune] of the"
         " study; starts and seed also by --starts and --seed"
@@ -172,9 +159,8 @@ def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"
     assert mechanism.tuning.margin is not None
     quantity = mechanism.quantities[mechanism.tuning.margin]
     margin = f"{mechanism.tuning.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
-    heading = (
-        f"{_heading(goal, str(mechanism.success), excess, margin)} ({mechanism.tuning.margin}: {quantity.description})"
-    )
+    success = str(mechanism.success_of(goal.problem.design))
+    heading = f"{_heading(goal, success, excess, margin)} ({mechanism.tuning.margin}: {quantity.description})"
     worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
     return _broken(goal, point, excess, heading, worst)
 
@@ -230,28 +216,23 @@ def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
     way = "fall" if worst.falls else "rise"
     if not influences:
         return "no variable changes it: the limit can't be kept by these variables"
-    outside = [_beyond(goal, worst, it) for it in influences if it.at_bound]
-    inside = [
-        f"{'more' if it.up else 'less'} {it.variable.path} {_effect(worst, it)}" for it in influences if not it.at_bound
-    ]
+    outside, inside = ([_words(goal, worst, it) for it in influences if it.at_bound is at] for at in (True, False))
     lines = [f"it would {way} with {' or '.join(outside)}"] if outside else []
     if inside:
         lines.append(f"within the bounds it would {way} with {' or '.join(inside)}, as far as other limits let it")
     return "; ".join(lines)
 
 
-def _beyond(goal: Goal, worst: WorstCase, it: Influence) -> str:
-    """Say of a variable at its bound how far about it would have to go beyond."""
-    path, problem = it.variable.path, goal.problem
+def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
+    """Say what more or less of a variable does, and of one at its bound how far about it would have to go beyond."""
+    path, problem, (symbol, factor) = it.variable.path, goal.problem, worst.shown
+    effect = f"({'-' if worst.falls else '+'}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+    if not it.at_bound:
+        return f"{'more' if it.up else 'less'} {path} {effect}"
     bound = problem.said(path, it.variable.high if it.up else it.variable.low)
     enough = _enough(worst, it)
     far = "" if enough is None else f", {'to' if it.up else 'down to'} about {problem.said(path, enough, 2)}"
-    return f"{it.variable.path} {'above' if it.up else 'below'} its bound of {bound}{far} {_effect(worst, it)}"
-
-
-def _effect(worst: WorstCase, it: Influence) -> str:
-    sign, (symbol, factor) = "-" if worst.falls else "+", worst.shown
-    return f"({sign}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+    return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
 
 
 def _enough(worst: WorstCase, it: Influence) -> float | None:

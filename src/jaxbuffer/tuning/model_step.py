@@ -12,9 +12,11 @@ Optimization, section 14.2). A step that a schedule shortens does not lower it.
 """
 
 import warnings
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
 from .goal import ROOM, Goal, Tangent
@@ -55,7 +57,7 @@ class Programme:
         self.bounds.append((low, high))
         return len(self.cost) - 1
 
-    def row(self, entries: Entries, right: float) -> None:
+    def row(self, entries: Iterable[tuple[int, float]], right: float) -> None:
         """Add a row."""
         self.entries += [(len(self.right), column, value) for column, value in entries if value != 0.0]
         self.right.append(right)
@@ -65,25 +67,20 @@ class Programme:
 
         **Returns:** None where the solver gives up.
         """
-        from scipy.sparse import csc_matrix  # SciPy and the solvers take a second to import, which few commands need
-
         rows, columns, values = zip(*self.entries, strict=True)
-        matrix = csc_matrix((values, (rows, columns)), shape=(len(self.right), len(self.cost)))
+        matrix = scipy.sparse.csc_matrix((values, (rows, columns)), shape=(len(self.right), len(self.cost)))
         return self._quadratic(matrix, curvature) if np.any(curvature) else self._linear(matrix)
 
     def _linear(self, matrix: np.ndarray) -> Minimum | None:
-        from scipy.optimize import linprog
-
-        result = linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
+        result = scipy.optimize.linprog(self.cost, A_ub=matrix, b_ub=self.right, bounds=self.bounds, method="highs")
         # SciPy's marginals are what the cost gains for more on the right: the duals with the other sign.
         return Minimum(result.x, -result.ineqlin.marginals) if result.success else None
 
     def _quadratic(self, matrix: np.ndarray, curvature: np.ndarray) -> Minimum | None:
-        import qpsolvers
-        from scipy.sparse import csc_matrix
+        import qpsolvers  # takes a second with its solvers, which few commands need
 
         along, across = np.indices(curvature.shape).reshape(2, -1)
-        square = csc_matrix((curvature.ravel(), (along, across)), shape=(len(self.cost),) * 2)
+        square = scipy.sparse.csc_matrix((curvature.ravel(), (along, across)), shape=(len(self.cost),) * 2)
         low, high = np.array(self.bounds).T
         problem = qpsolvers.Problem(square, np.array(self.cost), matrix, np.array(self.right), lb=low, ub=high)
         with warnings.catch_warnings(action="ignore"):  # the solution says the same
@@ -136,25 +133,26 @@ class Cuts(NamedTuple):
     offsets: Float[np.ndarray, " cuts"]
 
 
-class _Model:
+class _Model(Programme):
     """A model is a goal's merit to first order as a programme over steps in a box.
 
     All rows are relative, so of size one.
     """
 
     def __init__(self, goal: Goal, tangent: Tangent, box: tuple[Step, Step]) -> None:
+        super().__init__()
         self.goal, self.tangent, self.cases = goal, tangent, range(len(tangent.margin))
-        self.programme, self.sources = Programme(), list[tuple[Source, ...]]()
-        self.steps = [self.programme.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
-        used = goal.uses_peak(goal.objective) or PEAK_FORCE in goal.problem.limits.at_most
-        used = used or (goal.ceiling is not None and goal.uses_peak(goal.ceiling.objective))
+        self.sources = list[tuple[Source, ...]]()
+        self.steps = [self.add(0.0, float(a), float(b)) for a, b in zip(*box, strict=True)]
+        ceiling = () if goal.ceiling is None else goal.ceiling.objective.weights
+        used = PEAK_FORCE in (*goal.objective.weights, *goal.problem.limits.at_most, *ceiling)
         used = used or bool(np.any(tangent.by_peak))
         self.peak_scale = max(float(np.max(tangent.peaks)), 1.0)
         self.peaks = self._peaks(np.maximum(-box[0], box[1])) if used else []
 
-    def row(self, entries: Entries, right: float, sources: tuple[Source, ...] = ()) -> None:
+    def row(self, entries: Iterable[tuple[int, float]], right: float, sources: tuple[Source, ...] = ()) -> None:
         """Add a row and note what of the tangent is on its left, by which its dual is given out later."""
-        self.programme.row(entries, right)
+        super().row(entries, right)
         self.sources.append(sources)
 
     def along(self, slope: np.ndarray) -> Entries:
@@ -167,7 +165,7 @@ class _Model:
         It lies above all impacts that may become the largest within reach.
         """
         tangent, scale = self.tangent, self.peak_scale
-        columns = [self.programme.add(0.0, 0.0) for _ in self.cases]
+        columns = [self.add(0.0, 0.0) for _ in self.cases]
         for k, column in enumerate(columns):
             change = np.abs(tangent.peaks_slope[k]) @ reach
             lowest = tangent.peaks[k, 0] - change[0]
@@ -198,8 +196,8 @@ class _Model:
     def aggregate(self, objective: Objective, scale: float, cost: float) -> Entries:
         """Add min t + cap Σ max(0, f - t), the dual of `Objective.case_weights`, over ``scale``; return its entries."""
         cap, weights = objective.cap(len(self.cases)), self.goal.weights(objective) / scale
-        base = self.programme.add(cost, -np.inf)
-        above = [self.programme.add(cost * cap, 0.0) for _ in self.cases]
+        base = self.add(cost, -np.inf)
+        above = [self.add(cost * cap, 0.0) for _ in self.cases]
         for k in self.cases:
             entries, constant, sources = self.weighted(k, weights)
             self.row([*entries, (base, -1.0), (above[k], -1.0)], -constant, sources)
@@ -257,9 +255,9 @@ def best_step(
     model.aggregate(goal.objective, scale, 1.0)
     rows = model.constraints()
     for (entries, right, sources), gap in zip(rows, np.broadcast_to(room, len(rows)), strict=True):
-        excess = model.programme.add(penalty, 0.0)
+        excess = model.add(penalty, 0.0)
         model.row([*entries, (excess, -1.0)], right - float(gap), sources)
-    minimum = model.programme.solve(bend) or model.programme.solve(0.0 * bend)
+    minimum = model.solve(bend) or model.solve(0.0 * bend)
     if minimum is None:
         return ModelStep(still, np.nan, model.multipliers(np.zeros(len(model.sources))))
     step = np.clip(minimum.x[: len(scaled)], low, high)

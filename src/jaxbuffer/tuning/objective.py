@@ -158,6 +158,11 @@ class Limits:
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The limited quantities, those with an upper limit first."""
+        return (*self.at_most, *self.at_least)
+
     def broken(self, values: Mapping[str, float], impacts: int, catalogue: Catalogue) -> list[str]:
         """Return a line for each limit that a run with these quantities and this number of impacts breaks."""
         sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
@@ -179,10 +184,10 @@ class Limits:
         mechanism, outcome = run.mechanism, run.outcome
         catalogue = {**mechanism.quantities, **(own or {})}
         lines = []
-        if self.captured and mechanism.success is not None and outcome.name != mechanism.success:
-            lines.append(f"not {mechanism.success} ({outcome.reason})")
-        check_known((*self.at_most, *self.at_least), catalogue, "constraints")
-        named = {name: float(catalogue[name].of(run)) for name in (*self.at_most, *self.at_least)}
+        if self.captured and mechanism.successes and not mechanism.succeeded(int(outcome)):
+            lines.append(f"not {mechanism.success_of(run.design)} ({outcome.reason})")
+        check_known(self.names, catalogue, "constraints")
+        named = {name: float(catalogue[name].of(run)) for name in self.names}
         return lines + self.broken(named, int(run.impact_count), catalogue)
 
     def lines(self, catalogue: Catalogue) -> list[str]:
@@ -241,7 +246,7 @@ class Constraints(NamedTuple):
     def values(self, run: Run) -> dict[str, float]:
         """Return each limited quantity of the run, in its unit."""
         catalogue = {**run.mechanism.quantities, **self._own_catalogue()}
-        return {name: float(catalogue[name].of(run)) for name in (*self.limits.at_most, *self.limits.at_least)}
+        return {name: float(catalogue[name].of(run)) for name in self.limits.names}
 
     def _own_catalogue(self) -> Catalogue:
         return {name: derived.as_quantity(name) for name, derived in self.own.items()}

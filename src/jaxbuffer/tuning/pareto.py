@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..cluster.connect import connected
+from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
 from ..labelled.saved import Saved
@@ -140,16 +140,13 @@ def pareto(
     >>> [bool(kept) for kept in front.kept]
     [True, True]
     """
-    check_type(
-        "problem", problem, Problem, "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
-    )
-    check_front(problem, objectives, points)
+    check_front(problem, objectives, points, limits)
     check_flag("save", save)
     names = tuple(objectives)
-    _check_limits(names, limits)
     place = None if folder is None else Path(folder)
-    with contextlib.nullcontext() if client is None else connected(client, workers) as shared:
-        search = _Search(problem, names, place, resume, workers, shared, report, settings)
+    with _connected(client, workers) as shared:
+        options = {"workers": workers, "client": shared, "report": report, **settings}
+        search = _Search(problem, names, folder=place, resume=resume, options=options)
         if limits is None:
             front = _between_ends(search, points, finished)
         else:
@@ -163,8 +160,8 @@ def pareto(
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:
     """Search for the ends of the front, and for points under limits between them."""
     names = search.names
-    free = search.at({}, "least-" + names[0], search.problem.design)
-    ends = [search.alone(name, free.design) for name in names[1:]]
+    free = search.least(names[0], {}, f"least-{names[0]}", search.problem.design)
+    ends = [search.least(name, {}, f"least-{name}", free.design) for name in names[1:]]
     values = np.array([_worst(end, names) for end in (free, *ends)])
     for name, column in zip(names, values.T, strict=True):
         if not np.nanmax(column) > 0.0:
@@ -191,16 +188,13 @@ def limits_between(ends: Float[np.ndarray, "k k-1"], points: int) -> list[np.nda
 
 @dataclasses.dataclass
 class _Search:
-    """Tunings of one problem under limits, each in a folder of its own."""
+    """Tunings of one problem under limits, each in a folder of its own; ``options``: as of `tune`."""
 
     problem: Problem
     names: tuple[str, ...]
     folder: Path | None
     resume: bool
-    workers: int | None
-    client: Any
-    report: Callable[[Record], None] | bool | None
-    settings: dict[str, Any]
+    options: dict[str, Any]
 
     def front(
         self,
@@ -211,47 +205,41 @@ class _Search:
     ) -> Front:
         """Search for a point for each row of limits, the tightest first.
 
-        Its design is within the next, looser limits too, so that these points can only be better. ``free``: the first
-        point, if it is known; ``start``: the design to begin from.
+        Its design is within the next, looser limits too, so that these points can only be better; one that did not
+        converge is searched for from the next looser one's design too. ``free``: the first point, if it is known;
+        ``start``: the design to begin from.
         """
         known = {} if free is None else {0: free}
         for done, number in enumerate(reversed(range(len(rows))), 1):
             if number not in known:
-                known[number] = self.at(self._limits(rows[number]), f"point-{number + 1}", start)
+                known[number] = self._under(rows[number], f"point-{number + 1}", start)
                 start = known[number].design
             if finished is not None:
                 finished(done, len(rows))
         for number in range(1, len(rows)):
-            if not known[number].converged:
-                known[number] = self._again(known[number], known[number - 1], rows[number], number)
+            point = known[number]
+            if not point.converged:
+                other = self._under(rows[number], f"point-{number + 1}-again", known[number - 1].design)
+                better = not point.feasible or other.objective[1] < point.objective[1]
+                known[number] = other if other.feasible and better else point
         return Front(self.problem, self.names, rows, tuple(known[number] for number in range(len(rows))))
 
-    def _again(self, point: Tuned, looser: Tuned, limits: np.ndarray, number: int) -> Tuned:
-        """Search for a point that did not converge from the next looser one's design too, and return the better one."""
-        other = self.at(self._limits(limits), f"point-{number + 1}-again", looser.design)
-        better = not point.feasible or other.objective[1] < point.objective[1]
-        return other if other.feasible and better else point
+    def _under(self, row: np.ndarray, name: str, start: Part) -> Tuned:
+        """Search for the least of the first objective under a row of limits on the others."""
+        limits = {key: float(x) for key, x in zip(self.names[1:], row, strict=True) if np.isfinite(x)}
+        return self.least(self.names[0], limits, name, start)
 
-    def _limits(self, row: np.ndarray) -> dict[str, float]:
-        return {name: float(x) for name, x in zip(self.names[1:], row, strict=True) if np.isfinite(x)}
-
-    def at(self, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
-        """Search for the least of the first objective under some limits."""
-        return self._tuned({self.names[0]: 1.0}, limits, name, start)
-
-    def alone(self, objective: str, start: Part) -> Tuned:
-        """Search for the least of another objective."""
-        return self._tuned({objective: 1.0}, {}, "least-" + objective, start)
-
-    def _tuned(self, weights: Mapping[str, float], limits: Mapping[str, float], name: str, start: Part) -> Tuned:
+    def least(self, objective: str, limits: Mapping[str, float], name: str, start: Part) -> Tuned:
+        """Search for the least of an objective under some limits; ``name`` of its folder."""
         own = self.problem.limits
         tighter = {key: min(x, own.at_most.get(key, np.inf)) for key, x in limits.items()}
         constraints = dataclasses.replace(own, at_most={**own.at_most, **tighter})
-        problem = dataclasses.replace(self.problem, design=start, objective=Objective(weights), limits=constraints)
+        problem = dataclasses.replace(
+            self.problem, design=start, objective=Objective({objective: 1.0}), limits=constraints
+        )
         folder = None if self.folder is None else self.folder / name
         begun = self.resume and folder is not None and (folder / LOG).exists()
-        who = {"workers": self.workers, "client": self.client}
-        return tune(problem, folder=folder, resume=begun, **who, report=self.report, **self.settings)
+        return tune(problem, folder=folder, resume=begun, **self.options)
 
 
 def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
@@ -259,8 +247,15 @@ def _worst(tuned: Tuned, names: Sequence[str]) -> np.ndarray:
     return np.asarray(tuned.after.quantities[:, columns].max(axis=0))
 
 
-def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int:
-    """Return how many points a front has. **Raises:** `InputError` for objectives and counts that make none."""
+def check_front(
+    problem: Problem, objectives: Sequence[str], points: int, limits: Mapping[str, Sequence[float]] | None = None
+) -> int:
+    """Return how many points a front has, without limits of its own.
+
+    **Raises:** `InputError` for objectives, counts and limits that make none.
+    """
+    example = "Problem(jb.table2(), [Scenario()], [Variable('buffer.k_A', 100.0, 2000.0)])"
+    check_type("problem", problem, Problem, example)
     names = check_names("objectives", objectives, "peak_force")
     for name in names:
         if name not in problem.names:
@@ -271,15 +266,21 @@ def check_front(problem: Problem, objectives: Sequence[str], points: int) -> int
     total = points ** (len(names) - 1)
     if total > MOST:
         raise InputError(f"points = {points} for each of {len(names) - 1} limited objectives; at most {MOST} in all")
+    if limits is not None:
+        check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
+        if set(limits) != set(names[1:]):
+            raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
     return int(total)
 
 
-def _check_limits(names: tuple[str, ...], limits: Mapping[str, Sequence[float]] | None) -> None:
-    if limits is None:
-        return
-    check_type("limits", limits, Mapping, "limits={'stroke': [0.025, 0.01]}")
-    if set(limits) != set(names[1:]):
-        raise InputError(f"limits name {', '.join(limits) or 'nothing'}; needed: {', '.join(names[1:])}")
+def _connected(client: Any, workers: int | None) -> contextlib.AbstractContextManager[Any]:
+    """Give one client to all points until the end of the block, or None where there is none."""
+    if client is None:
+        return contextlib.nullcontext()
+    require()
+    from ..cluster.connect import connected  # imports Dask, an optional package
+
+    return connected(client, workers)
 
 
 def front_table(front: Front) -> str:
@@ -287,16 +288,12 @@ def front_table(front: Front) -> str:
     catalogue = front.problem.catalogue
     sampled = front.problem.samples
     over = f"of {sampled}, no bound" if sampled else f"over the scenarios ({len(front.problem.cases)})"
-    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}")
-    shown.add_column("point", justify="right")
     units, factors = zip(*(catalogue[name].in_figures for name in front.objectives), strict=True)
-    for name, unit in zip(front.objectives, units, strict=True):
-        shown.add_column(f"{name} [{unit}]", justify="right")
-    for name in front.objectives[1:]:
-        shown.add_column(f"{name} ≤", justify="right")
-    shown.add_column("residual [-]", justify="right")
-    shown.add_column("gradient error [-]", justify="right")
-    shown.add_column("", justify="left")
+    headings = [f"{name} [{unit}]" for name, unit in zip(front.objectives, units, strict=True)]
+    headings += [f"{name} ≤" for name in front.objectives[1:]]
+    right = ("point", *headings, "residual [-]", "gradient error [-]")
+    shown = table(f"Front of {' and '.join(front.objectives)}, worst {over}", right=right)
+    shown.add_column("")
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         shown.add_row(
             str(k + 1),

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_known, check_single, check_type, shown
-from ..fields import Part, as_typed, get, limits_of, number, paths, replace, unit, whole
+from ..fields import Curve, Part, as_typed, choice, get, limits_of, number, paths, range_in_words, replace, unit, whole
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
@@ -116,7 +116,7 @@ class Problem:
         mechanism = self.mechanism
         object.__setattr__(self, "quantities", check_derived(self.quantities, mechanism.quantities))
         if self.duration is None:
-            object.__setattr__(self, "duration", mechanism.defaults.duration)
+            object.__setattr__(self, "duration", mechanism.duration(self.design))
         self._check_parts(mechanism)
         cases = tuple(s if isinstance(s, Case) else Case(s) for s in self.scenarios)
         if self.scatter is not None and cases:
@@ -153,12 +153,16 @@ class Problem:
         """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
         uses: dict[str, Iterable[str]] = {
             "objective": self.objective.weights,
-            "constraints": [*self.limits.at_most, *self.limits.at_least],
+            "constraints": self.limits.names,
         }
         uses |= {} if self.then is None else {"then": self.then.objective.weights}
         for where, names in uses.items():
+            for name in names:
+                if name in mechanism.tuned and not mechanism.has(name, self.design):
+                    part = mechanism.quantities[name].part
+                    raise InputError(f"{where}.{name} needs {part}, which the design has not; give it, or leave it out")
             check_known(names, self.names, where)
-        for name, high in mechanism.tuning.always.items():
+        for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
 
@@ -176,7 +180,8 @@ class Problem:
 
     @property
     def _tuned(self) -> tuple[str, ...]:
-        return (PEAK_FORCE, *(name for name in self.mechanism.tuned if name != PEAK_FORCE))
+        names = [name for name in self.mechanism.tuned if self.mechanism.has(name, self.design)]
+        return (PEAK_FORCE, *(name for name in names if name != PEAK_FORCE))
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -254,24 +259,42 @@ def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
         if path in names:
             raise InputError(f"{path} is named twice among the variables")
         names.add(path)
-        if value is None or isinstance(value, (str, bool)):
+        if value is None or isinstance(value, (str, bool, Curve)):
             raise InputError(f"{path} = {value!r} is not a number that can be tuned")
         check_choice(f"{path} scale", variable.scale, SCALES)
         name, above_zero = unit(design, path), variable.scale == "log"
         lowest: dict[str, Any] = {"low": 0.0, "low_open": True} if above_zero else {}
         check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
         check_single(f"{path} high bound", variable.high, name, ONE_LIMIT)
+        bounds = range_in_words(variable.low, variable.high, name)
         if variable.low >= variable.high:
-            bounds = f"[{variable.low:g}, {variable.high:g}] {name}".rstrip(" -")
             raise InputError(f"{path}: the low bound of {bounds} must be less than the high one; are they swapped?")
         for bound in (variable.low, variable.high):
             replace(design, {path: bound})  # the design itself says what it does not allow
         check_single(path, value, name, "tuning starts from one design")
         if not variable.low <= value <= variable.high:
-            bounds = f"[{variable.low:g}, {variable.high:g}] {name}".rstrip(" -")
+            start = f"{value:g} {name}".rstrip(" -")
+            raise InputError(f"the start, {path} = {start}, is outside its bounds {bounds}")
+    _check_rising(design, {variable.path: variable for variable in variables})
+
+
+def _check_rising(design: Part, variables: Mapping[str, Variable]) -> None:
+    """Raise `InputError` where a curve might fall within the bounds of its points."""
+    for path, variable in variables.items():
+        curve, _, number = path.rpartition(".")
+        if "[" not in number or (after := get(design, curve).following(number)) is None:
+            continue
+        later = variables.get(f"{curve}.{after}")
+        if later is not None and variable.high >= later.low:
+            name = unit(design, path)
             raise InputError(
-                f"the start, {path} = {value:g} {name}, is outside its bounds {bounds}".replace(" -,", ",")
+                f"{path} in [{variable.low:g}, {variable.high:g}] {name} and {after} in [{later.low:g}, {later.high:g}]"
+                f" {name} overlap: a curve's points rise, so the high bound of one must be below the low bound of the"
+                " next"
             )
+
+
+OPTIMIZERS = ("adam", "adamw", "amsgrad", "lion", "nadam", "rmsprop", "sgd")  # of optax
 
 
 class Settings(Part):
@@ -280,7 +303,8 @@ class Settings(Part):
     ``iterations`` of each local search at most; ``starts``: designs screened in a round, the first time the problem's
     own among them (1: that one alone, and no further round); ``searches``: the best of them that are followed;
     ``rounds`` at most; ``seed`` of the samples; ``tolerance`` [-]: a search has converged when first-order information
-    predicts no larger reduction of the objective, relative, within a tenth of every range.
+    predicts no larger reduction of the objective, relative, within a tenth of every range; ``optimizer``: what takes
+    the steps, with its ``learning_rate`` [-] in the variables' ranges if it is one of optax.
     """
 
     section: ClassVar[str] = "tune"
@@ -298,6 +322,10 @@ class Settings(Part):
         high_open=True,
         doc="a search has converged when slopes predict no larger relative gain",
     )
+    optimizer: str = choice("quadratic", "quadratic", *OPTIMIZERS, doc="quadratic programmes, or an optimizer of optax")
+    learning_rate: float = number(
+        0.05, "-", low=0.0, high=1.0, low_open=True, doc="of an optimizer of optax, in the variables' ranges"
+    )
 
     @property
     def most_evaluations(self) -> int:
@@ -313,12 +341,8 @@ def settings_of(settings: Mapping[str, Any]) -> Settings:
     """Return settings by name. **Raises:** `InputError` for names that are unknown and values out of range."""
     known = [field.name for field in dataclasses.fields(Settings)]
     check_known(settings, known, "tune")
-    if "tolerance" in settings:
-        check_single(
-            "tune.tolerance",
-            settings["tolerance"],
-            "-",
-            "it holds for all searches",
-            **limits_of(Settings(), "tolerance"),
-        )
+    for name in ("tolerance", "learning_rate"):
+        if name in settings:
+            limits = limits_of(Settings(), name)
+            check_single(f"tune.{name}", settings[name], "-", "it holds for all searches", **limits)
     return Settings(**settings)

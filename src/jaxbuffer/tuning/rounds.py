@@ -9,12 +9,13 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from jaxtyping import Float
 
 from ..errors import InputError
 from .evaluation import Evaluation, Evaluator
 from .goal import Ceiling, Goal
-from .message import end
+from .message import ending, message
 from .problem import Problem, Settings
 from .search import AGREE, BEHIND, RUNNING, Branch, Search, advance, without_hopeless
 from .store import Progress, Store, record_of
@@ -147,8 +148,10 @@ class Rounds:
             branch.best,
             search.scale,
             branch.penalty,
-            lambda after: end(search.goal, branch, after, progress, self.settings),
+            lambda after: message(search.goal, branch, after, progress, self.settings),
             self.store.records,
+            ended=ending(branch, self.settings),
+            borne_out=progress.searches > 1 and progress.apart <= AGREE,
         )
 
 
@@ -202,9 +205,7 @@ def around(best: Scaled, settings: Settings, round_: int, count: int) -> list[Sc
 
 
 def _hypercube(seed: tuple[int, ...], size: int, count: int) -> np.ndarray:
-    from scipy.stats import qmc  # takes seconds to import
-
-    return np.asarray(qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count))
+    return np.asarray(scipy.stats.qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(count))
 
 
 class Agreement(NamedTuple):

@@ -91,7 +91,9 @@ class Search:
     def plan(self, branch: Branch) -> ModelStep:
         """Return the step to try next."""
         tangent, scaled = Tangent.of(branch.point), branch.point.scaled
-        cuts = _nearer(scaled, branch.cliffs)
+        # Steps stay nearer to the present design than to any one beyond a discontinuity.
+        normals = branch.cliffs[np.all(np.isfinite(branch.cliffs), axis=1)] - scaled
+        cuts = Cuts(normals, 0.5 * np.sum(normals**2, axis=1))
         arguments = (self.goal, tangent, scaled, branch.radius, self.scale, branch.penalty, cuts)
         move = best_step(*arguments, room=ROOM, curvature=branch.curvature)
         if move.predicted_reduction <= 0.0:  # the design is within the room: all that is left to gain is there
@@ -197,12 +199,6 @@ class Search:
         after = Tangent.of(trial)._replace(peaks_slope=matched)
         moved = multipliers.moved(trial.by_peak - point.by_peak)
         return moved.slope(after) - multipliers.slope(Tangent.of(point))
-
-
-def _nearer(scaled: np.ndarray, cliffs: np.ndarray) -> Cuts:
-    """Return the cuts within which steps stay nearer to ``scaled`` than to any of the ``cliffs``."""
-    normals = cliffs[np.all(np.isfinite(cliffs), axis=1)] - scaled
-    return Cuts(normals, 0.5 * np.sum(normals**2, axis=1))
 
 
 def without_hopeless(search: Search, branches: list[Branch]) -> list[Branch]:

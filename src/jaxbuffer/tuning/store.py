@@ -13,7 +13,7 @@ import math
 import os
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -59,7 +59,9 @@ class Store:
             if resume:
                 self._resume(folder)
             else:
-                self._begin(folder)
+                (folder / PREVIOUS).unlink(missing_ok=True)
+                write(folder / LOG, b"")
+                self.keep({})
         except BaseException:
             self.lock.release()
             raise
@@ -70,11 +72,6 @@ class Store:
     def __exit__(self, *_: object) -> None:
         if self.folder is not None:
             self.lock.release()
-
-    def _begin(self, folder: Path) -> None:
-        (folder / PREVIOUS).unlink(missing_ok=True)
-        write(folder / LOG, b"")
-        self.keep({})
 
     def _resume(self, folder: Path) -> None:
         state, self.lines = read_state(folder, self.fingerprint)
@@ -277,6 +274,20 @@ class Progress(NamedTuple):
             branches.append(Branch(_evaluation(flat, f"{k}/point"), _evaluation(flat, f"{k}/best"), **rest))
         numbers = {name: _plain(flat[name]) for name in NUMBERS}
         return Progress(**numbers, first=_evaluation(flat, "first"), branches=tuple(branches))
+
+
+def stored_evaluations(points: Sequence[Evaluation]) -> dict[str, np.ndarray]:
+    """Return evaluations as arrays that `evaluations_of` reads back: the state of a descent."""
+    flat = {"descent": np.asarray(len(points))}
+    for k, point in enumerate(points):
+        flat |= _flat(f"{k}/evaluation", point)
+    return flat
+
+
+def evaluations_of(state: Mapping[str, np.ndarray] | None) -> list[Evaluation]:
+    """Return the evaluations of a descent's state, none of any other."""
+    state = state or {}
+    return [_evaluation(state, f"{k}/evaluation") for k in range(int(state.get("descent", 0)))]
 
 
 def _flat(prefix: str, point: Evaluation) -> dict[str, np.ndarray]:

@@ -1,17 +1,20 @@
 """`tune`: search for the best design of a problem, or tell the best one of an interrupted run."""
 
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
+from ..hybrid import Automatic, Solver, name_of, solver_named
 from ..progress import reported
-from .descent import check_optimizer, descend
+from .descent import behaviour_of, check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
+from .goal import Goal
 from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .store import Progress, Record, Store, in_words, read_state
+from .store import Progress, Record, Store, evaluations_of, in_words, read_state
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -21,7 +24,8 @@ if TYPE_CHECKING:
 def tune(
     problem: Problem,
     *,
-    optimizer: "optax.GradientTransformation | None" = None,
+    optimizer: "optax.GradientTransformation | str | None" = None,
+    solver: Solver | str | None = None,
     folder: str | Path | None = None,
     resume: bool = False,
     workers: int | None = None,
@@ -40,8 +44,9 @@ def tune(
 
     - ``problem``: design variables, load cases, objective and constraints.
     - ``optimizer``: search by this instead, on the certified gradient with projected bounds and an augmented
-      Lagrangian for the limits (``optax.adam(0.05)`` say; rates are of the variables' ranges), without a second
-      objective and not to be resumed.
+      Lagrangian for the limits (``optax.adam(0.05)`` say, or "adam" with a ``learning_rate``; rates are of the
+      variables' ranges), without a second objective.
+    - ``solver``: as for `simulate`, of all runs.
     - ``folder``: for log and state, and at the end for the result, which `load` and `report` read, without figures
       (``tuned.save(folder, force=True)`` draws them); an earlier run's files there are overwritten.
     - ``resume``: go on with the run in ``folder`` instead.
@@ -53,8 +58,8 @@ def tune(
     - ``save``: whether the result is written into ``folder``.
     - ``settings``: the fields of `Settings`, such as ``iterations``, ``starts``, ``seed``.
 
-    **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9. The same arguments give the same result, interrupted or
-    not.
+    **Returns:** a `Tuned`, its numbers simulated at rtol 1e-9, by diffrax at 1e-8. The same arguments give the same
+    result, interrupted or not.
 
     **Raises:** `InputError` for settings out of range, for starts of which no capture can be solved or climbed from,
     and on resuming another problem's run.
@@ -75,13 +80,14 @@ def tune(
         check_whole("workers", workers, 1)
     if folder is not None and not str(folder):
         raise InputError("folder = '' is empty; name the folder for log and state, or leave it out")
-    chosen = settings_of(settings)
+    chosen, optimizer = _chosen(optimizer, settings)
     if optimizer is not None:
-        check_optimizer(problem, optimizer, resume)
+        check_optimizer(problem, optimizer)
+    identity = _fingerprint(problem, chosen, optimizer, solver)
     with (
-        Store(None if folder is None else Path(folder), _fingerprint(problem, chosen), resume) as store,
-        Evaluator(problem, workers, True, client) as evaluator,
-        reported(report, lambda record: in_words(record, problem.mechanism.success)) as show,
+        Store(None if folder is None else Path(folder), identity, resume) as store,
+        Evaluator(problem, workers, True, client, solver) as evaluator,
+        reported(report, lambda record: in_words(record, problem.mechanism.success_of(problem.design))) as show,
     ):
         if show is not None:
             for record in store.records:  # of the run that is resumed
@@ -112,27 +118,51 @@ class Unfinished(NamedTuple):
     evaluations: int
 
 
-def best_so_far(problem: Problem, folder: str | Path, **settings: Any) -> Unfinished | None:
+def best_so_far(
+    problem: Problem,
+    folder: str | Path,
+    *,
+    optimizer: "optax.GradientTransformation | str | None" = None,
+    solver: Solver | str | None = None,
+    **settings: Any,
+) -> Unfinished | None:
     """Read the best design of an interrupted run, or None before its first designs were evaluated. Changes nothing.
 
     **Arguments:** as for `tune`; ``settings``: those that the run was started with.
     """
-    chosen = settings_of(settings)
-    state, lines = read_state(Path(folder), _fingerprint(problem, chosen))
-    progress = Progress.read(state or None)
-    if progress is None:
-        return None
-    search = stage_search(problem, chosen, progress)
-    best = best_branch(search, progress.branches).best
+    chosen, optimizer = _chosen(optimizer, settings)
+    state, lines = read_state(Path(folder), _fingerprint(problem, chosen, optimizer, solver))
+    stage, goal = 0, Goal(problem, problem.objective)
+    if points := evaluations_of(state):  # of an optimiser's
+        best = min(points, key=lambda point: (not goal.feasible(point), goal.value(point)))
+    else:
+        progress = Progress.read(state or None)
+        if progress is None:
+            return None
+        search = stage_search(problem, chosen, progress)
+        best, goal, stage = best_branch(search, progress.branches).best, search.goal, progress.stage
     return Unfinished(
         problem.built(best.scaled),
-        search.goal.value(best),
-        search.goal.objective.unit(problem.catalogue),
-        search.goal.feasible(best),
-        progress.stage,
+        goal.value(best),
+        goal.objective.unit(problem.catalogue),
+        goal.feasible(best),
+        stage,
         lines.count(b"\n"),
     )
 
 
-def _fingerprint(problem: Problem, settings: Settings) -> str:
-    return f"{problem.fingerprint()}-{settings}"
+def _chosen(optimizer: Any, settings: dict[str, Any]) -> tuple[Settings, Any]:
+    """Return the settings and the optimiser, which is given, or named by them, or None."""
+    chosen = settings_of({**settings, "optimizer": optimizer} if isinstance(optimizer, str) else settings)
+    return chosen, optimizer_named(chosen) if optimizer is None or isinstance(optimizer, str) else optimizer
+
+
+def _fingerprint(problem: Problem, settings: Settings, optimizer: Any, solver: Solver | str | None) -> str:
+    used = Automatic() if solver is None else solver_named(solver)
+    try:
+        name = name_of(used)
+    except InputError:  # it has none
+        name = hashlib.sha256(repr(used).encode()).hexdigest()[:8]
+    named = optimizer is None or settings.optimizer != "quadratic"
+    steps = "as named" if named else behaviour_of(optimizer)
+    return f"{problem.fingerprint()}-{settings}, solver = {name}, optimizer_steps = {steps}"

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any, SupportsFloat
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -10,14 +10,14 @@ from rich.table import Table
 
 from .._types import DataFrame
 from ..fields import Part, get, unit
+from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
-from ..run.stepper import stepper_of
 from ..tables import html, table, text
 from .checks import Corners, Floor, corners, floor
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
-from .message import End, broken_limits, headline
+from .message import Ended, broken_limits, headline
 from .model_step import residual
 from .problem import Problem, Settings
 from .store import Record
@@ -33,11 +33,11 @@ class Tuned(Saved):
     - ``problem``, ``settings``: the arguments of the tuning.
     - ``goal``: of the last stage.
     - ``design``: the best one.
-    - ``before``, ``after``: start and result in every load case at rtol 1e-9, with derivatives.
-    - ``residual``: what first-order information at rtol 1e-9 still predicts to gain within a tenth of every range,
-      relative to the objective [-].
-    - ``gradient_error``: difference between the objective's slopes at the search's tolerance and at rtol 1e-9, relative
-      to the largest [-].
+    - ``before``, ``after``: start and result in every load case at rtol ``tight`` [-], with derivatives.
+    - ``residual``: what first-order information there still predicts to gain within a tenth of every range, relative to
+      the objective [-].
+    - ``gradient_error``: difference between the objective's slopes at the search's tolerance and there, relative to the
+      largest [-].
     - ``ended``: how the search ended, a name of `message.Ended`; ``borne_out``: whether an independent search agrees;
       ``message``: both in words.
     - ``floor``: first impacts, which no buffer softens; None where the mechanism has no such floor.
@@ -68,6 +68,7 @@ class Tuned(Saved):
     records: tuple[Record, ...]
     captures: int
     corners: Corners | None = None
+    tight: float = 1e-9
 
     @property
     def objective(self) -> tuple[float, float]:
@@ -119,8 +120,6 @@ class Tuned(Saved):
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
-        from ..labelled.arrays import frame  # imports xarray and pandas, which take a second
-
         return frame(*tuning_history(self))
 
     def __repr__(self) -> str:
@@ -138,20 +137,26 @@ def assess(
     best: Evaluation,
     scale: float,
     penalty: float,
-    end: Callable[[Evaluation], End],
+    message: Callable[[Evaluation], str],
     records: Sequence[Record],
+    *,
+    ended: Ended,
+    borne_out: bool,
 ) -> Tuned:
     """Evaluate the best design of a search at tight tolerance, with the evidence for it.
 
     **Arguments:** ``first``: scaled variables of the problem's own start; ``best``: the best design at the search's
     tolerance; ``scale`` of the objective and ``penalty`` on what is above a limit, for the first-order residual;
-    ``end``: how it ended, from the best design at tight tolerance; ``records``: as of `Tuned`.
+    ``message``: how it ended, in words, from the best design at tight tolerance; others as of `Tuned`.
     """
     problem, scaled = goal.problem, best.scaled
-    tight = stepper_of(problem.mechanism).tight
-    before, after = evaluator([first, scaled], rtol=tight)
+    before, after = evaluator([first, scaled], rtol=evaluator.tight)
+    # One set of weights for both slopes: which load case is the worst may differ by rounding, which is no error.
+    cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))
+    exact = goal.slope(after, cases)
+    error = float(np.max(np.abs(goal.slope(best, cases) - exact)))
     # Before the count of captures below: the corners are runs, too.
-    in_corners = corners(goal, evaluator, scaled, tight)
+    in_corners = corners(goal, evaluator, scaled, evaluator.tight)
     return Tuned(
         problem=problem,
         settings=settings,
@@ -160,22 +165,16 @@ def assess(
         before=before,
         after=after,
         residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
-        gradient_error=_gradient_error(goal, best, after),
-        **end(after)._asdict(),
+        gradient_error=error / max(float(np.max(np.abs(exact))), 1e-300),
+        ended=ended,
+        borne_out=borne_out,
+        message=message(after),
         floor=floor(problem, scaled),
         records=tuple(records),
         captures=evaluator.captures,
         corners=in_corners,
+        tight=evaluator.tight,
     )
-
-
-def _gradient_error(goal: Goal, usual: Evaluation, tight: Evaluation) -> float:
-    """Return the relative difference [-] of the objective's slopes between the search's tolerance and the tight one."""
-    # One set of weights for both: which load case is the worst may differ by rounding, and is no error of a slope.
-    cases = goal.objective.case_weights(tight.quantities @ goal.weights(goal.objective))
-    exact = goal.slope(tight, cases)
-    difference = np.abs(goal.slope(usual, cases) - exact)
-    return float(np.max(difference) / max(float(np.max(np.abs(exact))), 1e-300))
 
 
 def tuned_table(tuned: Tuned) -> str:
@@ -188,9 +187,8 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     problem = tuned.problem
     lines = [
         *_floor_facts(tuned),
-        f"evidence at rtol 1e-9: {100.0 * tuned.residual:.2g} % of the objective left to gain by small changes;"
-        f" the search's slopes are right to"
-        f" {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
+        f"evidence at rtol {tuned.tight:g}: {100.0 * tuned.residual:.2g} % of the objective left to gain by small"
+        f" changes; the search's slopes are right to {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
         f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
@@ -199,16 +197,14 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
-    tables = [_tuned_objective(tuned), _tuned_cases(tuned), _tuned_variables(tuned)]
-    return [headline(tuned.message, tuned.feasible), *tables, *lines]
+    tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
+    return [headline(tuned.message, tuned.feasible), *(it for it in tables if it is not None), *lines]
 
 
 def _tuned_objective(tuned: Tuned) -> Table:
     """Return the objectives and the load cases that succeed, before and after."""
     problem, (start, end) = tuned.problem, tuned.objective
-    summary = table("Objective and what limits it")
-    for heading in ("", "before", "after"):
-        summary.add_column(heading, justify="left" if not heading else "right")
+    summary = table("Objective and what limits it", ("",), ("before", "after"))
     change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
     unit, factor = problem.objective.in_figures(problem.catalogue)
     summary.add_row(
@@ -219,24 +215,22 @@ def _tuned_objective(tuned: Tuned) -> Table:
         then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
-    ended = f"cases {problem.mechanism.success or 'solved'}"
+    ended = f"cases {problem.mechanism.success_of(problem.design) or 'solved'}"
     summary.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
     return summary
 
 
 def tuned_warnings(tuned: Tuned) -> list[str]:
-    """Return a line for each validity limit that the tuned design exceeds, each quantity that still rises at the end of
-    the run, with the number of scenarios, and each variable that changes nothing."""
+    """Return a line for each validity limit that the tuned design exceeds, what the runs
+    leave open, and each variable that changes nothing."""
     problem = tuned.problem
     count: dict[str, int] = {}
     for case, peak in zip(problem.cases, tuned.after.peak_force, strict=True):
         for limit in problem.mechanism.view.validity(case.of(tuned.design), peak):
             count[limit.beyond] = count.get(limit.beyond, 0) + int(np.sum(limit.passed))
     lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
-    for name, rising in zip(problem.mechanism.tuned, tuned.after.rising.T, strict=True):
-        if n := int(np.sum(rising)):
-            where = f"where the {problem.mechanism.view.run_name} ends, in {n} of {len(problem.cases)} scenarios"
-            lines.append(f"{problem.catalogue[name].title} is still rising {where}: it is the largest up to there only")
+    if problem.mechanism.tuning.unfinished is not None:
+        lines += problem.mechanism.tuning.unfinished(problem, tuned.after)
     for path in tuned.without_effect:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
@@ -269,27 +263,20 @@ def _tuned_cases(tuned: Tuned) -> Table:
     """
     problem, before, after = tuned.problem, tuned.before, tuned.after
     mechanism, catalogue, count = problem.mechanism, problem.catalogue, len(problem.cases)
-    cases = table("Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force")
-    cases.add_column("scenario")
-    usual = [name for name in mechanism.defaults.mapped[1:3] if name in problem.names]
+    title = "Scenarios" if count <= SHOWN else f"The {SHOWN} of {count} scenarios with the largest peak force"
+    usual = [name for name in mechanism.defaults_for(problem.design).mapped[1:3] if name in problem.names]
     others = list(problem.quantities)[:OWN] or usual
-    headings = ["peak force [N]", "change"]
-    for name in others:
-        quantity = catalogue[name]
-        headings.append(f"{quantity.title} [{quantity.in_figures[0]}]")
-    for heading in (*headings, "impacts", "before", "after"):
-        cases.add_column(heading, justify="left" if heading in ("before", "after") else "right")
-    first, last = before.quantities, after.quantities
-    highest = np.argsort(-after.peak_force, kind="stable")
-    for k in highest[:SHOWN] if count > SHOWN else range(count):
-        shown = []
-        for name in others:
-            factor, q = catalogue[name].in_figures[1], problem.names.index(name)
-            shown.append(f"{factor * first[k, q]:.4g} → {factor * last[k, q]:.4g}")
+    headings = (f"{catalogue[name].title} [{catalogue[name].in_figures[0]}]" for name in others)
+    cases = table(title, ("scenario",), ("peak force [N]", "change", *headings, "impacts"))
+    for heading in ("before", "after"):
+        cases.add_column(heading)
+    for k in _shown_cases(tuned):
+        start, end = float(before.peak_force[k]), float(after.peak_force[k])
         cases.add_row(
             problem.cases[k].label(problem.cases),
-            *_change(before.peak_force[k], after.peak_force[k]),
-            *shown,
+            f"{start:.5g} → {end:.5g}",
+            f"{100.0 * (end / start - 1.0):+.1f} %",
+            *(_before_and_after(tuned, name, k) for name in others),
             f"{before.impacts[k]} → {after.impacts[k]}",
             mechanism.outcomes(int(before.code[k])).name,
             mechanism.outcomes(int(after.code[k])).name,
@@ -297,13 +284,41 @@ def _tuned_cases(tuned: Tuned) -> Table:
     return cases
 
 
+def _left_open(tuned: Tuned) -> Table | None:
+    """Return what the runs of each load case leave open, before and after; None where nothing is known of that."""
+    problem, mechanism = tuned.problem, tuned.problem.mechanism
+    names = [name for name in mechanism.tuning.left_open(lambda path: get(tuned.design, path)) if name in problem.names]
+    if not names:
+        return None
+    quantities = [problem.catalogue[name] for name in names]
+    headings = tuple(f"{it.title} [{it.in_figures[0]}]" for it in quantities)
+    left = table(f"What is left where the {mechanism.view.run_name} ends", ("scenario",), headings)
+    for k in _shown_cases(tuned):
+        values = (_before_and_after(tuned, name, k) for name in names)
+        left.add_row(problem.cases[k].label(problem.cases), *values)
+    return left
+
+
+def _shown_cases(tuned: Tuned) -> Sequence[int]:
+    """All load cases or, of many, those with the largest peak force."""
+    count = len(tuned.problem.cases)
+    if count <= SHOWN:
+        return range(count)
+    return np.argsort(-tuned.after.peak_force, kind="stable")[:SHOWN].tolist()
+
+
+def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
+    """A quantity of a load case before and after, in its unit in figures."""
+    factor, q = tuned.problem.catalogue[name].in_figures[1], tuned.problem.names.index(name)
+    values = (factor * point.quantities[case, q] for point in (tuned.before, tuned.after))
+    return " → ".join(f"{value:.4g}" for value in values)
+
+
 def _tuned_variables(tuned: Tuned) -> Table:
     """Return each variable's value before and after, and its bounds."""
-    variables = table("Variables")
-    variables.add_column("field")
-    for heading in ("before", "tuned", "low", "high", "unit"):
-        variables.add_column(heading, justify="left" if heading == "unit" else "right")
-    variables.add_column("")
+    variables = table("Variables", ("field",), ("before", "tuned", "low", "high"))
+    for heading in ("unit", ""):
+        variables.add_column(heading)
     problem = tuned.problem
     for variable in problem.variables:
         start, value = (float(get(design, variable.path)) for design in (problem.design, tuned.design))
@@ -311,11 +326,6 @@ def _tuned_variables(tuned: Tuned) -> Table:
         texts = [f"{number:.5g}" for number, _ in numbers]
         variables.add_row(variable.path, *texts, numbers[0][1], variable.at_bound(value))
     return variables
-
-
-def _change(before: SupportsFloat, after: SupportsFloat) -> tuple[str, str]:
-    before, after = float(before), float(after)
-    return f"{before:.5g} → {after:.5g}", f"{100.0 * (after / before - 1.0):+.1f} %"
 
 
 def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:

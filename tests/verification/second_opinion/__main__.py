@@ -10,13 +10,13 @@ import jaxbuffer.programs.process
 
 jaxbuffer.programs.process.configure(cache=None)
 
-from verification.second_opinion.compare import NAMES, STEPS, ask, table  # noqa: E402
+from verification.second_opinion.compare import DOCKED, NAMES, STEPS, ask, table  # noqa: E402
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="jaxbuffer against Exudyn; deviations are Exudyn/jaxbuffer - 1")
     parser.add_argument("--steps", type=float, nargs="+", default=STEPS, metavar="S", help="Exudyn's steps [s]")
-    parser.add_argument("--cases", nargs="+", default=NAMES, metavar="NAME", help="reference captures")
+    parser.add_argument("--cases", nargs="+", default=(*NAMES, *DOCKED), metavar="NAME", help="reference runs")
     given = parser.parse_args()
     for name in given.cases:
         start = time.perf_counter()

@@ -1,11 +1,13 @@
-"""The drop onto the empty, elastic tank: the case, and what jaxbuffer finds; felupe's answer: `felupe_drop`."""
+"""Drops onto the elastic tank, empty, with liquid and with plates, and what jaxbuffer finds; felupe: `felupe_drop`."""
 
 from typing import NamedTuple
 
+import numpy as np
+
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.design import ZONES
+from jaxbuffer.mechanisms.tank_drop.numbering import Numbering
 
-DURATION = 0.055  # s
 CASE = {
     "contents.kind": "none",
     "material.yield_stress": 1e12,
@@ -14,8 +16,30 @@ CASE = {
     "cushion.damping": 1.5e3,
     "support.stiffness": 1e8,
 } | {f"wall.{zone}": 0.012 for zone in ZONES}
-NOTICED = ("cushion.stiffness", "cushion.damping", "slider.mass", "material.density", "material.young_modulus")
-SCENARIO = jb.TankDropScenario(height=0.2)
+
+
+class Case(NamedTuple):
+    """What is dropped: changes of the elastic tank's design, height [m] and duration [s]."""
+
+    changes: dict
+    height: float
+    duration: float
+
+    @property
+    def scenario(self):
+        return jb.TankDropScenario(height=self.height)
+
+
+CASES = {
+    "empty": Case(CASE, 0.2, 0.055),
+    "liquid": Case(CASE | {"contents.kind": "liquid"}, 0.02, 0.03),  # the middle of the bottom stays on the baffle
+    "plates": Case(CASE | {"plates.kind": "perforated", "plates.thickness": 0.006}, 0.2, 0.03),
+}
+NOTICED = {  # fields of which 2 % more would be noticed
+    "empty": ("cushion.stiffness", "cushion.damping", "slider.mass", "material.density", "material.young_modulus"),
+    "liquid": ("contents.density",),
+    "plates": ("plates.position",),
+}
 
 
 class Dropped(NamedTuple):
@@ -24,6 +48,8 @@ class Dropped(NamedTuple):
     - ``force``: largest on the slider [N]; ``travel``: largest, of the slider downwards [m].
     - ``deflection``: largest, of the middle of the top downwards [m].
     - ``impulse``: of the force until the end [N s]; ``speed``: of the slider at the end, upwards [m/s].
+    - ``energy``: by which the liquid's has risen at most, with the work of its static pressure [J].
+    - ``time`` [s], ``pressed``: ∫p dt in the middle of the bottom, p beyond the static pressure [Pa s].
     """
 
     force: float
@@ -31,31 +57,54 @@ class Dropped(NamedTuple):
     deflection: float
     impulse: float
     speed: float
+    energy: float
+    time: np.ndarray
+    pressed: np.ndarray
 
 
-def dropped(fine, changed=None, rtol=1e-6):
+DRY, WET = Dropped._fields[:5], Dropped._fields[:6]  # the figures of a tank without liquid, and with it
+
+
+def dropped(fine, name="empty", changed=None, rtol=1e-6):
     """What jaxbuffer finds, its mesh ``fine`` times as fine as the coarsest."""
-    design = case(fine, changed)
-    run = jb.simulate(design, SCENARIO, duration=DURATION, rtol=rtol)
-    return Dropped(*map(float, (run.peak_force, run.travel, run.deflection, run.impulse, run.rebound_speed)))
+    design, (_, _, duration) = design_of(name, fine, changed), CASES[name]
+    run = jb.simulate(design, CASES[name].scenario, duration=duration, rtol=rtol, history=True)
+    numbers = run.peak_force, run.travel, run.deflection, run.impulse, run.rebound_speed
+    time, pressure, energy = np.asarray(run.history.time), np.zeros(1), np.zeros(1)
+    if design.contents.kind != "none":
+        pressure = np.asarray(run.history.others["pressure"])[:, Numbering.of(design).liquid[0, 0]]
+        energy = np.asarray(run.history.energy.stored["liquid"])
+    return Dropped(*map(float, numbers), float(energy.max() - energy[0]), time, summed(time, pressure - pressure[0]))
+
+
+def summed(time, pressure):
+    """∫p dt over time [Pa s], by trapezia."""
+    steps = 0.5 * (pressure[1:] + pressure[:-1]) * np.diff(time) if len(pressure) > 1 else pressure
+    return np.concatenate([np.zeros(1), np.cumsum(steps)])
 
 
 def extrapolated(coarse, fine):
-    """From two meshes, the second twice as fine as the first, where the error is of second order."""
-    return Dropped(*((4.0 * new - old) / 3.0 for old, new in zip(coarse, fine, strict=True)))
+    """Figures from two meshes, the second twice as fine as the first, where the error is of second order."""
+    return coarse._replace(**{name: (4.0 * getattr(fine, name) - getattr(coarse, name)) / 3.0 for name in WET})
 
 
-def deviations(found, reference):
+def deviations(found, reference, names=DRY):
     """Of each figure from a ``reference`` [-]."""
-    return Dropped(*(a / b - 1.0 for a, b in zip(found, reference, strict=True)))
+    return {name: getattr(found, name) / getattr(reference, name) - 1.0 for name in names}
 
 
-def altered(name, share=0.02):
-    """One number of the case, larger by a ``share`` of itself."""
-    part, field = name.split(".")
-    return {name: (1.0 + share) * float(getattr(getattr(case(1), part), field))}
+def apart(found, reference):
+    """Root mean square difference of two ∫p dt over time, over the largest of the reference's [-]."""
+    other = np.interp(reference.time, found.time, found.pressed)
+    return float(np.sqrt(np.mean((other - reference.pressed) ** 2)) / np.abs(reference.pressed).max())
 
 
-def case(fine, changed=None):
-    """The design, with numbers ``changed``."""
-    return jb.replace(jb.TankDrop(), CASE | {"mesh.refinement": fine} | (changed or {}))
+def altered(name, field, share=0.02):
+    """One number of a case's design, larger by a ``share`` of itself."""
+    part, number = field.split(".")
+    return {field: (1.0 + share) * float(getattr(getattr(design_of(name, 1), part), number))}
+
+
+def design_of(name, fine, changed=None):
+    """Of one of `CASES`, with numbers ``changed``."""
+    return jb.replace(jb.TankDrop(), CASES[name].changes | {"mesh.refinement": fine} | (changed or {}))

@@ -1,7 +1,7 @@
 """The capture built in Exudyn (Gerstmayr 2023) from its own bodies, joints and spring-dampers.
 
-Only the contact is ours, a user force (see `contact`). Masses are assembled otherwise than in jaxbuffer: a free tip
-is a ball of its own on a pin.
+Only the contact is ours, a user force (see `contact`), with the latches of docking, and the force of a real buffer's
+spring-damper. Masses are assembled otherwise than in jaxbuffer: a free tip is a ball of its own on a pin.
 """
 
 import math
@@ -13,6 +13,7 @@ import numpy as np
 
 from jaxbuffer import Design, Scenario
 from verification.second_opinion.contact import SLOWEST, Contact
+from verification.second_opinion.docking import Latch, buffer_force
 
 COORDINATES = exu.OutputVariableType.Coordinates
 HINGE = 2  # after the two flanks
@@ -21,8 +22,9 @@ RATES = exu.OutputVariableType.Coordinates_t
 
 class Found(NamedTuple):
     """What Exudyn found: ``outcome``, ``end_time`` [s], ``peak_force`` [N] with its time [s] and flank (0 lower),
-    ``impacts``, ``stroke`` [m], ``hinge_angle`` [rad], largest hinge reaction [N] (its own joint's multipliers), and
-    ``courses``: time [s], contact force of both flanks [N], hinge reaction [N], poses of S, B, P, T."""
+    ``impacts``, ``stroke`` [m], ``hinge_angle`` [rad], largest hinge reaction [N] (its own joint's multipliers),
+    ``latch_time`` [s] (NaN: never) and largest ``latch_force`` [N], and ``courses``: time [s], contact force of both
+    flanks [N], hinge reaction [N], poses of S, B, P, T."""
 
     outcome: str
     end_time: float
@@ -35,6 +37,8 @@ class Found(NamedTuple):
     hinge_angle: float
     hinge_force: float
     steps: int
+    latch_time: float
+    latch_force: float
     courses: np.ndarray
 
 
@@ -55,27 +59,39 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
         rod_inertia = rod * (length**2 / 12 + (length / 2 - reach) ** 2) + ball_mass * reach**2 + ball_inertia
     contact = Contact(design, reach, spins)
 
-    # Where everything is at t = 0: the tip touches the lower flank, everything behind it lies along x.
+    # Where everything is at t = 0: S, B and P lie along an axis through the tip and turn about S as one body.
     turn, rate = float(scenario.misalignment), float(scenario.passive_rate)
-    slant, radius = float(scenario.contact_distance), contact.radius
-    lx = -contact.offset - slant * contact.cos - radius * contact.sin
-    ly = -contact.throat - slant * contact.sin + radius * contact.cos
+    free, radius = scenario.start == "free", contact.radius
+    if free:
+        lx = -contact.offset - contact.length * contact.cos - radius - float(scenario.standoff)
+        ly = float(scenario.offset)
+    else:
+        slant = float(scenario.contact_distance)
+        lx = -contact.offset - slant * contact.cos - radius * contact.sin
+        ly = -contact.throat - slant * contact.sin + radius * contact.cos
     tip_x, tip_y = math.cos(turn) * lx - math.sin(turn) * ly, math.sin(turn) * lx + math.cos(turn) * ly
     cylinder = float(buffer.cylinder_length)
-    probe_x = tip_x - reach
-    cylinder_x = probe_x - rear - float(buffer.free_length) + cylinder / 2
-    active_x = cylinder_x + cylinder / 2 - float(design.active.hinge_offset)
-    speed = float(scenario.approach_speed)
+    angle, spin = float(scenario.active_angle), float(scenario.active_rate)
+    to_cylinder = -reach - rear - float(buffer.free_length) + cylinder / 2
+    to_active = to_cylinder + cylinder / 2 - float(design.active.hinge_offset)
+
+    def pose(along):
+        return [tip_x + along * math.cos(angle), tip_y + along * math.sin(angle), angle]
+
+    def motion(along):
+        arm = along - to_active
+        vx = float(scenario.approach_speed) - spin * arm * math.sin(angle)
+        return [vx, float(scenario.lateral_speed) + spin * arm * math.cos(angle), spin]
 
     def body(mass, inertia, pose, velocity):
         node = mbs.AddNode(item.NodeRigidBody2D(referenceCoordinates=pose, initialVelocities=velocity))
         return node, mbs.AddObject(item.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
 
-    moving = [speed, 0.0, 0.0]
-    n_s, b_s = body(float(design.active.mass), float(design.active.inertia), [active_x, tip_y, 0.0], moving)
+    s_pose, b_pose, p_pose = pose(to_active), pose(to_cylinder), pose(-reach)
+    n_s, b_s = body(float(design.active.mass), float(design.active.inertia), s_pose, motion(to_active))
     mass = float(buffer.cylinder_mass)
-    n_b, b_b = body(mass, mass * cylinder**2 / 12, [cylinder_x, tip_y, 0.0], moving)
-    n_p, b_p = body(rod_mass, rod_inertia, [probe_x, tip_y, 0.0], moving)
+    n_b, b_b = body(mass, mass * cylinder**2 / 12, b_pose, motion(to_cylinder))
+    n_p, b_p = body(rod_mass, rod_inertia, p_pose, motion(-reach))
     n_t, _ = body(float(design.passive.mass), float(design.passive.inertia), [0.0, 0.0, turn], [0.0, 0.0, rate])
 
     def marker(number, x):
@@ -100,9 +116,8 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
     mbs.AddObject(
         item.ObjectConnectorSpringDamper(
             markerNumbers=[point(b_b, -cylinder / 2), point(b_p, -rear)],
-            stiffness=float(buffer.k_A),
-            damping=float(buffer.c_A),
             referenceLength=float(buffer.free_length),
+            **buffer_force(buffer),
         )
     )
     angles = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=n, coordinate=2)) for n in (n_s, n_b)]
@@ -113,19 +128,30 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
     )
     n_ball = n_p
     if spins:
-        n_ball, b_ball = body(ball_mass, ball_inertia, [tip_x, tip_y, 0.0], moving)
+        n_ball, b_ball = body(ball_mass, ball_inertia, pose(0.0), motion(0.0))
         mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=[marker(b_p, reach), marker(b_ball, 0.0)]))
 
-    # The user force acts on the nodes' displacements from their references.
-    bearer_reference = [tip_x if spins else probe_x, tip_y, 0.0]
+    # The user force acts on the nodes' displacements from their references: of the tip's bearer, the cone and, with a
+    # free tip, the rod.
+    bearer_reference = pose(0.0) if spins else p_pose
     cone_reference = [0.0, 0.0, turn]
+    latch = Latch(design) if design.latch.stiffness is not None else None
 
-    def push(_mbs, _time, _item, q, q_t):
+    def push(_mbs, time, _item, q, q_t):
         bearer = [a + b for a, b in zip(bearer_reference, q[:3], strict=True)] + list(q_t[:3])
         cone = [a + b for a, b in zip(cone_reference, q[3:6], strict=True)] + list(q_t[3:6])
-        return contact.generalised(bearer, bearer, cone)
+        total = contact.generalised(bearer, bearer, cone) + [0.0] * (3 * spins)
+        if latch is not None and latch.since(time) > 0.0:
+            pull = latch.generalised(time, contact.tip(bearer, bearer), bearer, cone)
+            total[:6] = [a + b for a, b in zip(total[:6], pull, strict=True)]
+            rod = [angle + q[8], q_t[8]] if spins else [bearer[2], bearer[5]]
+            moment = latch.moment(time, rod, cone)
+            total[8 if spins else 2] += moment
+            total[5] -= moment
+        return total
 
-    mbs.AddObject(item.ObjectGenericODE2(nodeNumbers=[n_ball, n_t], forceUserFunction=push))
+    carried = [n_ball, n_t, n_p] if spins else [n_ball, n_t]
+    mbs.AddObject(item.ObjectGenericODE2(nodeNumbers=carried, forceUserFunction=push))
     mbs.Assemble()
 
     nodes = (n_s, n_b, n_p, n_t) + ((n_ball,) if spins else ())
@@ -133,7 +159,7 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
     tally = {"impacts": 0, "peak": (0.0, 0.0, 0), "first": 0.0, "stroke": 0.0, "angle": 0.0, "hinge": 0.0, "steps": 0}
     free_length = float(buffer.free_length)
     capture_plane = -contact.offset - radius * contact.sin
-    escape = -contact.offset - 2 * contact.length
+    escape = -contact.offset - 2 * contact.length - float(scenario.standoff)
     ended = {"outcome": "timeout", "time": duration}
 
     def visit(mbs, time):
@@ -175,29 +201,30 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
         for name, distance in (("captured", ahead - capture_plane), ("escaped", escape - ahead)):
             if distance > 0.0 and ended["outcome"] == "timeout":
                 before = last.get(name, 0.0)
+                if name == "captured" and latch is not None:
+                    latch.close(time - step * distance / (distance - before))
+                    continue
                 ended.update(outcome=name, time=time - step * distance / (distance - before))
                 return False
             last[name] = distance
+        if latch is not None and latch.torn(time, tip, cone):
+            ended.update(outcome="torn", time=time)
+            return False
         return True
 
     references = {
-        n_s: [active_x, tip_y, 0.0],
-        n_b: [cylinder_x, tip_y, 0.0],
-        n_p: [probe_x, tip_y, 0.0],
+        n_s: s_pose,
+        n_b: b_pose,
+        n_p: p_pose,
         n_t: cone_reference,
     }
     if spins:
         references[n_ball] = bearer_reference
-    contact.open = [False, True]
-    contact.memory[0] = max(
-        contact.touch(
-            contact.tip([probe_x, tip_y, 0.0, speed, 0.0, 0.0], [tip_x, tip_y, 0.0, *moving]),
-            [0.0, 0.0, turn, 0.0, 0.0, rate],
-            1.0,
-        )[1],
-        SLOWEST,
-    )
-    tally["impacts"] = 1
+    if not free:
+        contact.open = [False, True]
+        tip = contact.tip(p_pose + motion(-reach), pose(0.0) + motion(0.0))
+        contact.memory[0] = max(contact.touch(tip, [0.0, 0.0, turn, 0.0, 0.0, rate], 1.0)[1], SLOWEST)
+        tally["impacts"] = 1
 
     mbs.SetPreStepUserFunction(visit)
     settings = exu.SimulationSettings()
@@ -212,6 +239,8 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
     settings.solution.file.write = False
     mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2, showHints=False)
     peak, at, flank = tally["peak"]
+    if latch is not None and latch.closed_from is not None and ended["outcome"] == "timeout":
+        ended["outcome"] = "latched"
     return Found(
         outcome=ended["outcome"],
         end_time=ended["time"],
@@ -224,6 +253,8 @@ def simulate(design: Design, scenario: Scenario, step: float, duration: float = 
         hinge_angle=tally["angle"],
         hinge_force=tally["hinge"],
         steps=tally["steps"],
+        latch_time=math.nan if latch is None or latch.closed_from is None else latch.closed_from,
+        latch_force=0.0 if latch is None else latch.largest,
         courses=np.array(course),
     )
 

@@ -1,18 +1,20 @@
-"""The drop onto the empty tank in felupe: its elements and their full masses, cushion and bed at Gauss points, and the
-generalised-α method in time."""
+"""Drops onto the tank in felupe: its elements and their full masses, cushion and bed at Gauss points, a liquid by its
+potential, and the generalised-α method in time."""
 
 from typing import NamedTuple
 
 import felupe as fem
 import numpy as np
-from scipy.sparse import block_diag, csr_matrix, diags
+from scipy.sparse import block_diag, bmat, csr_matrix, diags, hstack, vstack
 from scipy.sparse.linalg import splu
 
-from .dropped_tank import Dropped
-from .felupe_tank import mesh_of
+from .dropped_tank import CASES, Dropped, design_of, summed
+from .felupe_liquid import liquid_of
+from .felupe_tank import section_of
 
 RADIUS = 0.9  # spectral, of steps that are much too long: 1 damps nothing
 ROUNDS = 25  # of Newton's method in a step
+ORDER = "MMD_AT_PLUS_A"  # of the unknowns, for SuperLU
 SETTLED = 10  # rounds after which the pressed points stay as they are
 LIMIT = 1e-8  # of the displacements so far: the last round's change
 SOLID, HARDER = 0.8, 10.0  # the cushion is solid from that part of its thickness on; its stiffness is then so much more
@@ -56,7 +58,7 @@ class Strip(NamedTuple):
         return self.see.T @ diags(self.width * slope) @ self.see
 
 
-def seen_at(points, edges, size, slider=None):
+def history_at(points, edges, size, slider=None):
     """Gauss points on ``edges`` (first, middle, last): the matrix of upward displacements there, less those of the
     ``slider``; heights [m]; how far an edge goes at each point in x and y [m]."""
     at, weight = np.polynomial.legendre.leggauss(4)
@@ -74,48 +76,70 @@ def seen_at(points, edges, size, slider=None):
 
 
 class Tank:
-    """Half a section, a metre long, and the slider as the last direction."""
+    """Half a section, a metre long: the wall's directions, the slider, and the liquid's potential."""
 
     def __init__(self, design, scenario, fine):
-        tank, material, thickness = design.tank, design.material, float(design.wall.bottom)
-        mesh, node, counts = mesh_of(tank, thickness, fine)
+        tank, material, wet = design.tank, design.material, design.contents.kind != "none"
+        bottom, top = float(design.wall.bottom), float(design.wall.top)
+        self.level = bottom + float(scenario.fill) * (float(tank.height) - bottom - top)
+        section = section_of(design, fine, self.level if wet else None)
+        mesh, node, ends = section
         self.field = fem.FieldContainer([fem.FieldPlaneStrain(fem.RegionBiQuadraticQuad(mesh), dim=2)])
         hooke = fem.LinearElasticLargeStrain(E=float(material.young_modulus), nu=float(material.poisson_ratio))
         self.body = fem.SolidBody(hooke, self.field, density=float(material.density))
-        self.shape, size = mesh.points.shape, mesh.points.size + 1
-        wall = self.body.assemble.mass().tocsr()
-        self.mass = block_diag([wall, [[float(design.slider.mass) / (2.0 * float(tank.length))]]]).tocsr()
+        self.shape, self.slider = mesh.points.shape, mesh.points.size
+        self.liquid = liquid_of(design, scenario, section, self.level) if wet else None
+        size = self.slider + 1 + (len(self.liquid.free) if wet else 0)
+        wall = block_diag([self.body.assemble.mass(), [[float(design.slider.mass) / (2.0 * float(tank.length))]]])
         down = np.zeros(size)
-        down[1::2] = down[-1] = -float(scenario.gravity)
-        self.weight = self.mass @ down
+        down[1 : self.slider : 2] = down[self.slider] = -float(scenario.gravity)
+        self.mass, self.linear = wall.tocsr(), csr_matrix((size, size))
+        self.weight = np.append(wall @ down[: self.slider + 1], np.zeros(size - self.slider - 1))
+        if wet:
+            self._filled(size)
         held = np.zeros(size, bool)
         held[2 * node[[0, -1]].ravel()] = True
         self.free = np.flatnonzero(~held)
-        self.top = 2 * node[-1, -1] + 1
+        self.top, self.rest = 2 * node[-1, -1] + 1, np.zeros(size)
         edges = np.stack([node[:-2:2, -1], node[1::2, -1], node[2::2, -1]], axis=1)
-        self.cushion = self._cushion(design, scenario, mesh.points, edges, size)
-        self.bed = self._bed(design, mesh.points, edges[: sum(counts[:2]) // 2], size)
+        self.cushion = self._cushion(design, mesh.points, edges, size)
+        self.bed = self._bed(design, mesh.points, edges[: ends[1] // 2], size)
 
-    def _cushion(self, design, scenario, points, edges, size):
+    def _filled(self, size):
+        """The liquid's rows: M_f ψ̈ + K_f ψ - Aᵀ u, and its push on the wall: ρ A ψ̈."""
+        liquid, slider = self.liquid, csr_matrix((1, size - self.slider - 1))
+        inside = np.ix_(liquid.free, liquid.free)
+        join = liquid.join[:, liquid.free]
+        self.mass = bmat([
+            [self.mass, vstack([liquid.density * join, slider])], [None, liquid.mass[inside]]
+        ]).tocsr()  # fmt: skip
+        self.linear = bmat([
+            [csr_matrix(self.mass.shape)[: self.slider + 1, : self.slider + 1], None],
+            [hstack([-join.T, slider.T]), liquid.stiffness[inside]],
+        ]).tocsr()  # fmt: skip
+        self.weight[: self.slider] += liquid.pushed
+
+    def _cushion(self, design, points, edges, size):
         """Over what is higher than the level; only what goes sideways has a width."""
         height, soft = float(design.tank.height), design.cushion
-        see, above, along = seen_at(points, edges, size, slider=size - 1)
-        bottom, top = float(design.wall.bottom), float(design.wall.top)
-        level = bottom + float(scenario.fill) * (height - bottom - top)
-        width = np.where(above >= level, np.abs(along[:, 0]), 0.0)
+        see, above, along = history_at(points, edges, size, slider=self.slider)
+        width = np.where(above >= self.level, np.abs(along[:, 0]), 0.0)
         stiffness, damping, thickness = float(soft.stiffness), float(soft.damping), float(soft.thickness)
         return Strip(see, above - height, width, stiffness, damping, HARDER * stiffness, SOLID * thickness)
 
     def _bed(self, design, points, edges, size):
         """Under the bottom and the lower corner, along the outside."""
-        see, above, along = seen_at(points, edges, size)
+        see, above, along = history_at(points, edges, size)
         return Strip(-see, -above, np.hypot(*along.T), float(design.support.stiffness))
 
     def resist(self, moved, velocity, met=(None, None)):
         """Forces against displacements and velocities; how they rise with each; the points that are met."""
-        self.field[0].values[:] = moved[:-1].reshape(self.shape)
-        force = np.append(self.body.assemble.vector(self.field).toarray().ravel(), 0.0)
-        stiffness = block_diag([self.body.assemble.matrix(self.field), [[0.0]]]).tocsr()
+        self.field[0].values[:] = moved[: self.slider].reshape(self.shape)
+        others = np.zeros(len(moved) - self.slider)
+        force = np.append(self.body.assemble.vector(self.field).toarray().ravel(), others)
+        force = force + self.linear @ (moved - self.rest)
+        elastic = self.body.assemble.matrix(self.field)
+        stiffness = block_diag([elastic, csr_matrix((len(others),) * 2)]).tocsr() + self.linear
         damping, touched = csr_matrix(stiffness.shape), []
         for strip, known in zip((self.cushion, self.bed), met, strict=True):
             pressure, over_depth, over_rate, points = strip.pressure(moved, velocity, known)
@@ -124,51 +148,63 @@ class Tank:
             touched.append(points)
         return force, stiffness, damping, touched
 
-    def change(self, matrix, left):
+    def change(self, matrix, left, free=None):
         """What takes away what is ``left`` unbalanced, for the free directions."""
-        inside = matrix[self.free][:, self.free].tocsc()
+        free = self.free if free is None else free
         moves = np.zeros(len(left))
-        moves[self.free] = splu(inside, "NATURAL", diag_pivot_thresh=0.0).solve(left[self.free])
+        moves[free] = splu(matrix[free][:, free].tocsc(), ORDER, diag_pivot_thresh=0.0).solve(left[free])
         return moves
 
     def at_rest(self):
-        """Displacements in equilibrium with gravity on the bed; the slider stays where the undeformed top would be."""
+        """Displacements in equilibrium with gravity and static pressure on the bed; the slider stays where the
+        undeformed top would be, and the liquid still."""
         moved, still = np.zeros(len(self.weight)), np.zeros(len(self.weight))
-        moved[1:-1:2] = self.weight[1:-1:2].sum() / (self.bed.stiffness * self.bed.width.sum())
-        held = diags(np.append(np.zeros(len(moved) - 1), 1.0))
+        wall = self.free[self.free < self.slider]
+        moved[1 : self.slider : 2] = self.weight[1 : self.slider : 2].sum() / (
+            self.bed.stiffness * self.bed.width.sum()
+        )
         for _ in range(10 * ROUNDS):
             force, stiffness, _, _ = self.resist(moved, still)
-            left = self.weight - force
-            left[-1] = 0.0
-            moves = self.change(stiffness + held, left)
+            moves = self.change(stiffness, self.weight - force, wall)
             moved = moved + moves
             if np.abs(moves).max() < 1e-10 * np.abs(moved).max():
+                self.rest = moved
                 return moved
         raise AssertionError("no equilibrium on the bed was found")
 
 
-def dropped(design, scenario, duration, fine, steps):
-    """What felupe finds, with ``fine`` elements across the wall and as many ``steps``."""
+def dropped(name, fine, steps):
+    """What felupe finds of one of `CASES`, with ``fine`` elements across the wall and as many ``steps``."""
+    design, scenario, duration = design_of(name, 1), CASES[name].scenario, CASES[name].duration
     tank, step = Tank(design, scenario, fine), duration / steps
     moved = tank.at_rest()
     velocity = np.zeros(len(moved))
-    velocity[-1] = -np.sqrt(2.0 * float(scenario.gravity) * float(scenario.height))
+    velocity[tank.slider] = -np.sqrt(2.0 * float(scenario.gravity) * float(scenario.height))
     force, _, _, _ = tank.resist(moved, velocity)
     acceleration = tank.change(tank.mass, tank.weight - force)
-    rows = [_row(tank, moved, velocity)]
+    rows = [_row(tank, moved, velocity, acceleration)]
     for _ in range(steps):
         moved, velocity, acceleration = _next(tank, step, moved, velocity, acceleration)
-        rows.append(_row(tank, moved, velocity))
-    force, travel, deflection = np.array(rows).T
+        rows.append(_row(tank, moved, velocity, acceleration))
+    force, travel, deflection, pressure, energy = np.array(rows).T
     factor = 2.0 * float(design.tank.length)
     impulse = factor * step * (force.sum() - 0.5 * (force[0] + force[-1]))
-    return Dropped(factor * force.max(), travel.max(), deflection.max(), impulse, velocity[-1])
+    found = factor * force.max(), travel.max(), deflection.max(), impulse, velocity[tank.slider]
+    time = np.linspace(0.0, duration, steps + 1)
+    return Dropped(*found, factor * (energy.max() - energy[0]), time, summed(time, pressure))
 
 
-def _row(tank, moved, velocity):
-    """Force of the cushion, travel of the slider, deflection of the top."""
+def _row(tank, moved, velocity, acceleration):
+    """Force of the cushion, travel of the slider, deflection of the top, pressure in the middle of the bottom beyond
+    the static one, energy of the liquid with the work of the static pressure."""
     pressure, _, _, _ = tank.cushion.pressure(moved, velocity)
-    return tank.cushion.width @ pressure, -moved[-1], -moved[tank.top]
+    seen = tank.cushion.width @ pressure, -moved[tank.slider], -moved[tank.top]
+    if (liquid := tank.liquid) is None:
+        return *seen, 0.0, 0.0
+    rate, second = (np.zeros(liquid.mass.shape[0]) for _ in range(2))
+    rate[liquid.free], second[liquid.free] = velocity[tank.slider + 1 :], acceleration[tank.slider + 1 :]
+    own = liquid.energy(rate, second) - liquid.pushed @ moved[: tank.slider]
+    return *seen, -liquid.density * second[liquid.bottom], own
 
 
 def _next(tank, step, moved, velocity, acceleration):

@@ -6,7 +6,7 @@ from typing import Any
 from ...errors import check_number
 from ...mechanisms.probe_cone.comparison import ASKED, Comparison, compare_laws
 from ...output import style
-from ...output.formats import Contents, csv_text
+from ...output.formats import csv_text
 from ...output.laws_figure import laws_figure
 from ..exits import OK
 from .request import CommandLine
@@ -19,15 +19,9 @@ def laws(request: CommandLine, mass: str | None, speed: str | None) -> int:
     comparison = compare_laws(
         study.design, study.scenario, mass=_number("--mass", mass, "kg"), speed=_number("--speed", speed, "m/s")
     )
-    files.save_and_show(lambda: _contents(comparison), comparison)
+    table = {"laws.csv": lambda: csv_text(*_rows(comparison))}
+    files.save_and_show(lambda: {**table, **style.both("laws", lambda: laws_figure(comparison))}, comparison)
     return OK
-
-
-def _contents(comparison: Comparison) -> Contents:
-    return {
-        "laws.csv": lambda: csv_text(*_rows(comparison)),
-        **style.both("laws", lambda: laws_figure(comparison)),
-    }
 
 
 def _number(option: str, text: str | None, unit: str) -> float | None:

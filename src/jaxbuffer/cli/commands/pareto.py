@@ -13,17 +13,16 @@ from .request import CommandLine, given
 
 
 def pareto(
-    request: CommandLine,
-    objectives: str,
-    points: str,
-    iterations: str | None,
-    starts: str | None,
-    seed: str | None,
-    scheduler: str | None,
-    resume: bool,
+    request: CommandLine, objectives: str, points: str, scheduler: str | None, resume: bool, **search: str | None
 ) -> int:
     """Tune every point of the front."""
-    study = request.tuning_study(iterations=iterations, starts=starts, seed=seed)
+    study = request.tuning_study(**search)
+    for field, value, only in (
+        ("options.solver", study.options.solver, "automatic"),
+        ("tune.optimizer", study.tuning.optimizer, "quadratic"),
+    ):
+        if value != only:
+            raise InputError(f"{field} = {value!r}: a front has the {only} one only; leave it out")
     problem = study.problem()
     names = [name.strip() for name in objectives.split(",")]
     if not (points.isdecimal() and int(points) >= 2):
@@ -36,24 +35,17 @@ def pareto(
         "pareto.csv", "pareto.png", "pareto.txt", "pareto.json", *designs, resumable=folders, resume=resume
     )
     settings = vars(study.tuning)
-    keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
+    said = lambda done, total: note(f"{done} of {total} points of the front are done")  # noqa: E731
+    keeping = {"folder": request.output, "resume": resume, "save": False, "finished": said, **given(client=scheduler)}
     try:
         front = tuning(
-            lambda report: compute(
-                problem, names, number, **settings, **keeping, save=False, report=report, finished=_said
-            ),
-            problem.mechanism.success,
+            lambda report: compute(problem, names, number, **settings, **keeping, report=report),
+            problem.mechanism.success_of(problem.design),
         )
     except KeyboardInterrupt:
-        kept = "nothing is kept without --output DIR"
-        if request.output is not None:
-            kept = f"the points so far are kept; the same command with --resume goes on in {request.output}"
-        note(kept)
+        goes_on = f"the points so far are kept; the same command with --resume goes on in {request.output}"
+        note("nothing is kept without --output DIR" if request.output is None else goes_on)
         return INTERRUPTED
     made = request.made(study, resume)
     files.save_and_show(lambda: front_files(front, made), front, lambda: table_json("points", *front_rows(front)))
     return OK if front.kept.any() else fail("no design was found that keeps to the limits", LIMITS_BROKEN)
-
-
-def _said(done: int, total: int) -> None:
-    note(f"{done} of {total} points of the front are done")

@@ -7,7 +7,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager
 from typing import TypeVar
 
 from rich.console import Console
@@ -17,7 +16,6 @@ from rich.progress import (
     Progress,
     ProgressColumn,
     SpinnerColumn,
-    TaskID,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -109,42 +107,33 @@ def _line(text: str) -> None:
 
 @contextlib.contextmanager
 def _bar(text: str, total: int | None, *columns: ProgressColumn) -> Iterator[Callable[..., None] | None]:
-    """Show a spinner and ``columns`` on a terminal, and yield what updates them; None elsewhere."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        with _compiling_said():
-            yield None
-        return
-    with Progress(SPINNER, *columns, console=console, transient=True) as progress:
-        task = progress.add_task(text, total=total)
-        with _compiling_shown(progress, task):
-            yield functools.partial(progress.update, task)
+    """Show a spinner and ``columns`` on a terminal, and yield what updates them; None elsewhere.
 
+    That a program is being compiled is said in the place of the description for as long as it takes, or once on a line
+    of its own.
+    """
+    console, before = Console(stderr=True), ""
 
-def _compiling_said() -> AbstractContextManager[None]:
-    """Say once, on a line of its own, that a program is being compiled, if one is."""
-    said = False
+    def say(expected: float | None) -> None:
+        nonlocal before
+        if expected is not None and not before:
+            before = COMPILING.format(expected)
+            _line(before)
 
-    def watcher(expected: float | None) -> None:
-        nonlocal said
-        if expected is not None and not said:
-            said = True
-            _line(COMPILING.format(expected))
-
-    return watched(watcher)
-
-
-def _compiling_shown(progress: Progress, task: TaskID) -> AbstractContextManager[None]:
-    """Show it in the place of a task's description for as long as it takes."""
-    before = ""
-
-    def watcher(expected: float | None) -> None:
+    def show(expected: float | None) -> None:
         nonlocal before
         if expected is not None:
             before = progress.tasks[0].description
         progress.update(task, description=before if expected is None else COMPILING.format(expected))
 
-    return watched(watcher)
+    if not console.is_terminal:
+        with watched(say):
+            yield None
+        return
+    with Progress(SPINNER, *columns, console=console, transient=True) as progress:
+        task = progress.add_task(text, total=total)
+        with watched(show):
+            yield functools.partial(progress.update, task)
 
 
 def _interruptible(work: Callable[[], T]) -> T:

@@ -16,7 +16,10 @@ def report(folders: list[Path], html: Path | None, title: str) -> int:
     page = review([loaded(folder) for folder in folders], title)
     file = _saved(html or folders[0] / "report.html", page)
     for folder in folders:
-        _print(folder)
+        for text in sorted(file for file in folder.glob("*.txt") if file.is_file()):
+            show(_text(text))
+        for figure in sorted(folder.glob("*.png")):
+            show(f"figure {figure}")
     show(f"wrote {file}")
     return OK
 
@@ -47,13 +50,6 @@ def _saved(file: Path, page: Page) -> Path:
     if write_page(page, file, "--html FILE"):
         note(f"the page {file} is made anew")
     return file
-
-
-def _print(folder: Path) -> None:
-    for file in sorted(file for file in folder.glob("*.txt") if file.is_file()):
-        show(_text(file))
-    for figure in sorted(folder.glob("*.png")):
-        show(f"figure {figure}")
 
 
 def _text(file: Path) -> str:

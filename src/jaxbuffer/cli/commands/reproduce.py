@@ -4,7 +4,7 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from ...errors import check_choice
+from ...errors import InputError, check_choice
 from ...output import style
 from ...output.formats import csv_text, json_text
 from ...papers import PAPERS, paper_named
@@ -16,15 +16,20 @@ from .output import Output
 from .progress import counting
 
 
-def reproduce(output: Path, paper: str, force: bool) -> int:
+def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
     """Run a paper's studies, and print claim by claim whether the model bears its text out."""
     check_choice("PAPER", paper, tuple(PAPERS))
+    chosen = paper_named(paper)
+    if published and not chosen.published:
+        others = [name for name in PAPERS if paper_named(name).published]
+        raise InputError(f"--published: {paper} has no second set of equations; {', '.join(others)} has: leave it out")
+    chosen = chosen._replace(parts=chosen.parts + chosen.published * published)
     style.require_matplotlib()
     process.configure(cache=process.cache_folder())
     process.check_ready()
-    chosen = paper_named(paper)
     figures = [f"{study.name}.png" for study in chosen.studies]
-    files = Output(output, ["claims.md", "studies.csv", "studies.json", *figures], force)
+    tables = [f"{study.name}.csv" for study in chosen.studies if chosen.part_of(study).table is not None]
+    files = Output(output, ["claims.md", "studies.csv", "studies.json", *tables, *figures], force)
     studied = counting(runs(chosen.studies), lambda done: run_paper(chosen, done))
     rows = [row for found in studied for row in found.rows]
     failed = [row for row in rows if str(row["outcome"]).startswith("failed")]
@@ -39,6 +44,11 @@ def reproduce(output: Path, paper: str, force: bool) -> int:
         "studies.json": lambda: json_text({"units": columns, "captures": rows, "claims": verdicts}),
     }
     for found in studied:
-        contents |= style.both(found.study.name, functools.partial(chosen.part_of(found.study).figure, found))
+        part = chosen.part_of(found.study)
+        if part.table is not None:
+            own = part.table(found)
+            cells = [list(one.values()) for one in own]
+            contents[f"{found.study.name}.csv"] = functools.partial(csv_text, list(own[0]), cells)
+        contents |= style.both(found.study.name, functools.partial(part.figure, found))
     files.save_and_show(lambda: contents, claims_table(verdicts))
     return OK

@@ -2,17 +2,16 @@
 
 import dataclasses
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-
-import typer
 
 from ...errors import InputError, check_choice
 from ...output import style
 from ...output.provenance import made
 from ...programs import process
-from ...study.config import Config, apply_options, apply_overrides, chosen_scenario, load
+from ...study.config import Config, apply_options, apply_overrides, load
+from ..streams import note
 from .output import Output
 
 
@@ -37,7 +36,8 @@ class CommandLine:
         process.configure(cache=process.cache_folder())
         study = apply_overrides(load(self.config), self.fields)
         options = given(solver=self.solver, rtol=self.rtol, duration=self.duration)
-        study = dataclasses.replace(study, options=apply_options(study.options, options))
+        usual = study.usual_duration and self.duration is None
+        study = dataclasses.replace(study, options=apply_options(study.options, options), usual_duration=usual)
         process.check_ready()  # before a folder is made
         return study
 
@@ -49,9 +49,17 @@ class CommandLine:
     def one_scenario(self, number: str | None) -> Config:
         """The study with the scenario of that number among its [[scenarios]], counted from 1; without one, its first
         or that of [scenario], which a line on stderr says where there are several."""
-        study, note = chosen_scenario(self.study(), number)
-        if note:
-            typer.echo(f"note: {note}", err=True)
+        study = self.study()
+        count = len(study.scenarios)
+        if number is not None:
+            if not (number.isdecimal() and 1 <= int(number) <= count):
+                allowed = f"must be a whole number from 1 to {count}, as many as the study has"
+                raise InputError(f"--scenario-number {number} {allowed}")
+            return dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
+        if count > 1:
+            which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
+            label = study.mechanism.view.label(study.scenario)
+            note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
         return study
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
@@ -59,7 +67,7 @@ class CommandLine:
         options, read = study.options, None
         if self.config is not None and self.config.is_file():
             read = self.config.read_text(encoding="utf-8", errors="replace")
-        duration = options.duration if options.duration is not None else study.mechanism.defaults.duration
+        duration = options.duration if options.duration is not None else study.mechanism.duration(study.design)
         settings = {"solver": options.solver, "rtol [-]": float(options.rtol), "duration [s]": float(duration)}
         about = made(self.words, read, settings, time.perf_counter() - self.begun, resumed)
         return {**about, "units": dict(study.units)}
@@ -74,6 +82,13 @@ class CommandLine:
         if self.output is not None and any(name.endswith(".png") for name in names):
             style.require_matplotlib()
         return Output(self.output, names, self.force, resumable, resume, self.as_json)
+
+
+def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:
+    """Raise `InputError` for a field set on the command line that takes several values anyway, which are ``where``."""
+    for path in swept:
+        if path in fields:
+            raise InputError(f"--{path} {fields[path]} and the values of {path} in {where} contradict; keep one")
 
 
 def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], instead: str) -> dict[str, Any]:

@@ -12,14 +12,13 @@ from ...experiments.surface import response_surface
 from ...mechanisms.quantity import check_quantities
 from ...output.results import sample_files, sample_text, swept_json
 from ...study.config import Config
-from ...sweeps.grid import check_swept_once
 from ...sweeps.result import SweepInterrupted
 from ...sweeps.store import STORE
 from ..exits import INTERRUPTED
 from .output import Output
 from .progress import sweeping, working
-from .request import CommandLine, asked_for, each_once
-from .sweep import any_solved, check_scheduler, kept
+from .request import CommandLine, asked_for, check_swept_once, each_once, given
+from .sweep import any_solved, check_scheduler, resumable
 
 
 def sample(
@@ -41,15 +40,16 @@ def sample(
         check_scheduler(scheduler, request)
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
+    study = study.varying([axis.path for axis in points.axes])
     parts = {"indices": indices, "surface": surface}
-    names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults.mapped[:1])
+    names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults_for(study.design).mapped[:1])
     for name in names:
         if name not in study.mechanism.swept:
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
     wanted = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
     wanted += [f"{name}.{kind}" for name, asked in parts.items() if asked for kind in ("csv", "png")]
     files = request.files(*wanted, resumable=(STORE,), resume=resume)
-    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
+    options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
     found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
     if found is None:
         return INTERRUPTED
@@ -68,7 +68,7 @@ def _points(
     chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
     number = _whole("count", count) if count is not None else section.get("count", 256)
     start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
-    axes = ranges(asked or study.mechanism.defaults.variables, study.design, study.scenario)
+    axes = ranges(asked or study.mechanism.variables(study.design), study.design, study.scenario)
     return points(axes, number, chosen, start)
 
 
@@ -86,8 +86,8 @@ def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tup
     try:
         return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False
     except SweepInterrupted as stop:
-        kept(stop.found, int(stop.done.sum()), stop.done.size, folder)
-        return (stop.found if stop.done.any() else None), True
+        found = resumable(stop, folder)
+        return (found if stop.done.any() else None), True
 
 
 def _told(

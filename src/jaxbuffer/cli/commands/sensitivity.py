@@ -2,7 +2,7 @@
 
 from ...errors import check_choice
 from ...fields import check_numbers
-from ...mechanisms.quantity import check_quantities
+from ...mechanisms.quantity import check_differentiable
 from ...output.results import sensitivity_files
 from ...run.request import ONE_RUN
 from ...sensitivities.sensitivity import CERTIFICATES
@@ -27,9 +27,9 @@ def sensitivity(
     files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
     check_choice("certify", certify, CERTIFICATES)
     options, mechanism = study.options, study.mechanism
-    names = check_quantities(mechanism.quantities, of or mechanism.defaults.differentiated)
+    names = check_differentiable(mechanism.quantities, of or mechanism.defaults_for(study.design).differentiated)
     one = ONE_RUN.format(mechanism.view.run_name)
-    paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.defaults.parameters, one)
+    paths, _ = check_numbers(study.design, study.scenario, wrt or mechanism.parameters(study.design), one)
     result = working(
         "differentiating",
         lambda: compute(

@@ -101,7 +101,7 @@ def study_constraints(study: Config) -> Constraints | None:
     if "constraints" not in study.table:
         return None
     of_study = limits(study.table, study.mechanism)
-    if not {*of_study.at_most, *of_study.at_least} & set(study.table.get("quantities", {})):
+    if not set(of_study.names) & set(study.table.get("quantities", {})):
         return Constraints(of_study, {})
     return Constraints(of_study, own_quantities(study.table, study.mechanism, study.folder))
 

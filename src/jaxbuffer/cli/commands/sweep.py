@@ -5,14 +5,14 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from ...cluster.connect import require
+from ...cluster.extra import require
 from ...errors import InputError
 from ...experiments.rectangle import safe_rectangle
 from ...output.results import swept_files, swept_json
 from ...study.config import Config
 from ...study.problem_toml import limits
 from ...sweeps.columns import RunTable
-from ...sweeps.grid import Grid, check_swept_once, typed
+from ...sweeps.grid import Grid, typed
 from ...sweeps.grid import grid as made
 from ...sweeps.result import Sweep, SweepInterrupted
 from ...sweeps.store import STORE
@@ -22,7 +22,7 @@ from ...tuning.objective import Limits
 from ..exits import INTERRUPTED, OK, fail
 from ..streams import note
 from .progress import sweeping
-from .request import CommandLine, asked_for, each_once
+from .request import CommandLine, asked_for, check_swept_once, each_once, given
 
 LARGEST = 100_000  # runs of a sweep over a scheduler up to which tables and figures are made as well
 
@@ -32,22 +32,25 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     study = request.study()
     if scheduler is not None:
         check_scheduler(scheduler, request)
-    asked = _asked(study, over or [])
-    grid = made(asked, study.design, study.scenario, in_memory=scheduler is None)
+    # The values of each field: those of the study, with those of the command line added or in their place.
+    spans = {**study.sweep, **each_once(over or [], typed, "put its values into one")}
+    spans = spans or dict(study.mechanism.defaults.grid)
+    grid = made(spans, study.design, study.scenario, in_memory=scheduler is None)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
-    told = scheduler is None or len(grid) <= LARGEST
-    if told:
+    study = study.varying([axis.path for axis in grid.axes])
+    tabulated = scheduler is None or len(grid) <= LARGEST
+    if tabulated:
         grid.batches(study.design, study.scenario)  # checks that the values go together
-    limits = _limits(study, grid) if told else None
+    limits = _limits(study, grid) if tabulated else None
     drawn = () if limits is None else ("envelope.png",)
-    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if told else ()
+    names = (*drawn, *(f"sweep.{kind}" for kind in ("csv", "png", "txt", "nc", "json"))) if tabulated else ()
     files = request.files(*names, resumable=(STORE,), resume=resume)
-    options: dict[str, Any] = {"trust": asked_for(trust)} | ({} if scheduler is None else {"client": scheduler})
-    found, interrupted = _computed(study, asked, len(grid), folder=request.output, resume=resume, **options)
-    if isinstance(found, StoredSweep) and not told:
-        files.save_and_show(dict, found, lambda: json.dumps(found.outcomes))
+    options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
+    result, interrupted = _computed(study, spans, len(grid), folder=request.output, resume=resume, **options)
+    if isinstance(result, StoredSweep) and not tabulated:
+        files.save_and_show(dict, result, lambda: json.dumps(result.outcomes))
         return INTERRUPTED if interrupted else OK
-    swept = found.load() if isinstance(found, StoredSweep) else found
+    swept = result.load() if isinstance(result, StoredSweep) else result
     if not swept.done.any():
         return INTERRUPTED
     envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
@@ -57,24 +60,19 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     return INTERRUPTED if interrupted else any_solved(swept)
 
 
-def _asked(study: Config, over: list[str]) -> dict[str, Any]:
-    """The values of each field: those of the study, with those of the command line added or in their place."""
-    return {**study.sweep, **each_once(over, typed, "put its values into one")} or dict(study.mechanism.defaults.grid)
-
-
 def _limits(study: Config, over: Grid) -> Limits | None:
     """The limits of a sweep's envelope: the study's; None where there is no envelope."""
     mechanism = study.mechanism
     moving = [axis for axis in over.axes if len(axis) > 1]
     if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None
-    asked = limits(study.table, mechanism) if "constraints" in study.table else Limits()
+    of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
     in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731
-    found = dataclasses.replace(asked, at_most=in_sweeps(asked.at_most), at_least=in_sweeps(asked.at_least))
-    if left_out := [name for name in (*asked.at_most, *asked.at_least) if name not in mechanism.swept]:
+    usable = dataclasses.replace(of_study, at_most=in_sweeps(of_study.at_most), at_least=in_sweeps(of_study.at_least))
+    if left_out := [name for name in of_study.names if name not in mechanism.swept]:
         note(f"the envelope leaves limits on {', '.join(left_out)} out, which sweeps do not have")
-    limited = found.at_most or found.at_least or found.impacts is not None
-    return found if limited or mechanism.success is not None else None
+    limited = usable.at_most or usable.at_least or usable.impacts is not None
+    return usable if limited or mechanism.success is not None else None
 
 
 def check_scheduler(scheduler: str, request: CommandLine) -> None:
@@ -84,26 +82,27 @@ def check_scheduler(scheduler: str, request: CommandLine) -> None:
         raise InputError("--scheduler needs --output DIR, where its workers store what they find")
 
 
-def _computed(study: Config, asked: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
+def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
     """A sweep, in memory or stored by workers, and whether it was interrupted."""
-    given = study.options
-    settings = {"over": asked, "solver": given.stepper(), "rtol": given.rtol, "save": False, **options}
-    swept = study.design, study.scenario, given.duration
+    usual = study.options
+    settings = {"over": spans, "solver": usual.stepper(), "rtol": usual.rtol, "save": False, **options}
+    swept = study.design, study.scenario, usual.duration
     try:
         return sweeping(count, lambda report: compute(*swept, progress=report, **settings)), False
-    except SweepInterrupted as stop:
-        kept(stop.found, int(stop.done.sum()), stop.done.size, options["folder"])
-        return stop.found, True
-    except StoredInterrupted as stop:
-        kept(stop.found, stop.found.done, stop.found.count, options["folder"])
-        return stop.found, True
+    except (SweepInterrupted, StoredInterrupted) as stop:
+        return resumable(stop, options["folder"]), True
 
 
-def kept(found: Any, done: int, count: int, folder: Any) -> None:
-    """Say how many runs of an interrupted sweep or sample are in its folder, if it has one."""
+def resumable(stop: SweepInterrupted | StoredInterrupted, folder: Any) -> Any:
+    """Say how many runs of an interrupted sweep or sample are in its folder, if it has one, and return them."""
+    if isinstance(stop, StoredInterrupted):
+        done, count = stop.found.done, stop.found.count
+    else:
+        done, count = int(stop.done.sum()), stop.done.size
     if folder is not None:
-        told = f"{done} of {count} {found.mechanism.view.run_name}s are kept"
-        note(f"{told}; the same command with --resume goes on in {folder}")
+        line = f"{done} of {count} {stop.found.mechanism.view.run_name}s are kept"
+        note(f"{line}; the same command with --resume goes on in {folder}")
+    return stop.found
 
 
 def any_solved(runs: RunTable) -> int:

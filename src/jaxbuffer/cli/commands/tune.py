@@ -6,7 +6,6 @@ from typing import Any
 from ...errors import InputError
 from ...output.results import tuned_files
 from ...study.designs import tuned_toml
-from ...sweeps.grid import check_swept_once
 from ...tuning import Problem
 from ...tuning.store import objective_in_words
 from ...tuning.tune import best_so_far
@@ -15,31 +14,24 @@ from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .output import Output
 from .progress import tuning
-from .request import CommandLine, given
+from .request import CommandLine, check_swept_once, given
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
 
-def tune(
-    request: CommandLine,
-    iterations: str | None,
-    starts: str | None,
-    seed: str | None,
-    scheduler: str | None,
-    resume: bool,
-) -> int:
+def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: str | None) -> int:
     """Search for the best design, and save it or, if interrupted, the best one so far."""
-    study = request.tuning_study(iterations=iterations, starts=starts, seed=seed)
+    study = request.tuning_study(**search)
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
-    settings = vars(study.tuning)
+    settings = {**vars(study.tuning), "solver": study.options.solver}
     keeping = {"folder": request.output, "resume": resume, **given(client=scheduler)}
     try:
         tuned = tuning(
             lambda report: compute(problem, **settings, **keeping, report=report, save=False),
-            problem.mechanism.success,
+            problem.mechanism.success_of(problem.design),
             study.tuning.most_evaluations * (1 if problem.then is None else 2),
         )
     except KeyboardInterrupt:

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from .. import lanes
 from ..options import Options
 from ..sensitivity.augmented_state import Tangents
 from ..system import HybridSystem
@@ -21,6 +22,7 @@ from ..trees import where
 from .decision import Decision, decide
 from .event import Event, event_at_end, logged
 from .log import Log, Steps
+from .phase import Outcome
 from .state import LoopState, Status, initial_state
 from .task import Task
 from .trial import take_trial
@@ -58,14 +60,35 @@ def run(
     """
     task = Task.of(build, tangents, jnp.asarray(duration, float), options)
     start = initial_state(task, allowed)
-    end = lax.while_loop(lambda state: state.status == Status.RUNNING, lambda state: _iterate(task, state), start)
+    if lanes.in_turn():
+        end = lax.while_loop(_running, lambda state: _iterate(task, state), start)
+    else:
+        going_on = lambda state: lanes.in_any_lane(_running(state))  # noqa: E731
+        end = lax.while_loop(going_on, lambda state: _iterate_where_running(task, state), start)
     return Result(end.status, end.log, end.steps, end.attempts, end.steps.count)
 
 
-def _iterate(task: Task[P], state: LoopState) -> LoopState:
-    """One iteration of the loop."""
+def _running(state: LoopState) -> Bool[Array, ""]:
+    return state.status == Status.RUNNING
+
+
+def _iterate_where_running(task: Task[P], state: LoopState) -> LoopState:
+    """One iteration in each lane that has not ended, of those that are stepped together.
+
+    A condition of each lane's own would make `vmap` copy all of the loop's state in each iteration. The log is by far
+    the most of it, and keeps its lane's by itself, as an iteration without an accepted step writes nothing into it.
+    """
+    running = _running(state)
+    new = _iterate(task, state, running)
+    return where(running, new, state)._replace(log=new.log, steps=new.steps)
+
+
+def _iterate(task: Task[P], state: LoopState, running: Bool[Array, ""] | None = None) -> LoopState:
+    """One iteration of the loop; where it is not ``running``, no step is accepted."""
     trial = take_trial(task, state)
     decision = decide(task, state, trial)
+    if running is not None:
+        decision = decision._replace(outcome=jnp.where(running, decision.outcome, int(Outcome.REJECT)))
     event = event_at_end(task, state, trial, decision)
     log, in_log = logged(task, state, trial, decision, event)
     step_sizes = next_step_sizes(task, state, trial, decision, event)

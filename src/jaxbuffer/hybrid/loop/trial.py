@@ -17,7 +17,6 @@ from .state import LoopState
 from .task import Task
 
 P = TypeVar("P")
-INVARIANT_CHANGE = 0.03  # of the tolerance: by how much a step may change what the motion does not
 PAST_TOUCHDOWN = 1.5  # times the predicted time to a touchdown: the longest step that looks for it
 BEFORE_RELEASE = 0.6  # of the predicted time to a release: near it only a step that ends on it is accurate
 SPACING = 1e-3  # of a step as accuracy allows: how far beside its end the second derivative is taken from
@@ -75,7 +74,7 @@ def take_trial(task: Task[P], state: LoopState) -> Trial:
     # An estimate from a few stages may miss what is not smooth between them, a tip that begins to roll say; the
     # invariant shows it. Where it is evaluated anew it may have jumped.
     change = jnp.where(state.reevaluating, 0.0, jnp.abs(guards.invariant - point.guards.invariant))
-    allowed = INVARIANT_CHANGE * tolerance.rtol + guards.invariant_rounding
+    allowed = system.invariant_change * tolerance.rtol + guards.invariant_rounding
     state_norm = jnp.maximum(norms[0], change / allowed)
     # Beside a touchdown or a release tangents change with a root of the gap, of which less and less is more than
     # rounding: in a step shorter than events are located, their error is not known, and the state decides alone.

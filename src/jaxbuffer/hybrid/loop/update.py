@@ -47,6 +47,8 @@ def advance(task: Task[P], state: LoopState, trial: Trial, decision: Decision, e
     returns = event.maximum & state.looking_back
     extremes = state.extremes.including(trial.guards.value)
     begins = event.touchdown & (task.each_observable == event.guard)
+    if (forces := task.system.contact_observables) is not None and forces < task.contacts:
+        begins = begins & (event.guard < forces)
     extremes = Extremes(*(jnp.where(begins, 0.0, value) for value in extremes))
     extremes = where(returns, extremes.including(state.step_end.guards.value), extremes)
     sought = state.locating & mine & ~returns

@@ -11,6 +11,9 @@ DIFFRAX_METHODS = (
     "Dopri5",
     "Dopri8",
     "Heun",
+    "KenCarp3",
+    "KenCarp4",
+    "KenCarp5",
     "Kvaerno3",
     "Kvaerno4",
     "Kvaerno5",
@@ -22,11 +25,10 @@ DIFFRAX_METHODS = (
 
 
 class Diffrax(Solver):
-    """The run by `diffrax.diffeqsolve`, with the smooth contact law, `diffrax.PIDController` and plain automatic
-    differentiation through the solve.
+    """The run by `diffrax.diffeqsolve`, with the smooth contact law and steps that end on touchdowns foreseen.
 
-    Events are located afterwards, between the steps taken. Sensitivities are not under error control: see
-    docs/diffrax.md for how wrong they are.
+    Events are located afterwards, between the steps taken. Implicit methods have a root finder that knows the stiff
+    forces, and sensitivities are under error control (docs/diffrax.md).
 
     **Arguments:**
 
@@ -44,10 +46,11 @@ class Diffrax(Solver):
     """
 
     method: diffrax.AbstractSolver = eqx.field(static=True, default_factory=diffrax.Kvaerno5)
-    max_steps: int = eqx.field(static=True, default=65_536)
+    max_steps: int = eqx.field(static=True, default=16_384)
 
     def __check_init__(self) -> None:
-        if not isinstance(self.method, (diffrax.AbstractERK, diffrax.AbstractDIRK)):
+        known = tuple(getattr(diffrax, name) for name in DIFFRAX_METHODS)
+        if not isinstance(self.method, (diffrax.AbstractERK, diffrax.AbstractDIRK, *known)):
             names = ", ".join(f"diffrax.{name}()" for name in DIFFRAX_METHODS)
             raise InputError(
                 f"Diffrax({shown(self.method)}): not a method that solves an ODE and estimates its error; use {names}"

@@ -46,6 +46,10 @@ class NewtonMatrix(NamedTuple):
         spring = _product(stiff.stiffness, _product(stiff.directions[:n].T, r_q))
         z = _product(self.inner, _product(stiff.directions.T, r_w) - shift * _product(self.mobility, spring))
         w = r_w - shift * _product(stiff.response, spring + _product(self.response, z))
+        if stiff.decay is not None:
+            rest = rest / (1.0 + shift * stiff.decay)[:, None]
+        if stiff.followers is not None:
+            rest = stiff.followers.solve(rest, w, shift)
         return jnp.concatenate([r_q + shift * w[:n], w, rest])
 
 

@@ -31,14 +31,14 @@ def bar_period(design: BarDrop) -> Any:
 
 def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[Limit]:
     """How the highest modes' periods compare with the time the force takes to its peak."""
-    time, found = rise_time(design, peak_force, penetration), []
+    time, lines = rise_time(design, peak_force, penetration), []
     for part, modes, highest in (("plate", design.plate.modes, plate_period), ("bar", design.bar.modes, bar_period)):
         if modes:
-            found.append(too_few(part, modes, highest(design), time))
-    return found
+            lines.append(too_few(part, modes, highest(design), time))
+    return lines
 
 
-def told(run: BarDropRun) -> list[str]:
+def mode_lines(run: BarDropRun) -> list[str]:
     """A line on each body that bends: number of modes, its highest period beside the time the force took."""
     design, lines = run.design, []
     if design.plate.modes:

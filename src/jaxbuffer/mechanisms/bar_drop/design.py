@@ -68,6 +68,12 @@ class Impact(Part):
         0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
     )
     linear_stiffness: Number = number(1e7, "N/m", **POSITIVE, doc="stiffness of the law kelvin-voigt")
+    memory_time: Number = number(
+        None,
+        "s",
+        **POSITIVE,
+        doc="time in which a smooth contact's memory follows the approach speed; not set: events set it",
+    )
     friction: Number = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction between ball and plate")
     slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
     young_modulus: Number = number(

@@ -1,7 +1,8 @@
 """The bar dropped on a plate, as everything else knows it."""
 
-from ...contact.laws import LAWS, HystereticLaw
+from ...contact.laws import LAWS
 from ...errors import InputError
+from ...fields import replace
 from ..mechanism import Defaults, Mechanism
 from ..registry import register
 from .design import BarDrop, BarDropScenario, check_fit, valid
@@ -10,15 +11,17 @@ from .run import dropped
 from .system import bar_drop
 from .view import VIEW
 
+MEMORY_TIME = 2e-4  # s, a hundredth of the time between two of its impacts
 
-def smooth(design: BarDrop) -> BarDrop:
-    """The design itself, if its law knows no speed of the last touchdown: then it needs no events."""
-    if issubclass(LAWS[design.impact.law], HystereticLaw) and design.impact.law != "hertz":
+
+def smooth(design: BarDrop, scenario: BarDropScenario) -> BarDrop:
+    """Return the design with a memory of the touchdown's speed that follows by itself, so that it needs no events."""
+    if LAWS[design.impact.law].jumps:
         raise InputError(
-            f"impact.law = {design.impact.law!r} needs events, which diffrax.diffeqsolve has not; "
-            "take 'adams' or 'hertz', or another solver"
+            f"impact.law = {design.impact.law!r}: its force jumps at touchdown, which takes events; take another law, "
+            "or a solver with events: automatic, implicit or explicit"
         )
-    return design
+    return design if design.impact.memory_time is not None else replace(design, {"impact.memory_time": MEMORY_TIME})
 
 
 BAR_DROP = register(

@@ -56,6 +56,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
         size=(1e-3, jnp.sqrt(1.5 * scenario.gravity * scenario.height)),
         shown=tuple(shown),
         energy_size=0.5 * mass * scenario.gravity * scenario.height,
+        memory_time=design.impact.memory_time,
     )
 
 

@@ -9,7 +9,7 @@ from ..picture import Curve, Level, Panel
 from ..run import plain_summary
 from ..validity import BEYOND_LAW, Limit
 from ..view import Names, View
-from .bending import limits, told
+from .bending import limits, mode_lines
 from .design import BarDrop, BarDropScenario
 from .drawing import drawing
 from .run import BarDropRun
@@ -42,7 +42,7 @@ def summary(run: BarDropRun) -> str:
     """What every run tells, and below the peak the number of modes it was computed with."""
     lines = plain_summary(run).splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
-    return "\n".join([*lines[:below], *told(run), *lines[below:]])
+    return "\n".join([*lines[:below], *mode_lines(run), *lines[below:]])
 
 
 def record(run: BarDropRun) -> dict[str, dict[str, Any]]:
@@ -52,15 +52,17 @@ def record(run: BarDropRun) -> dict[str, dict[str, Any]]:
 
 def panels(run: BarDropRun) -> list[Panel]:
     """Gap, penetration, energy, deflections, of a run with a history."""
-    seen = run.history
-    assert seen is not None
-    energy = {name: np.asarray(getattr(seen.energy, name)) for name in ("kinetic", "contact", "potential")}
-    energy["lost"] = np.asarray(seen.energy.dissipated)
+    history = run.history
+    assert history is not None
+    energy = {name: np.asarray(getattr(history.energy, name)) for name in ("kinetic", "contact", "potential")}
+    energy["lost"] = np.asarray(history.energy.dissipated)
     unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
     deepest = f"Penetration, largest {1e6 * float(run.maxima['penetration']):.4g} µm"
     return [
-        Panel("Gap below the ball end", "gap [mm]", (Curve("", 1e3 * seen.gap[:, 0]),), (Level("", 0.0),), whole=True),
-        Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(seen.penetration), 0.0)),)),
+        Panel(
+            "Gap below the ball end", "gap [mm]", (Curve("", 1e3 * history.gap[:, 0]),), (Level("", 0.0),), whole=True
+        ),
+        Panel(deepest, "penetration [µm]", (Curve("", np.maximum(1e6 * np.asarray(history.penetration), 0.0)),)),
         Panel(
             "Energy",
             f"energy [{unit}]",
@@ -73,12 +75,12 @@ def panels(run: BarDropRun) -> list[Panel]:
 
 def bent(run: BarDropRun, body: str) -> Panel:
     """The deflection of one body, with its number of modes."""
-    seen, name = run.history, f"{body}_deflection"
-    assert seen is not None
+    history, name = run.history, f"{body}_deflection"
+    assert history is not None
     largest, modes = float(run.maxima[name]), getattr(run.design, body).modes
     unit, factor = ("mm", 1e3) if largest > 1e-3 else ("µm", 1e6)
     title = f"Deflection of the {body}, largest {factor * largest:.4g} {unit} ({modes} modes)"
-    return Panel(title, f"deflection [{unit}]", (Curve("", factor * np.asarray(seen.others[name])),))
+    return Panel(title, f"deflection [{unit}]", (Curve("", factor * np.asarray(history.others[name])),))
 
 
 def names(design: BarDrop) -> Names:

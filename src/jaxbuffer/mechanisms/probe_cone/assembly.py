@@ -4,7 +4,7 @@ Four bodies in the paper's order (M4): active vehicle S, cylinder B, probe P (wi
 T.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -25,7 +25,9 @@ from ...multibody import (
 from ...multibody.flexible import FlexibleBar, Marker
 from ...plane import Vector
 from .bending import bending_probe
+from .buffer_force import BufferForce, is_plain
 from .design import Design, Scenario
+from .parts import Buffer
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 LOWER, UPPER = 0, 1  # flanks
@@ -89,20 +91,38 @@ def assemble_system(design: Design, probe: Masses, stabilisation: Scalar) -> Sys
         ),
         joints=(guide,) if design.hinge.play is not None else (hinge, guide),
         forces=(
-            AxialSpringDamper(
-                B,
-                P,
-                first_point=(-half, 0.0),
-                second_point=probe.guided(-probe.rear),
-                stiffness=design.buffer.k_A,
-                damping=design.buffer.c_A,
-                free_length=design.buffer.free_length,
-                guide=(1.0, 0.0),
-                published_damping=design.buffer.damping == "published",
-            ),
+            axial_element(design.buffer, probe),
             TorsionalSpringDamper(S, B, stiffness=design.buffer.k_T, damping=design.buffer.c_T),
         ),
         stabilisation=stabilisation,
+    )
+
+
+def axial_element(buffer: Buffer, probe: Masses) -> AxialSpringDamper:
+    """The buffer's axial element: the paper's linear spring and damper, or a real buffer's (M23, M171 to M173)."""
+    linear: dict[str, Any] = {
+        "first": B,
+        "second": P,
+        "first_point": (-buffer.cylinder_length / 2, 0.0),
+        "second_point": probe.guided(-probe.rear),
+        "stiffness": 0.0 if buffer.k_A is None else buffer.k_A,
+        "damping": 0.0 if buffer.c_A is None else buffer.c_A,
+        "free_length": buffer.free_length,
+        "guide": (1.0, 0.0),
+        "published_damping": buffer.damping == "published",
+    }
+    if is_plain(buffer):
+        return AxialSpringDamper(**linear)
+    return BufferForce(
+        **linear,
+        spring_curve=None if buffer.spring_curve is None else buffer.spring_curve.cubic(),
+        damper_curve=None if buffer.damper_curve is None else buffer.damper_curve.cubic(),
+        preload=buffer.preload,
+        preload_length=buffer.preload_length,
+        quadratic=buffer.c_A2,
+        rebound_factor=buffer.rebound_factor,
+        friction=buffer.friction,
+        friction_speed=buffer.friction_speed,
     )
 
 
@@ -134,6 +154,12 @@ def assemble_contact(design: Design) -> BallPair:
     )
 
 
+def rebound_stop(design: Design) -> KelvinVoigt | None:
+    """The law of the stop that holds the probe near its free length (M174); None without one."""
+    stiffness = design.buffer.rebound_stiffness
+    return None if stiffness is None else KelvinVoigt(stiffness, design.buffer.rebound_damping)
+
+
 def end_stop(design: Design) -> KelvinVoigt | None:
     """The law of the buffer's end stop (M28), which acts while the stroke exceeds s_m; None without a stop."""
     stiffness = design.buffer.stop_stiffness
@@ -143,24 +169,58 @@ def end_stop(design: Design) -> KelvinVoigt | None:
 def start_motion(
     design: Design, scenario: Scenario, masses: Masses
 ) -> tuple[Float[Array, " coordinates"], Float[Array, " coordinates"]]:
-    """Positions and velocities at t = 0 (M62, M63).
+    """Positions and velocities at t = 0 (M62, M63, M170).
 
     **Arguments:** ``design``; ``scenario``; ``masses``: of the probe. **Returns:** q [m, m, rad, …] and q̇, 12 entries
     each and one for each mode of a probe that bends.
     """
-    angle = design.cone.half_angle
-    cos, sin = jnp.cos(angle), jnp.sin(angle)
-    local = Vector(
-        -design.cone.offset - scenario.contact_distance * cos - design.probe.tip_radius * sin,
-        -design.cone.throat_radius - scenario.contact_distance * sin + design.probe.tip_radius * cos,
-    )
+    local = _tip_at_start(design, scenario)
     turn_cos, turn_sin = jnp.cos(scenario.misalignment), jnp.sin(scenario.misalignment)
     tip = Vector(turn_cos * local.x - turn_sin * local.y, turn_sin * local.x + turn_cos * local.y)
-    probe = tip.x - masses.front
-    cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
-    active = cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
-    behind = [active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0]
     modes = 0 if masses.bending is None else masses.bending.modes.size
-    q = stacked([*behind, 0.0, 0.0, scenario.misalignment, *[0.0] * modes])
-    v = stacked([scenario.approach_speed, 0.0, 0.0] * 3 + [0.0, 0.0, scenario.passive_rate, *[0.0] * modes])
-    return q, v
+    passive = [0.0, 0.0, scenario.misalignment, *[0.0] * modes]
+    passive_rate = [0.0, 0.0, scenario.passive_rate, *[0.0] * modes]
+    if scenario.start == "free":
+        placed, moving = _turned(design, scenario, masses, tip)
+        return stacked([*placed, *passive]), stacked([*moving, *passive_rate])
+    probe, cylinder, active = _behind(design, masses, tip.x)
+    q = stacked([active, tip.y, 0.0, cylinder, tip.y, 0.0, probe, tip.y, 0.0, *passive])
+    return q, stacked([scenario.approach_speed, 0.0, 0.0] * 3 + passive_rate)
+
+
+def _tip_at_start(design: Design, scenario: Scenario) -> Vector:
+    """The tip's centre at t = 0 in the axes of T: at the lower flank (M62), or anywhere before the mouth (M170)."""
+    angle, cone, radius = design.cone.half_angle, design.cone, design.probe.tip_radius
+    cos, sin = jnp.cos(angle), jnp.sin(angle)
+    if scenario.start == "free":
+        return Vector(-cone.offset - cone.length * cos - radius - scenario.standoff, scenario.offset)
+    return Vector(
+        -cone.offset - scenario.contact_distance * cos - radius * sin,
+        -cone.throat_radius - scenario.contact_distance * sin + radius * cos,
+    )
+
+
+def _behind(design: Design, masses: Masses, tip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """Where the centres of mass of probe, cylinder and active vehicle are along their axis, the ``tip`` being there and
+    the spring at its free length [m]."""
+    probe = tip - masses.front
+    cylinder = probe - masses.rear - design.buffer.free_length + design.buffer.cylinder_length / 2
+    return probe, cylinder, cylinder + design.buffer.cylinder_length / 2 - design.active.hinge_offset
+
+
+def _turned(design: Design, scenario: Scenario, masses: Masses, tip: Vector) -> tuple[list[Scalar], list[Scalar]]:
+    """Positions and velocities of S, B and P at a free start: they lie along an axis through the tip and turn about the
+    centre of mass of S as one body (M170)."""
+    cos, sin = jnp.cos(scenario.active_angle), jnp.sin(scenario.active_angle)
+    probe, cylinder, active = _behind(design, masses, 0.0)
+    placed: list[Scalar] = []
+    moving: list[Scalar] = []
+    for behind in (active, cylinder, probe):
+        placed += [tip.x + behind * cos, tip.y + behind * sin, scenario.active_angle]
+        arm = behind - active
+        moving += [
+            scenario.approach_speed - scenario.active_rate * arm * sin,
+            scenario.lateral_speed + scenario.active_rate * arm * cos,
+            scenario.active_rate,
+        ]
+    return placed, moving

@@ -30,6 +30,34 @@ class FirstImpact(Portable):
     duration: Float[Array, ""]
 
 
+class Docked(Portable):
+    """Docking beyond the crossing of the capture plane; scalars, NaN where a run has no such thing.
+
+    - ``latch_time``: when the latches began to close [s].
+    - ``settling_time``: from then until the vehicles were held [s].
+    - ``latch_share``: largest force of the latches over their strength [-], 0 where nothing tears them; of a torn run
+      above 1, by an estimate.
+    - ``relative_energy``: energy of relative motion at the end over that at the start [-]; ``energy_left``: the former
+      [J] (M177).
+    - ``arrest_stroke``: the stroke at which the axial spring alone would store all of it [m] (M179).
+    - ``lateral_miss`` [m], ``lateral_miss_rate`` [m/s], ``attitude_miss`` [rad], ``attitude_miss_rate`` [rad/s]: of the
+      tip from the cone's axis, and of the probe against it, where it crosses the capture plane.
+    - ``impulse``: on the passive vehicle, to the end [N s].
+    """
+
+    latch_time: Float[Array, ""]
+    settling_time: Float[Array, ""]
+    latch_share: Float[Array, ""]
+    relative_energy: Float[Array, ""]
+    energy_left: Float[Array, ""]
+    arrest_stroke: Float[Array, ""]
+    lateral_miss: Float[Array, ""]
+    lateral_miss_rate: Float[Array, ""]
+    attitude_miss: Float[Array, ""]
+    attitude_miss_rate: Float[Array, ""]
+    impulse: Float[Array, ""]
+
+
 class FlankImpacts(Impacts):
     """Impacts on the flanks: ``contact`` is 0 for the lower one and 1 for the upper one, also as ``flank``."""
 
@@ -50,15 +78,17 @@ class Capture(Run):
     - ``stroke``: the buffer's largest [m].
     - ``stroke_margin``: stroke left before the buffer's end [m]; below zero for a bottomed run, which is no
       measure of what is missing.
-    - ``stroke_rising``: rate of the stroke at the end of the run if it is largest there, else 0 [m/s].
     - ``hinge_angle``: the largest [rad].
-    - ``hinge_angle_rising``: rate of its size at the end of the run if it is largest there, else 0 [rad/s].
     - ``bending``: the tip's largest displacement off the probe's axis [m], 0 of a probe that does not bend.
     - ``throat_distance``: of the tip from the capture plane at the end [m].
     - ``capture_margin``: how far beyond that plane the tip would be at ``duration``, coasting on from the end of the
       run, or ``stroke_margin`` if that is less; positive exactly for a captured run [m].
     - ``capture_share``: that distance beyond the plane over the distance to it at the start [-].
-    - ``first_impact``: its closed form.
+    - ``peak_latch_force``: largest force of the latches [N], 0 without any.
+    - ``passive_force``: largest sum of the forces on the passive vehicle [N]; NaN where it was not followed, in a run
+      from contact without latches.
+    - ``docked``: what it says of docking beyond the capture plane.
+    - ``first_impact``: its closed form; NaN for a free start.
 
     **Example:**
 
@@ -72,13 +102,14 @@ class Capture(Run):
     peak_stop_force: Float[Array, ""]
     stroke: Float[Array, ""]
     stroke_margin: Float[Array, ""]
-    stroke_rising: Float[Array, ""]
     hinge_angle: Float[Array, ""]
-    hinge_angle_rising: Float[Array, ""]
     bending: Float[Array, ""]
     throat_distance: Float[Array, ""]
     capture_margin: Float[Array, ""]
     capture_share: Float[Array, ""]
+    peak_latch_force: Float[Array, ""]
+    passive_force: Float[Array, ""]
+    docked: Docked
     first_impact: FirstImpact
 
     @property

@@ -66,7 +66,10 @@ def predict(mechanism: CaptureMechanism, at: Posture) -> FirstImpact:
     stiffness = jnp.asarray(mechanism.design.contact_stiffness)
     peak, depth = hertz_peak(stiffness, energy), (2.5 * energy / stiffness) ** 0.4
     factor = loss_factor(law.hysteresis) if isinstance(law, HystereticLaw) else jnp.full((), jnp.nan)
-    return FirstImpact(mass, energy, peak, peak * factor, HERTZ_DURATION * depth / speed)
+    first = FirstImpact(mass, energy, peak, peak * factor, HERTZ_DURATION * depth / speed)
+    if mechanism.scenario.start != "free":
+        return first
+    return jax.tree.map(lambda number: jnp.nan * number, first)  # a free start says nothing of the first impact
 
 
 def hertz_peak(stiffness: Scalar, energy: Scalar) -> Float[Array, ""]:

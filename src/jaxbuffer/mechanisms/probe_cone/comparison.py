@@ -94,9 +94,11 @@ def compare_laws(
 
 def laws_table(comparison: Comparison) -> str:
     """Each law's source, delivered restitutions and impact."""
-    asked = comparison.restitution
+    nominal = comparison.restitution
     restitution = table("Restitution delivered to two free bodies, for the one asked for")
-    impact = table(f"Impact of {comparison.mass:.5g} kg at {comparison.speed:.5g} m/s, restitution {asked:g} asked for")
+    impact = table(
+        f"Impact of {comparison.mass:.5g} kg at {comparison.speed:.5g} m/s, restitution {nominal:g} asked for"
+    )
     for filled, right, last in (
         (restitution, [f"{e:g}" for e in ASKED], "source"),
         (impact, ["restitution", "penetration [µm]", "peak force [N]", "duration [ms]"], "validity"),
@@ -107,7 +109,7 @@ def laws_table(comparison: Comparison) -> str:
         filled.add_column(last)
     for entry in comparison.laws:
         restitution.add_row(entry.name, *(f"{e:.4f}" for e in entry.delivered), entry.law.source)
-        found = entry.impact
-        figures = (found.restitution, 1e6 * found.max_penetration, found.peak_force, 1e3 * found.duration)
+        result = entry.impact
+        figures = (result.restitution, 1e6 * result.max_penetration, result.peak_force, 1e3 * result.duration)
         impact.add_row(entry.name, *(f"{x:.5g}" for x in figures), entry.law.validity)
     return text(restitution, impact)

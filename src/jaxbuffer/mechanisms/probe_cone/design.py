@@ -1,5 +1,6 @@
 """The probe-cone mechanism's design, made of its parts, and its scenario; whether they fit each other."""
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from typing import Any, ClassVar
@@ -10,11 +11,12 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...contact import hertz_stiffness
-from ...errors import check_entries, check_type, concrete, inside, same_shape
-from ...fields import POSITIVE, Number, Part, all_of, number
+from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
 from ..run import DesignOf
 from .capture import Capture
-from .parts import Active, Buffer, Cone, Contact, Hinge, Passive, Probe
+from .oscillators import Shock
+from .parts import Active, Buffer, Cone, Contact, Hinge, Latch, Passive, Probe
 
 
 class Design(DesignOf[Capture]):
@@ -26,6 +28,8 @@ class Design(DesignOf[Capture]):
     - ``probe``: rod and tip.
     - ``cone``: on the passive vehicle.
     - ``contact``: tip against flank.
+    - ``latch``: what holds the vehicles together after capture, if anything does.
+    - ``shock``: frequencies at which shocks on the vehicles are wanted, if any.
 
     **Raises:** `InputError` where a number is out of its range, and for a tip that does not pass the cone's mouth.
 
@@ -43,6 +47,8 @@ class Design(DesignOf[Capture]):
     cone: Cone = Cone()
     contact: Contact = Contact()
     hinge: Hinge = Hinge()
+    latch: Latch = Latch()
+    shock: Shock = Shock()
 
     def check_together(self) -> None:
         # The tip must pass the mouth; what the throat lets through is an outcome, not an input error.
@@ -65,13 +71,22 @@ class Design(DesignOf[Capture]):
         return hertz_stiffness(self.probe.tip_radius, modulus, ratio, modulus, ratio)
 
 
+OF_FREE_START = ("offset", "standoff", "active_angle", "active_rate", "lateral_speed")
+
+
 class Scenario(Part):
-    """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63).
+    """How the vehicles meet: the tip touches the lower flank at t = 0 (M62, M63), or is anywhere before the cone.
 
     - ``approach_speed``: v0 of S, B and P [m/s].
     - ``contact_distance``: b, slant distance of the first contact from the throat edge [m].
     - ``misalignment``: θ_T0, angle of T [rad].
     - ``passive_rate``: θ̇_T0, spin of T [rad/s].
+    - ``start``: "contact", or "free": nothing touches at t = 0 (M170). The following five belong to that.
+    - ``offset``: y of the tip from the cone's axis [m], below it negative.
+    - ``standoff``: distance of the tip from the cone's mouth along the axis [m].
+    - ``active_angle`` θ_S0 [rad], ``active_rate`` [rad/s]: of S, B and P, turned and turning as one body.
+    - ``lateral_speed``: of the active vehicle across its approach [m/s].
+    - ``thrust`` [N], ``thrust_time`` [s]: a force that pushes the active vehicle along its axis from t = 0 on.
 
     **Raises:** `InputError` where a number is out of its range.
 
@@ -99,6 +114,52 @@ class Scenario(Part):
         doc="angle θ_T0 of the passive vehicle at the start",
     )
     passive_rate: Number = number(0.0, "rad/s", doc="rate θ̇_T0 of the passive vehicle's turning at the start")
+    start: str = choice(
+        "contact",
+        "contact",
+        "free",
+        doc="contact: the tip touches the lower flank at the start; free: it is anywhere before the cone",
+    )
+    offset: Number = number(0.0, "m", doc="y of the tip from the cone's axis at a free start, below it negative")
+    standoff: Number = number(0.0, "m", **NON_NEGATIVE, doc="distance of the tip from the cone's mouth at a free start")
+    active_angle: Number = number(
+        0.0,
+        "rad",
+        low=-math.pi / 2,
+        high=math.pi / 2,
+        low_open=True,
+        high_open=True,
+        doc="angle θ_S0 of the active vehicle at a free start",
+    )
+    active_rate: Number = number(0.0, "rad/s", doc="rate of the active vehicle's turning at a free start")
+    lateral_speed: Number = number(0.0, "m/s", doc="speed of the active vehicle across its approach at a free start")
+    thrust: Number = number(
+        None, "N", doc="force that pushes the active vehicle along its axis from the start; not set: none"
+    )
+    thrust_time: Number = number(None, "s", **POSITIVE, doc="how long that force lasts")
+
+    def check_together(self) -> None:
+        free = self.start == "free"
+        usual = {field.name: field for field in dataclasses.fields(self)}
+        for name in ("contact_distance",) if free else OF_FREE_START:
+            value, default = concrete(getattr(self, name)), usual[name].default
+            if value is not None and np.any(value != default):
+                symbol = usual[name].metadata["unit"]
+                raise InputError(
+                    f"scenario.{name} = {float(value[value != default].flat[0]):g} {symbol} belongs to"
+                    f' scenario.start = "{"contact" if free else "free"}"; here it is "{self.start}"'
+                )
+        if (self.thrust is None) != (self.thrust_time is None):
+            given, missing = (
+                ("thrust", "thrust_time [s]") if self.thrust_time is None else ("thrust_time", "thrust [N]")
+            )
+            raise InputError(f"scenario.{given} needs scenario.{missing} too")
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.start != "free":
+            for name in OF_FREE_START:
+                yield inside(getattr(self, name), low=0.0, high=0.0)
 
 
 def check_fit(design: Design, scenario: Scenario) -> None:
@@ -109,6 +170,8 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     """
     check_type("design", design, Design, "the design first, such as jb.table2(), then the scenario")
     check_type("scenario", scenario, Scenario, "the design first, then a scenario, such as jb.Scenario()")
+    if scenario.start == "free":
+        return
     cone, tip = design.cone, design.probe.tip_radius
     start = _known("probe.tip_radius and cone", tip, cone.throat_radius, cone.half_angle)
     least = 0.0 if start is None else least_contact_distance(*start)
@@ -123,6 +186,9 @@ def check_fit(design: Design, scenario: Scenario) -> None:
 def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
     """Whether every number is in its range and they fit (M64), for numbers known only inside compiled code; NaN is in
     no range."""
+    ranges = [*design.in_range(), *scenario.in_range()]
+    if scenario.start == "free":
+        return all_of(ranges)
     cone, angle = design.cone, design.cone.half_angle
     least = least_contact_distance(design.probe.tip_radius, cone.throat_radius, angle, jnp)
     limit = jnp.minimum(angle, np.pi / 2 - angle)
@@ -130,7 +196,7 @@ def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:
         inside(scenario.contact_distance, low=least, high=cone.length, low_open=True),
         inside(scenario.misalignment, low=-limit, high=limit, low_open=True, high_open=True),
     ]
-    return all_of([*design.in_range(), *scenario.in_range(), *fit])
+    return all_of([*ranges, *fit])
 
 
 def _known(path: str, *values: Scalar) -> list[Any] | None:

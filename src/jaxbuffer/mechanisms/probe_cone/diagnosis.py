@@ -12,6 +12,7 @@ from ..energy import energy_text, energy_unit
 from .assembly import T
 from .capture import Capture
 from .outcome import Outcome
+from .panels import NOT_ELASTIC
 from .system import CONTACTS, CaptureMechanism
 
 
@@ -21,7 +22,8 @@ class Course(NamedTuple):
     ``before``: the tip's distance from the capture plane [m] (M65); ``closing``: how fast that becomes less [m/s];
     ``approach``: speed along the cone's axis at which the centres of mass of the active side (vehicle, cylinder, probe)
     and of the passive vehicle approach each other [m/s]; ``along``: kinetic energy of that approach [J]; ``common``:
-    that of both together, which nothing inside the mechanism changes [J].
+    that of both together, which nothing inside the mechanism changes [J]; ``relative``: energy of relative motion [J]
+    (M177).
     """
 
     before: Float[Array, " slots"]
@@ -29,17 +31,23 @@ class Course(NamedTuple):
     approach: Float[Array, " slots"]
     along: Float[Array, " slots"]
     common: Float[Array, " slots"]
+    relative: Float[Array, " slots"]
 
 
 @stored
-def course(parameters: tuple[Any, Any, Array], states: Float[Array, "slots state"]) -> Course:
-    """The course of a run of design, scenario and stabilisation through these states (König's theorem)."""
+def course(
+    parameters: tuple[Any, Any, Array], states: Float[Array, "slots state"], closed: Float[Array, "slots contacts"]
+) -> Course:
+    """The course of a run of design, scenario and stabilisation through these states (König's theorem).
+
+    ``closed``: contacts that are closed then.
+    """
     mechanism = CaptureMechanism(*parameters)
     design = parameters[0]
     passive = design.passive.mass
     active = design.active.mass + design.buffer.cylinder_mass + mechanism.probe.mass
 
-    def at(state: Float[Array, " state"]) -> Course:
+    def at(state: Float[Array, " state"], touching: Float[Array, " contacts"]) -> Course:
         before, receding = mechanism.throat_of(state)
         momentum = mechanism.momentum(state)[0]
         cone = mechanism.kinematics(state).frame(T)
@@ -47,9 +55,10 @@ def course(parameters: tuple[Any, Any, Array], states: Float[Array, "slots state
         speed = x * cone.cos + y * cone.sin
         reduced = active * passive / (active + passive)
         common = 0.5 * (momentum[0] ** 2 + momentum[1] ** 2) / (active + passive)
-        return Course(before, -receding, speed, 0.5 * reduced * speed**2, common)
+        relative = mechanism.relative_energy(mechanism.posture(state), touching)
+        return Course(before, -receding, speed, 0.5 * reduced * speed**2, common, relative)
 
-    return jax.vmap(at)(states)
+    return jax.vmap(at)(states, closed)
 
 
 class Turn(NamedTuple):
@@ -66,12 +75,12 @@ class Turn(NamedTuple):
     after: float
 
 
-def turned_round(capture: Capture, seen: Course) -> Turn | None:
+def turned_round(capture: Capture, motion: Course) -> Turn | None:
     """The last impact before the vehicles' approach changes sign for good; None where they approach at the end."""
     log = capture._located  # its values are those of `log`, which would compute derivatives
     count = min(int(log.count), int(log.room))
     kind, which, time = (np.asarray(x)[:count] for x in (log.kind, log.which, log.time))
-    approach = np.asarray(seen.approach)[:count]
+    approach = np.asarray(motion.approach)[:count]
     touched = (kind == Kind.TOUCHDOWN) & (which < len(CONTACTS))
     approaching = np.flatnonzero(approach > 0.0)
     if not approaching.size or approaching[-1] == count - 1 or not np.any(touched[: approaching[-1] + 1]):
@@ -84,48 +93,83 @@ def turned_round(capture: Capture, seen: Course) -> Turn | None:
 def diagnosis(capture: Capture) -> dict[str, str]:
     """What held a run back that did not end captured, by heading; nothing of others."""
     log = capture._located
-    if capture.outcome == Outcome.captured or capture.outcome.failed or not int(log.count):
+    if capture.mechanism.succeeded(int(capture.outcome)) or capture.outcome.failed or not int(log.count):
         return {}
     parameters = (capture.design, capture.scenario, capture.stabilisation)
-    seen = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0]))
+    motion = jax.tree.map(np.asarray, course(parameters, log.rows[:, 0], log.active))
     last = int(log.count) - 1
+    if capture.outcome == Outcome.torn:
+        return {
+            "torn": _torn(capture),
+            "tip at the latches": _met(capture),
+            "energy left": _energy(capture, motion, last),
+            "where it went": _lost(capture, motion, last),
+            "what to change first": "a larger latch.strength or latch.closing_time; 'jaxbuffer sensitivity … --of"
+            " latch_share' says what moves it",
+        }
     return {
-        "way left": _way(capture, seen, last),
-        "energy left": _energy(capture, seen, last),
-        "where it went": _lost(capture, seen, last),
-        "turned round": _turn(capture, seen),
+        "way left": _way(capture, motion, last),
+        "energy left": _energy(capture, motion, last),
+        "where it went": _lost(capture, motion, last),
+        "turned round": _turn(capture, motion),
         "what to change first": "'jaxbuffer sensitivity … --of capture_share' says it",
     }
 
 
-def _way(capture: Capture, seen: Course, last: int) -> str:
-    left, begin, speed = (1e3 * float(x) for x in (seen.before[last], seen.before[0], seen.closing[last]))
+def _torn(capture: Capture) -> str:
+    """When the latches tore, and how far they had closed."""
+    latch, begin = capture.design.latch, float(capture.docked.latch_time)
+    since, closing = float(capture.end_time) - begin, float(latch.closing_time)
+    how = f"still closing, which takes {1e3 * closing:.4g} ms" if since < closing else "closed"
+    return (
+        f"at {float(capture.end_time):.6g} s, {1e3 * since:.4g} ms after the latches began to close ({how}), by more"
+        f" than {float(latch.strength or 0.0):.6g} N"
+    )
+
+
+def _met(capture: Capture) -> str:
+    """How the tip crossed the capture plane."""
+    docked = capture.docked
+    return (
+        f"{1e3 * float(docked.lateral_miss):.4g} mm off the axis, moving across it at"
+        f" {1e3 * float(docked.lateral_miss_rate):.3g} mm/s;"
+        f" {np.degrees(float(docked.attitude_miss)):.4g} deg against it"
+    )
+
+
+def _way(capture: Capture, motion: Course, last: int) -> str:
+    left, begin, speed = (1e3 * float(x) for x in (motion.before[last], motion.before[0], motion.closing[last]))
     ends = "still closes in" if speed > 0.0 else "recedes"
     return f"{left:.4g} mm to the capture plane, {begin:.4g} mm at first; the tip {ends} at {abs(speed):.3g} mm/s"
 
 
-def _energy(capture: Capture, seen: Course, last: int) -> str:
+def _energy(capture: Capture, motion: Course, last: int) -> str:
     """Along the approach, in the springs, and in other motion, of what there was without the common motion."""
-    total = float(capture.energy.total) - float(seen.common[last])
-    along, direction = float(seen.along[last]), "closing" if float(seen.approach[last]) > 0.0 else "parting"
+    total = _to_take(capture, motion, last)
+    along, direction = float(motion.along[last]), "closing" if float(motion.approach[last]) > 0.0 else "parting"
     stored = {name: float(np.asarray(value)) for name, value in capture.energy.stored.items()}
-    kinetic = stored.pop("kinetic")
-    springs, other = sum(stored.values()), kinetic - float(seen.common[last]) - along
+    springs = sum(value for name, value in stored.items() if name not in NOT_ELASTIC)
+    other = float(motion.relative[last]) - springs - along
     return (
         f"{_share(along, total)} along the approach ({direction}), {_share(springs, total)} in springs,"
         f" {_share(other, total)} in turning and sideways motion, of {energy_text(total)} relative to the common motion"
     )
 
 
-def _lost(capture: Capture, seen: Course, last: int) -> str:
-    total = float(capture.energy.total) - float(seen.common[last])
+def _to_take(capture: Capture, motion: Course, last: int) -> float:
+    """What there was of energy of relative motion [J]: what is left of it, and what was lost."""
+    return float(motion.relative[last]) + float(capture.energy.dissipated)
+
+
+def _lost(capture: Capture, motion: Course, last: int) -> str:
+    total = _to_take(capture, motion, last)
     lost = {name.replace("_", " "): float(np.asarray(value)) for name, value in capture.energy.lost.items()}
     most = sorted(lost.items(), key=lambda item: -item[1])
     return ", ".join(f"{name} {_share(value, total)}" for name, value in most if value > 0.0) or "nothing was lost"
 
 
-def _turn(capture: Capture, seen: Course) -> str:
-    turn = turned_round(capture, seen)
+def _turn(capture: Capture, motion: Course) -> str:
+    turn = turned_round(capture, motion)
     if turn is None:
         return "never: the vehicles still approach each other at the end"
     return (

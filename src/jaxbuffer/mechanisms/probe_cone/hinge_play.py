@@ -12,9 +12,8 @@ from ...contact.laws import DampedHertz
 from ...multibody import Kinematics, Load, MaterialPoint, System
 from ..ball_contact import BallContact
 from ..linearisation import ContactTerm, contact_directions, contact_slopes
+from .assembly import B, S
 from .design import Design
-
-S, B = 0, 1  # bodies
 
 
 class PinPosture(NamedTuple):

@@ -7,10 +7,19 @@ import numpy as np
 from ...fields import in_words, unit
 from .design import Scenario
 
+OF_FREE_START = {  # the unit in which each is shown
+    "offset": "mm",
+    "standoff": "mm",
+    "active_angle": "deg",
+    "active_rate": "deg/s",
+    "passive_rate": "deg/s",
+    "lateral_speed": "mm/s",
+}
+
 
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
-    """What people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; its contact distance and the
-    passive rate too where those differ ``among`` several."""
+    """What people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and passive
+    rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
     angle = np.degrees(float(scenario.misalignment)) + 0.0
     speed = float(scenario.approach_speed)
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
@@ -20,4 +29,21 @@ def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
             label += (
                 f", {name.replace('_', ' ')} {in_words(float(getattr(scenario, name)), unit(scenario, name), shown)}"
             )
-    return label
+    return label + _free_start(scenario) + _thrust(scenario)
+
+
+def _free_start(scenario: Scenario) -> str:
+    """Of a free start, what is not zero: ", free start, offset -20 mm"."""
+    if scenario.start != "free":
+        return ""
+    given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
+    return ", free start" + "".join(
+        f", {name.replace('_', ' ')} {in_words(float(getattr(scenario, name)), unit(scenario, name), shown)}"
+        for name, shown in given
+    )
+
+
+def _thrust(scenario: Scenario) -> str:
+    if scenario.thrust is None or scenario.thrust_time is None:
+        return ""
+    return f", thrust {float(scenario.thrust):.4g} N for {float(scenario.thrust_time):.4g} s"

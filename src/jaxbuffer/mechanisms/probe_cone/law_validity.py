@@ -7,14 +7,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
-from ..run import rising
 from ..validity import BEYOND_LAW, Limit
 from .assembly import assemble_contact
 from .bending import bending_frequencies
 from .capture import Capture
 from .design import Design
 from .hinge_play import pin_law
-from .outcome import Outcome
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
 BENT = 0.1  # of the probe's length: up to here the bending is linear
@@ -56,10 +54,10 @@ def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Lim
     given."""
     if penetration is None:
         penetration = assemble_contact(design).law.depth(peak_force)
-    found = validity(design, np.asarray(penetration), np.asarray(peak_force))
+    ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
-        Limit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", found.depth),
-        Limit(f"{BEYOND_LAW}the materials yield", found.pressure),
+        Limit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
+        Limit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
     ]
 
 
@@ -72,33 +70,20 @@ def pressure(design: Design, peak_force: Any) -> Float[Array, "..."]:
 def warnings(capture: Capture) -> list[str]:
     """What the answer of a capture lies beyond, a line each; empty for a valid one."""
     design, depth, force = capture.design, float(capture.penetration), float(capture.peak_force)
-    found, lines = validity(design, np.asarray(depth), np.asarray(force)), []
-    if found.too_deep:
+    ratios, lines = validity(design, np.asarray(depth), np.asarray(force)), []
+    if ratios.too_deep:
         radius = float(design.probe.tip_radius)
         lines.append(
             f"{BEYOND_LAW}the tip goes up to {1e3 * depth:.3g} mm deep into a flank, more than"
             f" a tenth of its radius of {1e3 * radius:.3g} mm"
         )
-    if found.yields:
+    if ratios.yields:
         stress, reached = float(np.asarray(design.contact.yield_stress)), float(pressure(design, np.asarray(force)))
         lines.append(
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
-            f" the peak being {float(found.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
+            f" the peak being {float(ratios.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    return [*lines, *_of_bending(capture), *_of_play(capture), *_of_end(capture)]
-
-
-def _of_end(capture: Capture) -> list[str]:
-    """Largest values that are those at the end of a captured run, and would go on to rise."""
-    if capture.outcome != Outcome.captured:
-        return []
-    catalogue, lines = capture.mechanism.quantities, list[str]()
-    for name in rising(capture):
-        rate = catalogue[catalogue[name].rising]
-        symbol, factor = rate.in_figures
-        told = f"the {name.replace('_', ' ')} is still rising, at {factor * float(rate.of(capture)):.3g} {symbol},"
-        lines.append(f"{told} where the run ends at capture: the largest reported is that up to capture only")
-    return lines
+    return [*lines, *_of_bending(capture), *_of_play(capture)]
 
 
 def _of_bending(capture: Capture) -> list[str]:

@@ -21,19 +21,22 @@ class Outcome(RunOutcome):
     escaped = 1, "escaped: the tip left the cone"
     bottomed = 2, "bottomed: the buffer came to its end; the run stops there"
     timeout = 3, "timeout: neither captured nor escaped within the duration"
-    failed_steps = 4, STEPS
-    failed_step_size = 5, STEP_SIZE
-    failed_not_finite = 6, NOT_FINITE
+    held = 4, "held: latched, and at rest together but for the quiet share of the energy"
+    latched = 5, "latched: held together by the latches, not yet at rest within the duration"
+    torn = 6, "torn: the force of the latches exceeded their strength"
+    failed_steps = 7, STEPS
+    failed_step_size = 8, STEP_SIZE
+    failed_not_finite = 9, NOT_FINITE
     failed_penetration = (
-        7,
+        10,
         "failed: the tip went deeper into a flank than its radius; the contact is too soft for this speed",
     )
-    failed_input = 8, INPUT
+    failed_input = 11, INPUT
 
     @classmethod
     def ends(cls) -> tuple[str, ...]:
         """See `RunOutcome`."""
-        return ("captured", "escaped", "bottomed", "failed_penetration")
+        return ("captured", "escaped", "bottomed", "failed_penetration", "torn", "held")
 
     @classmethod
     def time_is_up(cls) -> str:

@@ -20,13 +20,14 @@ from ...errors import (
     concrete,
     inside,
 )
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Curve, Number, Part, choice, curve, number, whole
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
 TIP_RADIUS = 0.015  # m, R_tip of Table 2
 PROBE_LENGTH = 0.2  # m, L_P of Table 2
 HERTZ_EXPONENT = 1.5  # -
+DAMPER = ("damper_curve", "c_A2", "rebound_factor")  # what the axial damper may have besides c_A
 BENDING_MODES = 3
 
 
@@ -65,6 +66,14 @@ class Buffer(Part):
     - ``c_T``: damping about the hinge [N m s/rad] (M26).
     - ``free_length``: l_0 of the axial spring [m].
     - ``cylinder_mass`` m_B [kg], ``cylinder_length`` L_C [m]: a slender rod (M5).
+    - ``spring_curve``: measured points (stroke [m], force [N]) in place of ``k_A`` (M173).
+    - ``damper_curve``: measured points (speed [m/s], force [N]) in place of ``c_A`` and ``c_A2`` (M173).
+    - ``preload`` F_p [N], reached over ``preload_length`` s_p [m]: with which the spring pushes at once (M171).
+    - ``c_A2``: quadratic damping along the cylinder [N s²/m²] (M172).
+    - ``rebound_factor``: ρ, by which the damper's force is larger on the way out [-] (M172).
+    - ``friction`` F_f [N], regularised below ``friction_speed`` v_f [m/s] (M172).
+    - ``rebound_stiffness`` k_r [N/m], ``rebound_damping`` c_r [N s/m]: a stop that holds the probe near its free
+      length, from ``rebound_gap`` g_r [m] beyond it on (M174). None: the spring also pulls, as in the paper.
     - ``max_stroke``: stroke s_m at which the buffer is at its end [m]; None: ``free_length``, where the spring's ends
       meet. Without an end stop a run that gets there ends as "bottomed" (M66).
     - ``stop_stiffness`` k_s [N/m], ``stop_damping`` c_s [N s/m]: an end stop that pushes the probe out again while the
@@ -88,6 +97,31 @@ class Buffer(Part):
         None, "N/m", **POSITIVE, doc="stiffness k_s of an end stop beyond the largest stroke; not set: none"
     )
     stop_damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_s of the end stop")
+    spring_curve: Curve | None = curve(
+        ("stroke", "m"),
+        ("force", "N"),
+        instead_of=("k_A",),
+        doc="measured points [stroke [m], force [N]] of the axial spring, in place of k_A; not set: none",
+    )
+    damper_curve: Curve | None = curve(
+        ("speed", "m/s"),
+        ("force", "N"),
+        instead_of=("c_A", "c_A2"),
+        doc="measured points [speed [m/s], force [N]] of the axial damper, in place of c_A and c_A2; not set: none",
+    )
+    preload: Number = number(None, "N", **NON_NEGATIVE, doc="force F_p with which the axial spring pushes at once")
+    preload_length: Number = number(1e-4, "m", **POSITIVE, doc="stroke over which the preload is reached")
+    c_A2: Number = number(None, "N s²/m²", **NON_NEGATIVE, doc="quadratic damping along the cylinder; not set: none")
+    rebound_factor: Number = number(
+        None, "-", **POSITIVE, doc="factor of the damper's force on the way out; not set: 1"
+    )
+    friction: Number = number(None, "N", **NON_NEGATIVE, doc="friction F_f along the cylinder; not set: none")
+    friction_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="speed below which that friction falls to zero")
+    rebound_stiffness: Number = number(
+        None, "N/m", **POSITIVE, doc="stiffness k_r of a stop beyond the free length; not set: none"
+    )
+    rebound_damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_r of the rebound stop")
+    rebound_gap: Number = number(5e-4, "m", **POSITIVE, doc="way beyond the free length at which that stop begins")
     damping: str = choice(
         "physical",
         "physical",
@@ -102,6 +136,26 @@ class Buffer(Part):
         if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
             shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
             raise InputError(f"{shown} needs an end stop: give buffer.stop_stiffness [N/m] too")
+        damping = concrete(self.rebound_damping)
+        if self.rebound_stiffness is None and damping is not None and np.any(damping != 0.0):
+            shown = f"buffer.rebound_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"
+            raise InputError(f"{shown} needs a rebound stop: give buffer.rebound_stiffness [N/m] too")
+        self._check_curves()
+
+    def _check_curves(self) -> None:
+        """A curve and the numbers that it stands for are not given together, nor with the paper's damping."""
+        for measured, names in (("spring_curve", ("k_A",)), ("damper_curve", ("c_A", "c_A2"))):
+            both = [name for name in names if getattr(self, name) is not None]
+            if getattr(self, measured) is not None and both:
+                raise InputError(
+                    f"buffer.{measured} and buffer.{both[0]} are given together; the curve stands for"
+                    f" {' and '.join(names)}: keep one of them"
+                )
+        if self.damping == "published" and (more := [name for name in DAMPER if getattr(self, name) is not None]):
+            raise InputError(
+                f'buffer.damping = "published" has the paper\'s damper alone, which buffer.{more[0]} is no part of:'
+                ' leave it out, or set damping to "physical"'
+            )
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
@@ -109,6 +163,8 @@ class Buffer(Part):
             yield inside(self.max_stroke, high=self.free_length, **POSITIVE)
         if self.stop_stiffness is None:
             yield inside(self.stop_damping, low=0.0, high=0.0)
+        if self.rebound_stiffness is None:
+            yield inside(self.rebound_damping, low=0.0, high=0.0)
 
     @property
     def end(self) -> Scalar:
@@ -197,6 +253,67 @@ class Hinge(Part):
     def pin_radius(self) -> Scalar:
         """The bush's radius less the play [m]."""
         return self.bush_radius - (0.0 if self.play is None else self.play)
+
+
+class Latch(Part):
+    """Latches that close where the tip crosses the capture plane, and hold the vehicles together (M175 to M177).
+
+    Without them a run ends there.
+
+    - ``stiffness`` k_l [N/m], ``damping`` c_l [N s/m]: hold the tip's centre in its seat. Stiffness None: no latch.
+    - ``preload`` F_l [N], reached over ``preload_length`` r_l [m]: with which they pull it there.
+    - ``turn_stiffness`` k_t [N m/rad], ``turn_damping`` c_t [N m s/rad]: hold the probe along the cone's axis.
+    - ``closing_time``: in which they close [s].
+    - ``depth``: of the seat behind the capture plane [m].
+    - ``strength``: force that tears them [N]; None: none does.
+    - ``quiet``: share of the energy of relative motion at the start below which the vehicles count as held [-].
+    """
+
+    section: ClassVar[str] = "latch"
+    stiffness: Number = number(
+        None, "N/m", **POSITIVE, doc="stiffness k_l with which the tip is held in its seat; not set: no latch"
+    )
+    damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_l of the tip in its seat")
+    preload: Number = number(0.0, "N", **NON_NEGATIVE, doc="force F_l with which the latch pulls the tip to its seat")
+    preload_length: Number = number(1e-4, "m", **POSITIVE, doc="distance over which that preload is reached")
+    turn_stiffness: Number = number(
+        0.0, "N m/rad", **NON_NEGATIVE, doc="stiffness k_t with which the probe is held along the cone's axis"
+    )
+    turn_damping: Number = number(0.0, "N m s/rad", **NON_NEGATIVE, doc="damping c_t of the probe's turning")
+    closing_time: Number = number(0.02, "s", **NON_NEGATIVE, doc="time in which the latch closes")
+    depth: Number = number(0.0, "m", doc="depth of the seat behind the capture plane")
+    strength: Number = number(None, "N", **POSITIVE, doc="force that tears the latch; not set: none does")
+    quiet: Number = number(
+        1e-3,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        high_open=True,
+        doc="share of the first energy of relative motion at which the vehicles count as held",
+    )
+
+    def check_together(self) -> None:
+        if self.strength is None:
+            return
+        preload, strength, closing = (concrete(x) for x in (self.preload, self.strength, self.closing_time))
+        if preload is not None and strength is not None and np.any(below := strength <= preload):
+            both = [float(array[below].flat[0]) for array in np.broadcast_arrays(strength, preload)]
+            raise InputError(
+                f"latch.strength = {both[0]:g} N must be above latch.preload = {both[1]:g} N: the preload alone would"
+                " tear the latch"
+            )
+        if closing is not None and np.any(closing == 0.0):
+            raise InputError(
+                "latch.closing_time = 0 s with a latch.strength: the latch would jump to its force at once, and its"
+                " tearing would depend on nothing; give a closing time above 0 s, the default 0.02 s say"
+            )
+
+    def in_range(self) -> Iterator[Bool[Array, ""]]:
+        yield from super().in_range()
+        if self.strength is not None:
+            yield inside(self.strength, low=self.preload, low_open=True)
+            yield inside(self.closing_time, **POSITIVE)
 
 
 class Cone(Part):

@@ -1,13 +1,16 @@
 """What a tuning problem of the probe-cone mechanism must keep to."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...errors import InputError
 from ...fields import replace
+from ..energy import energy_text
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
+LEFT = ("energy_left", "relative_energy", "arrest_stroke")  # quantities of what is left when a run ends
 
 
 def check_problem(problem: Any) -> None:
@@ -20,3 +23,28 @@ def check_problem(problem: Any) -> None:
             f"constraints.stroke = {limit:g} m is out of range; allowed: (0, {most:g}] m, the buffer's end"
             " (buffer.max_stroke, or buffer.free_length with an end stop or without max_stroke)"
         )
+
+
+def left_open(number: Callable[[str], Any]) -> tuple[str, ...]:
+    """Return the quantities that say what a design's runs leave open; with latches the share of the energy alone."""
+    return LEFT if number("latch.stiffness") is None else LEFT[1:2]
+
+
+def unfinished(problem: Any, evaluation: Any) -> list[str]:
+    """Return a line where a tuned design without latches keeps its limits up to capture only, with the worst case.
+
+    Limits on what is left at capture say that somebody has thought of it: then none.
+    """
+    if problem.design.latch.stiffness is not None or set(LEFT) & set(problem.limits.at_most):
+        return []
+    column = {name: evaluation.quantities[:, k] for k, name in enumerate(problem.names)}
+    needed = np.where(evaluation.succeeded, column["arrest_stroke"], -np.inf)
+    worst = int(np.argmax(needed))
+    if not evaluation.succeeded[worst]:
+        return []
+    left = f"{energy_text(column['energy_left'][worst])}, {100.0 * column['relative_energy'][worst]:.3g} %,"
+    where = f" in scenario {worst + 1}" if len(needed) > 1 else ""
+    return [
+        f"the limits hold up to capture only: there{where} {left} of the energy of relative motion is left, which may"
+        f" take up to {1e3 * needed[worst]:.4g} mm of stroke; give the design a latch, or limit arrest_stroke"
+    ]

@@ -1,12 +1,50 @@
 """The catalogue of a capture's quantities."""
 
 import math
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
 
 from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
 from .law_validity import pressure
+from .oscillators import SLOTS, VEHICLES
 
 MILLIMETRES = ("mm", 1e3)
 DEGREES = ("deg", 180.0 / math.pi)
+
+
+def _loss(name: str) -> Callable[[Any], Any]:
+    """How the energy lost in a place is read off, which not every design has."""
+    return lambda capture: capture.energy.lost.get(name, 0.0 * capture.energy.friction)
+
+
+def _time_of(maximum: str, what: str) -> Quantity:
+    """The time of one of the run's maxima, which a finished run alone has."""
+    return Quantity(
+        "s",
+        lambda capture: jnp.asarray(capture.maximum_times.get(maximum, math.nan)),
+        f"when {what} is largest, of a finished run",
+        differentiable=False,
+    )
+
+
+def _shock(vehicle: str, slot: int) -> Quantity:
+    """The shock at one of the frequencies that a design names."""
+    name, field = f"{vehicle}_shock_{slot}", f"shock.{vehicle}_{slot}"
+    return Quantity(
+        "m/s²",
+        # Put on the device where there is none: any operation would be a program of its own.
+        lambda capture: capture.maxima.get(name, jax.device_put(np.full(np.shape(capture.end_time), np.nan))),
+        f"largest absolute acceleration, in any direction, of an oscillator of {field} on the {vehicle} vehicle",
+        f"shock on the {vehicle} vehicle at {field}",
+        swept=True,
+        tuned=True,
+        part=field,
+    )
+
 
 QUANTITIES: dict[str, Quantity] = {
     "peak_force": PEAK_FORCE._replace(description="largest contact force of either flank"),
@@ -30,15 +68,6 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=MILLIMETRES,
-        rising="stroke_rising",
-    ),
-    "stroke_rising": Quantity(
-        "m/s",
-        lambda c: c.stroke_rising,
-        "rate of the stroke at the run's end if it is largest there, else 0",
-        "stroke's rate at the end",
-        swept=True,
-        shown=("mm/s", 1e3),
     ),
     "hinge_angle": Quantity(
         "rad",
@@ -48,15 +77,6 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
         shown=DEGREES,
-        rising="hinge_angle_rising",
-    ),
-    "hinge_angle_rising": Quantity(
-        "rad/s",
-        lambda c: c.hinge_angle_rising,
-        "rate of the hinge angle at the run's end if it is largest there, else 0",
-        "hinge angle's rate at the end",
-        swept=True,
-        shown=("deg/s", 180.0 / math.pi),
     ),
     "bending": Quantity(
         "m",
@@ -101,6 +121,113 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         shown=MILLIMETRES,
     ),
+    "peak_latch_force": Quantity(
+        "N",
+        lambda c: c.peak_latch_force,
+        "largest force of the latches",
+        "peak latch force",
+        swept=True,
+        tuned=True,
+        part="latch.stiffness",
+    ),
+    "latch_share": Quantity(
+        "-",
+        lambda c: c.docked.latch_share,
+        "largest force of the latches over their strength; of torn ones above 1",
+        "share of the latches' strength",
+        tuned=True,
+        part="latch.strength",
+    ),
+    "latch_time": Quantity(
+        "s",
+        lambda c: c.docked.latch_time,
+        "when the tip crosses the capture plane and the latches begin to close",
+        "latch time",
+        swept=True,
+        part="latch.stiffness",
+    ),
+    "settling_time": Quantity(
+        "s",
+        lambda c: c.docked.settling_time,
+        "from the latching until the vehicles are held; NaN where they are not yet",
+        "settling time",
+        swept=True,
+        part="latch.stiffness",
+    ),
+    "relative_energy": Quantity(
+        "-",
+        lambda c: c.docked.relative_energy,
+        "energy of relative motion at the end over that at the start",
+        "relative energy left",
+        swept=True,
+        tuned=True,
+        shown=("%", 100.0),
+    ),
+    "energy_left": Quantity(
+        "J",
+        lambda c: c.docked.energy_left,
+        "energy of relative motion at the end",
+        "energy of relative motion left",
+        swept=True,
+        tuned=True,
+    ),
+    "arrest_stroke": Quantity(
+        "m",
+        lambda c: c.docked.arrest_stroke,
+        "stroke at which the axial spring would store the energy of relative motion left at the end",
+        "arrest stroke",
+        swept=True,
+        tuned=True,
+        shown=MILLIMETRES,
+    ),
+    "peak_active_acceleration": Quantity(
+        "m/s²",
+        lambda c: c.peak_hinge_force / c.design.active.mass,
+        "largest acceleration of the active vehicle's centre of mass",
+        "peak acceleration of the active vehicle",
+        tuned=True,
+    ),
+    "peak_passive_acceleration": Quantity(
+        "m/s²",
+        lambda c: c.passive_force / c.design.passive.mass,
+        "largest acceleration of the passive vehicle's centre of mass, with latches or from a free start",
+        "peak acceleration of the passive vehicle",
+        tuned=True,
+        part="latch.stiffness",
+    ),
+    **{f"{vehicle}_shock_{k + 1}": _shock(vehicle, k + 1) for vehicle in VEHICLES for k in range(SLOTS)},
+    "impulse": Quantity("N s", lambda c: c.docked.impulse, "impulse on the passive vehicle, to the end of the run"),
+    "lateral_miss": Quantity(
+        "m",
+        lambda c: c.docked.lateral_miss,
+        "of the tip from the cone's axis where it crosses the capture plane",
+        "lateral miss",
+        signed=True,
+        shown=MILLIMETRES,
+    ),
+    "lateral_miss_rate": Quantity(
+        "m/s", lambda c: c.docked.lateral_miss_rate, "how fast that changes there", signed=True, shown=("mm/s", 1e3)
+    ),
+    "attitude_miss": Quantity(
+        "rad",
+        lambda c: c.docked.attitude_miss,
+        "angle of the probe against the cone's axis where the tip crosses the capture plane",
+        "attitude miss",
+        signed=True,
+        shown=DEGREES,
+    ),
+    "attitude_miss_rate": Quantity(
+        "rad/s",
+        lambda c: c.docked.attitude_miss_rate,
+        "how fast that changes there",
+        signed=True,
+        shown=("deg/s", 180.0 / math.pi),
+    ),
+    "stroke_time": _time_of("stroke", "the buffer's stroke"),
+    "hinge_angle_time": _time_of("hinge_angle", "the hinge angle"),
+    "peak_hinge_force_time": _time_of("hinge_force", "the reaction in the hinge"),
+    "peak_buffer_force_time": _time_of("buffer_force", "the force of the axial spring-damper"),
+    "peak_latch_force_time": _time_of("latch_force", "the force of the latches"),
     "penetration": PENETRATION._replace(description="depth that the tip's deepest penetration does not exceed"),
     "contact_time": CONTACT_TIME._replace(description="time during which a flank is touched"),
     "throat_distance": Quantity(
@@ -141,6 +268,9 @@ QUANTITIES: dict[str, Quantity] = {
     "bending_loss": Quantity("J", lambda c: c.energy.bending, "energy lost in the probe's bending"),
     "play_loss": Quantity("J", lambda c: c.energy.hinge_play, "energy lost in the play of the hinge"),
     "stop_loss": Quantity("J", lambda c: c.energy.stop_damper, "energy lost in the buffer's end stop"),
+    "buffer_friction_loss": Quantity("J", _loss("buffer_friction"), "energy lost in the buffer's friction"),
+    "rebound_loss": Quantity("J", _loss("rebound_damper"), "energy lost in the buffer's rebound stop"),
+    "latch_loss": Quantity("J", _loss("latch_damper"), "energy lost in the latches"),
     "dissipated": DISSIPATED,
     "effective_mass": Quantity("kg", lambda c: c.first_impact.effective_mass, "mass the first impact meets"),
     "effective_energy": Quantity("J", lambda c: c.first_impact.effective_energy, "T_c just before the first impact"),

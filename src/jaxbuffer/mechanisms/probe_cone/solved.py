@@ -1,11 +1,13 @@
 """What was solved, as a capture."""
 
+import jax
 import jax.numpy as jnp
 
 from ..run import Solved
 from .capture import Capture, FlankImpacts
 from .closed_form import predict
-from .margins import rising, stroke_margin, throat
+from .docked import crossing, docked, latched
+from .margins import stroke_margin, throat
 from .outcome import Outcome
 from .system import CaptureMechanism
 
@@ -14,11 +16,17 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
     """What was solved, as a capture."""
     largest, known, log = solved.common["maxima"], solved.known, solved.log
     stroke = solved.maxima.others["stroke"]
-    throat_distance, beyond = throat(mechanism, log, solved.duration)
+    code = jnp.where((solved.code == Outcome.timeout) & latched(mechanism, log), int(Outcome.latched), solved.code)
+    cross = crossing(mechanism, log, code)
+    throat_distance, beyond = throat(mechanism, log, cross, solved.duration)
     before = mechanism.throat(solved.start.kin, solved.start.tip)[0]
-    margin = stroke_margin(mechanism, log, stroke, solved.code == Outcome.bottomed)
-    stroke_rising, angle_rising = rising(mechanism, log, stroke, solved.maxima.others["hinge_angle"])
-    common = {**solved.common, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
+    margin = stroke_margin(mechanism, log, stroke, code == Outcome.bottomed)
+    # Before the crossing it is what keeps its square root differentiable.
+    latch_force = jnp.where(latched(mechanism, log), largest.get("latch_force", 0.0), 0.0) * known
+    beyond_capture = docked(mechanism, solved.start, log, code, latch_force)
+    common = {**solved.common, "code": code, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
+    if mechanism.scenario.start == "free":  # which may meet no flank: then no time is that of a peak
+        common["peak_time"] = jnp.where(common["impact_count"] > 0, common["peak_time"], 0.0 * known)
     return Capture(
         **common,
         peak_hinge_force=largest["hinge_force"],
@@ -26,12 +34,13 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
         peak_stop_force=largest.get("stop_force", 0.0 * known),
         stroke=largest["stroke"],
         stroke_margin=margin * known,
-        stroke_rising=stroke_rising * known,
         hinge_angle=largest["hinge_angle"],
-        hinge_angle_rising=angle_rising * known,
         bending=largest.get("bending", 0.0 * known),
         throat_distance=throat_distance * known,
+        peak_latch_force=latch_force,
+        passive_force=largest.get("passive_force", jnp.nan * known),
         capture_margin=jnp.minimum(beyond, margin) * known,
         capture_share=beyond / before * known,
+        docked=jax.tree.map(lambda value: value * known, beyond_capture),
         first_impact=predict(mechanism, solved.start),
     )

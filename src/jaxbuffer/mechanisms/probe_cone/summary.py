@@ -1,10 +1,9 @@
 """A capture in a dozen lines, for people."""
 
-from typing import Any
-
 import jax
 import numpy as np
 
+from ..energy import energy_text
 from .bending import bending_frequencies
 from .capture import Capture
 from .hinge_play import pin_law
@@ -20,29 +19,26 @@ def summary(capture: Capture) -> str:
     if outcome.failed:
         where = scenario_label(capture.scenario)
         return f"Capture: {outcome.reason} (after {int(capture.attempts)} steps; {where})"
-    flank = CONTACTS[int(capture.peak_contact)]
-    first = capture.first_impact
     e, b = jax.tree.map(np.asarray, (capture.energy, capture.balance))  # so that sums compile nothing
+    at = capture.maximum_times
     lines = [
         f"Capture: {outcome.reason}",
         f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
-        f"  peak contact force   {float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s,"
-        f" {flank} flank, {_which_impact(capture)}",
-        f"  first impact         {float(np.asarray(capture.impacts.peak_force)[0]):.6g} N; closed form"
-        f" {_predicted(capture)} ({float(first.elastic_peak):.4g} N without loss):"
-        f" effective mass {float(first.effective_mass):.4g} kg, energy {float(first.effective_energy):.4g} J",
-        f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N",
-        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_stop(capture)}",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}"
-        f"{_rising(capture.stroke_rising, 1e3, 'mm/s')}",
-        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg"
-        f"{_rising(capture.hinge_angle_rising, 180.0 / np.pi, 'deg/s')}",
+        f"  peak contact force   {_peak(capture)}",
+        *_first_impact(capture),
+        f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N{_when(at['hinge_force'])}",
+        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_when(at['buffer_force'])}{_stop(capture)}",
+        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}{_when(at['stroke'])}",
+        f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{_when(at['hinge_angle'])}",
         *_bending(capture),
         *_play(capture),
+        *_latch(capture),
+        *_shock(capture),
         f"  penetration          at most {1e6 * float(capture.penetration):.3g} µm into a flank",
         f"  capture margin       {_margin(capture)}",
-        f"  energy               {float(e.total):.6g} J, of which dissipated {float(e.dissipated):.6g} J"
+        f"  energy left          {_energy_left(capture)}",
+        f"  energy               {_energy_before(capture)}, dissipated {float(e.dissipated):.6g} J"
         f" (axial damper {float(e.axial_damper):.3g}, torsional {float(e.torsional_damper):.3g},"
         f" contact {float(e.hysteresis):.3g}, friction {float(e.friction):.3g}{_other_losses(capture)})",
         f"  numerical balance    energy {float(b.energy):.1e}, momentum {float(b.linear_momentum):.1e} linear,"
@@ -50,6 +46,79 @@ def summary(capture: Capture) -> str:
         f"  steps                {int(capture.accepted)} accepted of {int(capture.attempts)}",
     ]
     return "\n".join([*lines, *(f"  {line}" for line in warnings(capture))])
+
+
+def _when(time: float) -> str:
+    return f" at {time:.6g} s" if np.isfinite(time) else ""
+
+
+def _peak(capture: Capture) -> str:
+    if not int(capture.impact_count):
+        return "none: the tip touched no flank"
+    flank = CONTACTS[int(capture.peak_contact)]
+    when = f"{float(capture.peak_force):.6g} N at {float(capture.peak_time):.6g} s"
+    return f"{when}, {flank} flank, {_which_impact(capture)}"
+
+
+def _first_impact(capture: Capture) -> list[str]:
+    first, peak = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
+    if not int(capture.impact_count):
+        return []
+    if capture.scenario.start == "free":
+        return [f"  first impact         {peak:.6g} N, {CONTACTS[int(capture.impacts.contact[0])]} flank"]
+    return [
+        f"  first impact         {peak:.6g} N; closed form {_predicted(capture)} ({float(first.elastic_peak):.4g} N"
+        f" without loss): effective mass {float(first.effective_mass):.4g} kg,"
+        f" energy {float(first.effective_energy):.4g} J"
+    ]
+
+
+def _latch(capture: Capture) -> list[str]:
+    """When the latches closed, what they exerted, and how the tip met them."""
+    latch, docked = capture.design.latch, capture.docked
+    if latch.stiffness is None or not np.isfinite(float(docked.latch_time)):
+        return []
+    settled = "" if capture.outcome != Outcome.held else f", held {float(docked.settling_time):.4g} s later"
+    strength = "" if latch.strength is None else f" of {float(latch.strength):.6g} N strength"
+    return [
+        f"  latched              at {float(docked.latch_time):.6g} s{settled}; latch force at most"
+        f" {float(capture.peak_latch_force):.6g} N{strength}{_when(capture.maximum_times.get('latch_force', np.nan))}",
+        f"  tip at the latches   {1e3 * float(docked.lateral_miss):.4g} mm off the axis,"
+        f" {np.degrees(float(docked.attitude_miss)):.4g} deg against it",
+    ]
+
+
+def _shock(capture: Capture) -> list[str]:
+    """What equipment on the vehicles feels, if its frequencies are named."""
+    felt = [
+        f"{name.partition('_')[0]} {float(capture.quantity(name)):.4g} m/s² at {float(frequency):.4g} Hz"
+        for name, frequency in capture.design.shock.frequencies.items()
+    ]
+    return [f"  shock                {', '.join(felt)}"] if felt else []
+
+
+def _energy_before(capture: Capture) -> str:
+    """The energy of relative motion at the start, and what latches and thrust put in."""
+    begin = float(capture.docked.energy_left) / float(capture.docked.relative_energy)
+    put_in = {
+        name: -float(np.asarray(capture.energy.stored[key]))
+        for name, key in (("the closing of the latches", "latch_closing"), ("the thrust", "thrust"))
+        if key in capture.energy.stored
+    }
+    more = "".join(f", {energy:.6g} J put in by {name}" for name, energy in put_in.items() if energy)
+    return f"{begin:.6g} J of relative motion at the start{more}"
+
+
+def _energy_left(capture: Capture) -> str:
+    """The energy of relative motion left, and the stroke that it may still take."""
+    docked, longest = capture.docked, float(capture.design.buffer.longest_stroke)
+    left = (
+        f"{energy_text(docked.energy_left)} of relative motion, {100.0 * float(docked.relative_energy):.3g} % of that"
+    )
+    needed = float(docked.arrest_stroke)
+    beyond = ", more than the buffer has" if needed > longest else ""
+    left = f"at capture, where the run ends, {left}" if capture.outcome == Outcome.captured else left
+    return f"{left} at the start; it may take up to {1e3 * needed:.4g} mm of stroke{beyond}"
 
 
 def _bending(capture: Capture) -> list[str]:
@@ -78,6 +147,9 @@ def _other_losses(capture: Capture) -> str:
         "end stop": (design.buffer.stop_stiffness, "stop_damper"),
         "hinge's play": (design.hinge.play, "hinge_play"),
         "bending": (design.probe.bending_stiffness, "bending"),
+        "buffer's friction": (design.buffer.friction, "buffer_friction"),
+        "rebound stop": (design.buffer.rebound_stiffness, "rebound_damper"),
+        "latch": (design.latch.stiffness, "latch_damper"),
     }
     return "".join(
         f", {name} {float(getattr(energy, loss)):.3g}" for name, (given, loss) in there.items() if given is not None
@@ -104,11 +176,6 @@ def _stroke_limits(capture: Capture) -> str:
     return whole if buffer.stop_stiffness is None else f"{whole}, end stop from {1e3 * float(buffer.end):.6g} mm on"
 
 
-def _rising(rate: Any, factor: float, symbol: str) -> str:
-    """That a largest value is the last one and would go on to rise, at a rate times ``factor``."""
-    return f", still rising at the end of the run at {factor * float(rate):.3g} {symbol}" if float(rate) > 0.0 else ""
-
-
 def _bottomed(capture: Capture) -> str:
     """What would keep the buffer from its end. By how much it is too short is not said: after the end come further
     impacts, of vehicles that are far heavier than the probe, and no number of this run tells of them."""
@@ -124,6 +191,8 @@ def _margin(capture: Capture) -> str:
     margin = float(capture.capture_margin)
     if capture.outcome == Outcome.bottomed:
         return _bottomed(capture)
+    if capture.outcome in (Outcome.held, Outcome.latched):
+        return f"{1e3 * float(capture.stroke_margin):.6g} mm of stroke left before the buffer's end"
     if margin == float(capture.stroke_margin):
         return f"{1e3 * margin:.6g} mm of stroke left before the buffer's end"
     return (
@@ -140,6 +209,8 @@ def _predicted(capture: Capture) -> str:
 def first_impact_line(capture: Capture) -> str:
     """The simulated first peak beside its closed form."""
     first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
+    if capture.scenario.start == "free":
+        return f"First impact: {seen:.6g} N" if int(capture.impact_count) else "First impact: none"
     return (
         f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
         f"{float(first.elastic_peak):.6g} N without loss (effective energy T_c {float(first.effective_energy):.5g} J)"

@@ -3,6 +3,7 @@
 from ..view import Names, View
 from .design import Design
 from .diagnosis import diagnosis
+from .doubts import doubts
 from .drawing import drawing
 from .label import scenario_label
 from .law_validity import limits, warnings
@@ -28,6 +29,11 @@ def names(design: Design) -> Names:
             "throat_distance": "m",
             "hinge_gap": "m",
             "bending": "m",
+            "relative_energy": "J",
+            "latch_force": "N",
+            "latch_closed": "-",
+            "passive_force": "N",
+            **dict.fromkeys(design.shock.frequencies, "m/s²"),
         },
     )
 
@@ -43,9 +49,10 @@ VIEW = View(
     record=lambda run: {"first_impact": first_impact_record(run)},
     notes=lambda run: [first_impact_line(run)],
     diagnosis=diagnosis,
+    doubts=doubts,
     leaves_out=(
         "The motion is planar: nothing moves or turns out of the plane.",
-        "The run ends at capture: what the parts do afterwards is not simulated.",
+        "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
         "The forces have not been compared with a test of hardware: docs/verification.md.",
     ),
     warnings=warnings,

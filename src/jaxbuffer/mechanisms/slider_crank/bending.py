@@ -1,4 +1,4 @@
-"""The modes in which the rod bends: whether they are fast enough for a peak."""
+"""The modes in which rod and slider bend: whether they are fast enough for a peak."""
 
 from typing import Any
 
@@ -7,7 +7,9 @@ import numpy as np
 from ..bending import build_up, force_line, highest_of_free, modes_line, period, too_few
 from ..run import Run
 from ..validity import Limit
+from . import shapes
 from .design import SliderCrank
+from .shapes import highest_period
 
 
 def rise_time(design: SliderCrank, peak_force: Any, penetration: Any) -> Any:
@@ -15,29 +17,37 @@ def rise_time(design: SliderCrank, peak_force: Any, penetration: Any) -> Any:
 
     **Arguments:** ``peak_force`` [N]; ``penetration``: the deepest [m]; arrays broadcast.
     """
-    slider, rod = np.asarray(design.slider.mass), np.asarray(design.rod.body.mass)
+    slider, rod = np.asarray(design.slider.body.mass), np.asarray(design.rod.body.mass)
     return build_up(slider * rod / (slider + rod), peak_force, penetration)
 
 
 def rod_period(design: SliderCrank) -> Any:
     """Period [s] of the highest of the free rod's modes."""
+    if design.rod.shape is not None:
+        return highest_period(design.rod, shapes.ROD, design.rod.size)
     return period(design.rod.bar, highest_of_free(design.rod.modes))
 
 
+def bending_parts(design: SliderCrank) -> list[tuple[str, int, Any]]:
+    """Each part that bends: its name, how many modes, the period of the highest [s]."""
+    slider, parts = design.slider, [("rod", design.rod.modes, rod_period(design))] if design.rod.modes else []
+    if slider.modes:
+        parts.append(("slider", slider.modes, highest_period(slider, shapes.SLIDER, slider.scale)))
+    return parts
+
+
 def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[Limit]:
-    """How the highest mode's period compares with the time the force takes to its peak."""
-    if not design.rod.modes or penetration is None:
+    """How each part's highest mode's period compares with the time the force takes to its peak."""
+    parts = bending_parts(design)
+    if not parts or penetration is None:
         return []
     time = rise_time(design, peak_force, penetration)
-    return [too_few("rod", design.rod.modes, rod_period(design), time)]
+    return [too_few(name, modes, highest, time) for name, modes, highest in parts]
 
 
 def told(run: Run, penetration: float) -> list[str]:
-    """Number of modes of a rod that bends, and the highest's period beside the time the force took."""
-    design = run.design
-    if not design.rod.modes:
-        return []
-    lines = [modes_line("rod", str(design.rod.modes), rod_period(design))]
-    if int(run.impact_count):
-        lines.append(force_line(rise_time(design, float(run.peak_force), penetration)))
+    """Number of modes of each part that bends, and the highest's period beside the time the force took."""
+    lines = [modes_line(name, str(modes), highest) for name, modes, highest in bending_parts(run.design)]
+    if lines and int(run.impact_count):
+        lines.append(force_line(rise_time(run.design, float(run.peak_force), penetration)))
     return lines

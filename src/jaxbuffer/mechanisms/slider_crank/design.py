@@ -6,11 +6,13 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ...errors import InputError, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, mesh, number, whole
 from ...multibody import Body
 from ...multibody.flexible import Bar
 from ..run import DesignOf, Run
+from . import shapes
 from .pins import CrankPin, PistonPin
+from .shapes import Places, PlanarBody, check_modes, length_in_mesh, rigid, shaped
 
 RPM = 2.0 * np.pi / 60.0  # rad/s
 
@@ -50,7 +52,8 @@ class Rod(Part):
     ``length`` between its pins; ``mass``; ``inertia`` about its centre of mass, which lies at the share ``centre`` of
     the length from the crank pin. Or a uniform rectangular bar: ``depth`` of its section in the plane of motion (None:
     as above), ``width`` across it, ``density``. It bends in ``modes`` modes, none or at least 2, with ``young_modulus``
-    and the ``damping_ratio`` of every mode.
+    and the ``damping_ratio`` of every mode. Or of any planar ``shape``: a mesh with the boundaries crank_pin and
+    piston_pin, as large as makes its pins ``length`` apart and ``width`` thick, of 0 modes or at least 3.
     """
 
     section: ClassVar[str] = "rod"
@@ -66,15 +69,22 @@ class Rod(Part):
         **POSITIVE,
         doc="depth of a uniform bar's section in the plane of motion; not set: mass and inertia hold",
     )
-    width: Number = number(0.015, "m", **POSITIVE, doc="width of that section across the plane")
-    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of that bar")
-    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of that bar, for its bending")
+    shape: str | None = mesh(*shapes.ROD, doc="mesh of its planar shape instead of that bar, in any unit of length")
+    width: Number = number(0.015, "m", **POSITIVE, doc="width of bar or shape across the plane")
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of bar or shape")
+    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of bar or shape, for its bending")
     damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
-    modes: int = whole(0, 0, doc="how many modes bend it, none or at least 2")
+    modes: int = whole(0, 0, doc="how many modes bend it, none or at least 2, of a shape 3")
 
     def check_together(self) -> None:
+        if self.shape is not None:
+            if self.depth is not None:
+                raise InputError("rod.depth and rod.shape: a uniform bar and a shape; keep one")
+            return check_modes("rod", self.modes)
         if self.modes and self.depth is None:
-            raise InputError(f"rod.modes = {self.modes}: a rod that bends needs its section; give rod.depth [m] too")
+            raise InputError(
+                f"rod.modes = {self.modes}: a rod that bends needs its section; give rod.depth [m] or rod.shape too"
+            )
         if self.modes == 1:
             raise InputError("rod.modes = 1: the rod's ends are kept, which takes 2 modes; give 0, or 2 or more")
         centre = concrete(self.centre)
@@ -88,18 +98,71 @@ class Rod(Part):
         return Bar.rectangle(self.length, self.width, self.depth, self.density, self.young_modulus)
 
     @property
+    def size(self) -> Number:
+        """The unit of length of its mesh [m]."""
+        assert self.shape is not None
+        return self.length / length_in_mesh(self.shape)
+
+    @property
+    def form(self) -> PlanarBody:
+        """As a planar shape."""
+        return shaped(self, shapes.ROD, self.size)
+
+    @property
+    def ends(self) -> Places:
+        """The crank pin and the piston pin, from the undeformed rod's centre of mass [m]."""
+        if self.shape is None:
+            return (-self.centre * self.length, 0.0), ((1.0 - self.centre) * self.length, 0.0)
+        return shapes.places(self, shapes.ROD, self.size)
+
+    @property
     def body(self) -> Body:
         """As a rigid body."""
+        if self.shape is not None:
+            return rigid(self, shapes.ROD, self.size)
         if self.depth is None:
             return Body(self.mass, self.inertia)
         return Body(self.bar.mass, self.bar.mass * self.length**2 / 12.0)
 
 
 class Slider(Part):
-    """The slider; it does not turn. ``mass``."""
+    """The slider; it does not turn.
+
+    ``mass``. Or of any planar ``shape``: a mesh with the boundaries guide, which slides and keeps its form, and
+    piston_pin, in whose middle the pin sits; ``scale``: the mesh's unit of length; ``width`` across the plane,
+    ``density``, ``young_modulus``. It bends in ``modes`` modes, none or at least 3, with the ``damping_ratio`` of every
+    mode.
+    """
 
     section: ClassVar[str] = "slider"
     mass: Number = number(0.14, "kg", **POSITIVE, doc="mass of the slider, which does not turn")
+    shape: str | None = mesh(*shapes.SLIDER, doc="mesh of its planar shape, instead of that mass")
+    scale: Number = number(1.0, "m", **POSITIVE, doc="unit of length of that mesh")
+    width: Number = number(0.04, "m", **POSITIVE, doc="width of that shape across the plane")
+    density: Number = number(2700.0, "kg/m³", **POSITIVE, doc="density of that shape")
+    young_modulus: Number = number(7e10, "Pa", **POSITIVE, doc="Young's modulus of that shape")
+    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    modes: int = whole(0, 0, doc="how many modes bend that shape, none or at least 3")
+
+    def check_together(self) -> None:
+        if self.modes and self.shape is None:
+            raise InputError(f"slider.modes = {self.modes}: a slider that bends needs its shape; give slider.shape too")
+        check_modes("slider", self.modes)
+
+    @property
+    def form(self) -> PlanarBody:
+        """As a planar shape."""
+        return shaped(self, shapes.SLIDER, self.scale)
+
+    @property
+    def places(self) -> Places:
+        """The guide's middle and the pin, from the undeformed slider's centre of mass [m]."""
+        return ((0.0, 0.0),) * 2 if self.shape is None else shapes.places(self, shapes.SLIDER, self.scale)
+
+    @property
+    def body(self) -> Body:
+        """As a rigid body."""
+        return Body(self.mass, 1.0) if self.shape is None else rigid(self, shapes.SLIDER, self.scale)
 
 
 class SliderCrank(DesignOf[Run]):

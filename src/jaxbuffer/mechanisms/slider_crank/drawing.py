@@ -15,6 +15,7 @@ from ..drawing import (
     Drawing,
     Named,
     Outline,
+    Points,
     Rod,
     Spot,
     Touch,
@@ -23,8 +24,10 @@ from ..drawing import (
     stations,
     with_stations,
 )
+from . import shapes
 from .design import SliderCrank
 from .pins import Pin
+from .shapes import PlanarBody, outlines
 from .system import CRANK, ROD, SLIDER, bending_rod, flanks
 
 BODIES = 3
@@ -38,43 +41,70 @@ def drawing(design: SliderCrank, bodies: tuple[str, ...] = ()) -> Drawing:
     pin that has play."""
     crank, rod = design.crank, design.rod
     length, throw, off = float(rod.length), float(crank.length), float(crank.unbalance / crank.mass)
-    front, rear = Spot(ROD, float(1.0 - rod.centre) * length), Spot(ROD, -float(rod.centre) * length)
+    rear, front = (Spot(ROD, float(x), float(y)) for x, y in rod.ends)
     at_crank, small, large = Spot(CRANK, throw - off), *(float(pin.bush_radius) for pin in _pins(design))
     wide, tall = 2.6 * small, 2.2 * small
     near, far = length - throw - 1.2 * wide, length + throw + 1.2 * wide
     wide_rod = float(rod.depth) if rod.depth is not None else small
     shank: Rod | Band = Rod(rear, front, wide_rod, "rod")
-    if rod.modes:
+    if bends(design):
         shank = Band(stations(BODIES), wide_rod, "rod")
         rear, front = Spot(shank.stations[0]), Spot(shank.stations[-1])
-    shapes = (
-        Outline(GROUND, np.array([[near, -tall], [far, -tall]]), False, "guide"),
-        Outline(GROUND, np.array([[near, tall], [far, tall]]), False),
-        Outline(SLIDER, box(-wide, wide, -tall, tall), part="slider"),
+    rod_shapes: tuple[Any, ...] = (shank, Disc(front, EYE * small), Disc(rear, EYE * large))
+    if rod.shape is not None:
+        rod_shapes = lines_around(ROD, outlines(rod.shape, shapes.ROD, float(rod.size)), "rod")
+    seat, slider = _seat(design), slider_shapes(design, box(-wide, wide, -tall, tall))
+    low, high = (float(end) - seat.y for end in (slider[0].corners[:, 1].min(), slider[0].corners[:, 1].max()))
+    drawn = (
+        Outline(GROUND, np.array([[near, low], [far, low]]), False, "guide"),
+        Outline(GROUND, np.array([[near, high], [far, high]]), False),
+        *slider,
         Rod(Spot(CRANK, -off), at_crank, 1.2 * large, "crank"),
         Disc(Spot(GROUND), 1.2 * large),
-        shank,
-        Disc(front, EYE * small),
-        Disc(rear, EYE * large),
-        Disc(Spot(SLIDER), float(design.piston_pin.radius), part="pins"),
+        *rod_shapes,
+        Disc(seat, float(design.piston_pin.radius), part="pins"),
         Disc(at_crank, float(design.crank_pin.radius)),
     )
     touches = (*_piston_touches(design, front), *_crank_touches(design, at_crank, rear))
-    names = (Named(Spot(GROUND), "shaft"), Named(at_crank, "crank pin"), Named(Spot(SLIDER), "piston pin"))
+    names = (Named(Spot(GROUND), "shaft"), Named(at_crank, "crank pin"), Named(seat, "piston pin"))
     frames = bent(design)
     if not touches:
-        return Drawing(shapes, names=names, frames=frames)
+        return Drawing(drawn, names=names, frames=frames)
     played = next(pin for pin in _pins(design) if pin.joint == "clearance")
-    detail, frames = closer(played, touches[0], frames, BODIES + (len(stations(0)) if rod.modes else 0))
-    return Drawing(shapes, touches, names, detail, frames)
+    detail, frames = closer(played, touches[0], frames, BODIES + (len(stations(0)) if bends(design) else 0))
+    return Drawing(drawn, touches, names, detail, frames)
 
 
 def bent(design: SliderCrank) -> Motion:
     """The bodies' frames, and those of stations along a rod that bends."""
-    if not design.rod.modes:
+    bar = bending_rod(design.rod) if bends(design) else None
+    if bar is None or isinstance(bar, PlanarBody):
         return as_they_are
-    bar = bending_rod(design)
     return lambda history: with_stations(as_they_are(history), history, BODIES, bar, ROD)
+
+
+def bends(design: SliderCrank) -> bool:
+    """Whether the rod is drawn as a band that bends; a shape is drawn as if it were rigid."""
+    return bool(design.rod.modes) and design.rod.shape is None
+
+
+def slider_shapes(design: SliderCrank, usual: Points) -> tuple[Outline, ...]:
+    """The slider: ``usual`` corners, or the lines around its mesh."""
+    slider = design.slider
+    if slider.shape is None:
+        return (Outline(SLIDER, usual, part="slider"),)
+    return lines_around(SLIDER, outlines(slider.shape, shapes.SLIDER, float(slider.scale)), "slider")
+
+
+def lines_around(body: int, lines: list[np.ndarray], part: str) -> tuple[Outline, ...]:
+    """A body's outlines: the longest, filled, names the ``part``; holes are lines."""
+    longest_first = sorted(lines, key=lambda line: -float(np.ptp(line)))
+    return tuple(Outline(body, line, filled=not k, part="" if k else part) for k, line in enumerate(longest_first))
+
+
+def _seat(design: SliderCrank) -> Spot:
+    """Where the piston pin is on the slider."""
+    return Spot(SLIDER, *map(float, design.slider.places[1]))
 
 
 def _pins(design: SliderCrank) -> tuple[Pin, Pin]:
@@ -86,8 +116,8 @@ def _piston_touches(design: SliderCrank, front: Spot) -> tuple[Touch, ...]:
     if pin.joint != "clearance":
         return ()
     if pin.by_components:
-        return tuple(Touch(front, Spot(SLIDER), flank, -1.0) for flank in flanks(float(pin.bush_radius)))
-    return (Touch(Spot(SLIDER), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0),)
+        return tuple(Touch(front, _seat(design), flank, -1.0) for flank in flanks(float(pin.bush_radius)))
+    return (Touch(_seat(design), front, Hole(0.0, 0.0, float(pin.bush_radius)), 1.0),)
 
 
 def _crank_touches(design: SliderCrank, at_crank: Spot, rear: Spot) -> tuple[Touch, ...]:

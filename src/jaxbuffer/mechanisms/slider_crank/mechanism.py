@@ -1,11 +1,23 @@
 """The slider-crank, as everything else knows it."""
 
+from ...fields import replace
 from ..mechanism import Defaults, Mechanism
 from ..registry import register
 from .design import SliderCrank, SliderCrankScenario, check_fit, valid
 from .quantities import QUANTITIES
 from .system import slider_crank
 from .view import VIEW
+
+MEMORY_TIME = 1e-6  # s: bounces follow each other within 1e-4 s
+
+
+def smooth(design: SliderCrank, scenario: SliderCrankScenario) -> SliderCrank:
+    """Return the design with pins whose memory of the touchdown's speed follows by itself, so that they need no
+    events."""
+    if design.piston_pin.memory_time is not None:
+        return design
+    return replace(design, {"piston_pin.memory_time": MEMORY_TIME})
+
 
 SLIDER_CRANK = register(
     Mechanism(
@@ -16,6 +28,7 @@ SLIDER_CRANK = register(
         system=slider_crank,
         check_fit=check_fit,
         valid=valid,
+        smooth=smooth,
         view=VIEW,
         defaults=Defaults(
             duration=0.012,

@@ -10,13 +10,13 @@ from .journal import PINS, journal_path
 
 def panels(run: Run) -> list[Panel]:
     """Path of each pin with play, torque of the drive, the slider's acceleration, energy, of a run with a history."""
-    seen = run.history
-    assert seen is not None
+    history = run.history
+    assert history is not None
     paths = [_path(run, pin) for pin in PINS if getattr(run.design, pin).joint == "clearance"]
-    stored = {name: np.asarray(values) for name, values in seen.energy.stored.items() if np.any(values)}
-    stored["lost"] = np.asarray(seen.energy.dissipated)
+    stored = {name: np.asarray(values) for name, values in history.energy.stored.items() if np.any(values)}
+    stored["lost"] = np.asarray(history.energy.dissipated)
     unit, many = energy_unit(max(np.max(np.abs(values)) for values in stored.values()))
-    torque, acceleration = (np.asarray(seen.others[name]) for name in ("drive_torque", "slider_acceleration"))
+    torque, acceleration = (np.asarray(history.others[name]) for name in ("drive_torque", "slider_acceleration"))
     return [
         *paths,
         Panel(

@@ -129,7 +129,7 @@ class PistonPin(Pin):
     """Between rod and slider; the pin is on the slider. See `Pin`.
 
     ``contact``: "round", or "components": the slider's two directions each on their own, as if the hole were square and
-    fixed on the slider; the pin is then on the rod.
+    fixed on the slider; the pin is then on the rod. ``memory_time``: of the contacts of both pins.
     """
 
     section: ClassVar[str] = "piston_pin"
@@ -138,6 +138,12 @@ class PistonPin(Pin):
     )
     contact: str = choice(
         "round", "round", "components", doc="round; or components: each of the slider's directions on its own"
+    )
+    memory_time: Number = number(
+        None,
+        "s",
+        **POSITIVE,
+        doc="time in which a smooth contact's memory follows the approach speed; not set: events set it",
     )
 
     @property

@@ -64,10 +64,10 @@ def summary(run: Run) -> str:
     text = with_modes(run, plain_summary(run))
     if run.outcome.failed or overflown(run) or len(turn_starts(run)) - 2 < LEAST_TURNS:
         return text
-    found = turn_statistics(run)
-    lines = [f"  means over {found.turns} turns ± standard error"]
+    statistics = turn_statistics(run)
+    lines = [f"  means over {statistics.turns} turns ± standard error"]
     for name in ("impacts", "largest_force", "mean_peak", "contact_share"):
-        mean = getattr(found, name)
+        mean = getattr(statistics, name)
         shown = f"{mean.mean:.5g} ± {mean.standard_error:.2g} {mean.unit}".rstrip(" -")
         lines.append(f"    {name.replace('_', ' '):22} {shown}")
     return "\n".join([text, *lines])

@@ -25,8 +25,9 @@ from ...multibody import (
 )
 from ...multibody.flexible import FlexibleBar, deflection, free_bar, stress
 from ..assembled import Assembled, BallContact, Posture, Shown
-from .design import SliderCrank, SliderCrankScenario
+from .design import Rod, Slider, SliderCrank, SliderCrankScenario
 from .pins import Pin
+from .shapes import PlanarBody
 
 CRANK, ROD, SLIDER = range(3)
 SQUARE = 4  # sides of a bush by components
@@ -36,26 +37,20 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
     """The mechanism at its start (docs/slider_crank.md). The shaft is the origin, the slider's line the x-axis."""
     crank, rod, slider = design.crank, design.rod, design.slider
     off = crank.unbalance / crank.mass
-    bent = bending_rod(design) if rod.modes else None
-    bodies = (
-        Body(crank.mass, crank.inertia - crank.unbalance * off),
-        rod.body if bent is None else FlexibleBody(bent.modes),
-        Body(slider.mass, 1.0),
-    )
-    front: Point = ((1.0 - rod.centre) * rod.length, 0.0)
-    rear: Point = (-rod.centre * rod.length, 0.0)
-    if bent is not None:
-        front, rear = bent.end, bent.start
-    joints: list[Joint] = [Revolute(GROUND, CRANK, second_point=(-off, 0.0)), Prismatic(GROUND, SLIDER)]
+    link, rear, front = rod_body(rod)
+    block, guide, seat = slider_body(slider)
+    bodies = (Body(crank.mass, crank.inertia - crank.unbalance * off), link, block)
+    joints: list[Joint] = [Revolute(GROUND, CRANK, second_point=(-off, 0.0)), guide]
     contacts: list[BallContact] = []
     for pin, body, point, end in (
-        (design.piston_pin, SLIDER, (0.0, 0.0), front),
+        (design.piston_pin, SLIDER, seat, front),
         (design.crank_pin, CRANK, (crank.length - off, 0.0), rear),
     ):
         if pin.joint == "pinned":
             joints.append(Revolute(body, ROD, first_point=point, second_point=end))
         elif pin.by_components:
-            contacts += [BallContact(ROD, body, in_contact(pin, flank, -1.0), end) for flank in flanks(pin.bush_radius)]
+            sides = (in_contact(pin, flank, -1.0) for flank in flanks(pin.bush_radius))
+            contacts += [BallContact(ROD, body, side, end, point) for side in sides]
         else:
             hole = Hole(0.0, 0.0, pin.bush_radius)
             contacts.append(BallContact(body, ROD, in_contact(pin, hole, 1.0), point, end))
@@ -75,15 +70,38 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         size=(1e-4, speed),
         shown=(*torques, Shown("slider_acceleration", slider_acceleration, of_rate=True), *seen(design)),
         recorded=eccentricities(design),
-        parts=bent,
-        energy_size=0.5 * slider.mass * speed**2 + (0.5 * crank.inertia * fastest**2 if turning else 0.0),
+        memory_time=design.piston_pin.memory_time,
+        parts=bending_rod(rod) if rod.modes else None,
+        energy_size=0.5 * block.mass * speed**2 + (0.5 * crank.inertia * fastest**2 if turning else 0.0),
     )
 
 
-def bending_rod(design: SliderCrank) -> FlexibleBar:
-    """The rod in modes of a free bar, whose axes keep its centre of mass and angular momentum."""
-    rod = design.rod
+def rod_body(rod: Rod) -> tuple[Body, Point, Point]:
+    """The rod, and where its pins are: the crank's and the piston's."""
+    if not rod.modes:
+        return rod.body, *rod.ends
+    bent = bending_rod(rod)
+    first, second = (bent.first, bent.second) if isinstance(bent, PlanarBody) else (bent.start, bent.end)
+    return FlexibleBody(bent.modes), first, second
+
+
+def bending_rod(rod: Rod) -> FlexibleBar | PlanarBody:
+    """The rod in modes of a free bar or shape, whose axes keep its centre of mass and angular momentum."""
+    if rod.shape is not None:
+        return rod.form
     return free_bar(rod.bar, rod.modes - 2, damping_ratio=rod.damping_ratio)
+
+
+def slider_body(slider: Slider) -> tuple[Body, Prismatic, Point]:
+    """The slider, the guide that keeps its pin on the x-axis, and where the pin is."""
+    if slider.shape is None:
+        return slider.body, Prismatic(GROUND, SLIDER), (0.0, 0.0)
+    guide, seat = slider.places
+    line = (0.0, guide[1] - seat[1])
+    if not slider.modes:
+        return slider.body, Prismatic(GROUND, SLIDER, line, guide), seat
+    form = slider.form
+    return FlexibleBody(form.modes), Prismatic(GROUND, SLIDER, line, form.first), form.second
 
 
 def driven(
@@ -140,15 +158,20 @@ def ideal_motion(
     sine = -crank.length * sin / rod.length
     cosine = jnp.sqrt(1.0 - sine * sine)
     angle, spin = jnp.arcsin(sine), -crank.length * omega * cos / (rod.length * cosine)
-    along = rod.centre * rod.length
+    (rear, below), _ = rod.ends
+    along = -rear
     pin_x, pin_y = crank.length * cos, crank.length * sin
     slider_speed = -pin_y * omega - rod.length * sine * spin
     q = [off * cos, off * sin, theta, pin_x + along * cosine, pin_y + along * sine, angle]
     v = [-off * sin * omega, off * cos * omega, omega]
     v += [-pin_y * omega - along * sine * spin, pin_x * omega + along * cosine * spin, spin]
-    straight = [0.0] * rod.modes
+    straight = [0.0] * (rod.modes + design.slider.modes)
+    if rod.shape is not None:  # its centre of mass may lie beside the line through its pins
+        q[3:5] = [q[3] + below * sine, q[4] - below * cosine]
+        v[3:5] = [v[3] + below * cosine * spin, v[4] + below * sine * spin]
+    _, (seat_x, seat_y) = design.slider.places
     return (
-        stacked([*q, pin_x + rod.length * cosine, 0.0, 0.0, *straight]),
+        stacked([*q, pin_x + rod.length * cosine - seat_x, 0.0 - seat_y, 0.0, *straight]),
         stacked([*v, slider_speed, 0.0, 0.0, *straight]),
     )
 
@@ -170,7 +193,8 @@ def seen(design: SliderCrank) -> tuple[Shown, ...]:
     deflection and stress of a rod that bends."""
     depths = (Shown("penetration", depth),) if design.piston_pin.by_components else ()
     bending = (Shown("rod_deflection", rod_deflection), Shown("rod_stress", rod_stress)) if design.rod.modes else ()
-    return (*depths, *bending)
+    pushed = (Shown("slider_deflection", slider_deflection(design.slider)),) if design.slider.modes else ()
+    return (*depths, *bending, *pushed)
 
 
 def depth(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
@@ -206,12 +230,28 @@ def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, P
 
 def rod_deflection(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
     """How far the rod's middle is off the line through its ends [m]."""
+    if isinstance(mechanism.parts, PlanarBody):
+        return jnp.abs(jnp.sum(mechanism.parts.deflection * at.kin.modal(ROD)[0]))
     ends_and_middle = deflection(mechanism.parts, at.kin.modal(ROD)[0], (0.0, 0.5, 1.0))[:, 1]
     return jnp.abs(ends_and_middle[1] - 0.5 * (ends_and_middle[0] + ends_and_middle[2]))
 
 
 def rod_stress(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
-    """Bending stress on the surface of the rod's middle [Pa], its size."""
+    """Stress along the rod on the surface of its middle [Pa], its size: that of bending, of a shape the whole."""
+    if isinstance(mechanism.parts, PlanarBody):
+        upper, lower = (jnp.abs(jnp.sum(row * at.kin.modal(ROD)[0])) for row in mechanism.parts.stress)
+        return jnp.maximum(upper, lower)
     bar = mechanism.parts.bar
     edge = jnp.sqrt(3.0 * bar.second_moment / bar.area)  # half the depth of a rectangle
     return jnp.abs(stress(mechanism.parts, at.kin.modal(ROD)[0], (0.5,), edge)[0])
+
+
+def slider_deflection(slider: Slider) -> Callable[[Assembled, Posture, Array], Scalar]:
+    """How far the piston pin is pushed along the slider's line, against the slider's guide [m]."""
+    form = slider.form
+
+    def of(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
+        guide, seat = (at.kin.point(SLIDER, marker).place for marker in (form.first, form.second))
+        return jnp.abs(seat.x - guide.x - (form.second.x - form.first.x))
+
+    return of

@@ -21,6 +21,8 @@ def names(design: SliderCrank) -> Names:
     places = {f"{pin.section}_{axis}": "m" for pin in pins for axis in ("x", "y")}
     depth = {"penetration": "m"} if design.piston_pin.by_components else {}
     bending = {"rod_deflection": "m", "rod_stress": "Pa"} if design.rod.modes else {}
+    if design.slider.modes:
+        bending["slider_deflection"] = "m"
     return Names(bodies=("crank", "rod", "slider"), contacts=contacts, others=OTHERS | depth | bending | places)
 
 

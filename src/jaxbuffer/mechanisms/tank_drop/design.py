@@ -15,7 +15,8 @@ from .laminate import Composite
 from .tank_run import TankRun
 
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
-FILL = {"low": 0.15, "high": 0.95}
+FILL = {"low": 0.15, "high": 1.0}
+HIGHEST = 0.95  # with a surface, which needs room
 THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
@@ -76,6 +77,21 @@ class Plates(Part):
     position: Number = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
 
 
+class Ribs(Part):
+    """Rings inside that stiffen the wall, round the whole section and of its material, so near each other along the
+    tank that they count by their share of it (M168).
+
+     ``kind``: "none" or "rings"; ``height``: inwards from the wall; ``share``: width of a rib over the distance of two.
+    """
+
+    section: ClassVar[str] = "ribs"
+    kind: str = choice("none", "none", "rings", doc="none, or rings inside that stiffen the wall")
+    height: Number = number(0.01, "m", low=0.0, low_open=True, high=0.1, doc="height of a rib, inwards from the wall")
+    share: Number = number(
+        0.1, "-", low=0.0, low_open=True, high=1.0, doc="width of a rib over the distance from one to the next"
+    )
+
+
 class TankMaterial(Part):
     """What the wall is made of: high-density polyethylene unless said otherwise.
 
@@ -103,24 +119,37 @@ class TankMaterial(Part):
 
 
 class Contents(Part):
-    """The liquid that the tank holds, if any.
+    """The liquid that the tank holds, if any, and the air above it.
 
-    ``kind``: "liquid" or "none"; ``density``; ``sound_speed`` in it.
+    ``kind``: "liquid", "full" (without air, for which ``scenario.fill`` is 1) or "none"; ``density``; ``sound_speed``
+    in it; ``air``: "open", which the wall does not feel, or "trapped", a spring; ``air_pressure``: absolute, at first.
     """
 
     section: ClassVar[str] = "contents"
-    kind: str = choice("liquid", "liquid", "none", doc="what the tank holds: liquid or none")
+    kind: str = choice(
+        "liquid",
+        "liquid",
+        "full",
+        "none",
+        doc="what the tank holds: liquid with a surface, liquid up to the top, or none",
+    )
     density: Number = number(740.0, "kg/m³", **POSITIVE, doc="density of the liquid")
     sound_speed: Number = number(1150.0, "m/s", **POSITIVE, doc="speed of sound in the liquid")
+    air: str = choice("open", "open", "trapped", doc="the air above the liquid: open, or trapped, which is a spring")
+    air_pressure: Number = number(1.013e5, "Pa", **POSITIVE, doc="absolute pressure of trapped air at first")
 
 
 class Cushion(Part):
     """The layer under the slider: what is a buffer here.
 
-    ``thickness``; ``stiffness`` and ``damping`` of an area. It is solid where less than a fifth of it is left.
+    ``kind``: "layer", or "none", where the slider strikes the wall by the contact of `Support`; ``thickness``;
+    ``stiffness`` and ``damping`` of an area. It is solid where less than a fifth of it is left.
     """
 
     section: ClassVar[str] = "cushion"
+    kind: str = choice(
+        "layer", "layer", "none", doc="a layer, or none: the slider strikes the wall as the support does"
+    )
     thickness: Number = number(0.15, "m", **POSITIVE, doc="thickness of the layer under the slider")
     stiffness: Number = number(4e6, "Pa/m", **POSITIVE, doc="stiffness of an area of it")
     damping: Number = number(1e4, "Pa s/m", **NON_NEGATIVE, doc="damping of an area of it")
@@ -163,9 +192,11 @@ class Mesh(Part):
 class TankDrop(DesignOf[TankRun]):
     """The whole mechanism: plane strain in the tank's cross-section, of which one half is computed.
 
-    Seed 003 prints no dimension and no material: the defaults are assumed.
+    *Analysis of fuel tank collision structure based on defense point method* prints no dimension and no material: the
+    defaults are assumed.
 
-    - ``tank``, ``wall``, ``plates``, ``material``: the tank; ``composite``: its wall's plies, if they are its material.
+    - ``tank``, ``wall``, ``ribs``, ``plates``, ``material``: the tank; ``composite``: its wall's plies, if they are its
+      material.
     - ``contents``: what it holds.
     - ``cushion``, ``slider``: what falls on it.
     - ``support``: how it rests.
@@ -182,6 +213,7 @@ class TankDrop(DesignOf[TankRun]):
 
     tank: Tank = Tank()
     wall: Wall = Wall()
+    ribs: Ribs = Ribs()
     plates: Plates = Plates()
     material: TankMaterial = TankMaterial()
     composite: Composite = Composite()
@@ -215,21 +247,49 @@ class TankDropScenario(Part):
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
-    """Raise `InputError` where a wall is as thick as its corner is round, a plate does not stand on the flat bottom,
-    or the liquid is no higher than its corner."""
+    """Raise `InputError` where a wall, with its rib, is as thick as its corner is round, a plate does not stand on the
+    flat bottom, the liquid is no higher than its corner, or ribs stand beside what they are not computed with."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
     for zone in ZONES:
         try:
             check_entries(f"wall.{zone}", getattr(design.wall, zone), "m", 0.0, design.tank.corner_radius)
         except InputError as error:
             raise error.between(after=", less than tank.corner_radius") from None
+    _check_ribs(design)
     if design.plates.kind != "none":
         try:
             check_entries("plates.position", design.plates.position, "m", *_between(design))
         except InputError as error:
             raise error.between(after=", where the whole plate stands on the flat bottom") from None
     above = "; the liquid must be higher than the lower corner, tank.corner_radius"
-    check_entries("scenario.fill", scenario.fill, "-", _corner(design), FILL["high"], too_low=above, high_open=False)
+    if design.contents.kind == "full":
+        if (fill := concrete(scenario.fill)) is not None and (np.asarray(fill) < 1.0).any():
+            raise InputError(f'scenario.fill = {np.min(fill):g}: contents.kind = "full" needs 1')
+        return
+    try:
+        check_entries("scenario.fill", scenario.fill, "-", _corner(design), HIGHEST, too_low=above, high_open=False)
+    except InputError as error:
+        raise error.between(after='; or 1, with contents.kind = "full"') from None
+
+
+def _check_ribs(design: TankDrop) -> None:
+    if design.ribs.kind == "none":
+        return
+    for other, given in (("plates.kind", design.plates.kind), ("material.kind", design.material.kind)):
+        if given in ("perforated", "composite"):
+            raise InputError(
+                f'ribs.kind = "{design.ribs.kind}" and {other} = "{given}" are not computed together; take away one'
+            )
+    for zone in ZONES:
+        try:
+            check_entries("ribs.height", design.ribs.height, "m", 0.0, _room(design, zone))
+        except InputError as error:
+            raise error.between(after=f", less than tank.corner_radius - wall.{zone}") from None
+
+
+def _room(design: TankDrop, zone: str) -> Scalar:
+    """How high a rib can be there [m]: it ends before the middle of a corner."""
+    return design.tank.corner_radius - getattr(design.wall, zone)
 
 
 def _corner(design: TankDrop) -> Scalar:
@@ -249,7 +309,10 @@ def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     radius = jnp.asarray(design.tank.corner_radius, float)
     thin = [getattr(design.wall, zone) < radius for zone in ZONES]
     round_enough = [2.0 * radius < side for side in (design.tank.width, design.tank.height)]
-    high = jnp.asarray(scenario.fill, float) > _corner(design)
+    fill = jnp.asarray(scenario.fill, float)
+    high = fill >= 1.0 if design.contents.kind == "full" else (fill > _corner(design)) & (fill <= HIGHEST)
     (left, right), at = _between(design), jnp.asarray(design.plates.position, float)
     beside = [] if design.plates.kind == "none" else [(left < at) & (at < right)]
+    if design.ribs.kind != "none":
+        beside += [jnp.asarray(design.ribs.height, float) < _room(design, zone) for zone in ZONES]
     return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough, *beside, high])

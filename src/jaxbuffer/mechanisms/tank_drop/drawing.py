@@ -16,7 +16,7 @@ HIGH = 0.5  # of the tank's height: how high the slider is drawn
 def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     """The wall as it bends, in front of the cushion that it is pressed into, the slider and the baffle."""
     wide, tall = 0.6 * float(design.tank.width), float(design.tank.height)
-    soft = float(design.cushion.thickness)
+    soft = float(design.cushion.thickness) if design.cushion.kind == "layer" else 0.0
     numbers = Numbering.of(design)
     around, rows = tuple(range(1, 2 * len(numbers.wall) + 1)), len(numbers.plate)
     right, left = (tuple(range(around[-1] + 1 + k * rows, around[-1] + 1 + (k + 1) * rows)) for k in (0, 1))
@@ -26,7 +26,7 @@ def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     thickness = float(np.mean([float(getattr(design.wall, zone)) for zone in ("bottom", "lower_side", "top")]))
     shapes = (
         Outline(GROUND, box(-1.2 * wide, 1.2 * wide, -0.06 * tall, 0.0), part="baffle"),
-        Outline(SLIDER, box(-wide, wide, -soft, 0.0), part="cushion"),
+        *([Outline(SLIDER, box(-wide, wide, -soft, 0.0), part="cushion")] if soft else []),
         Outline(SLIDER, box(-wide, wide, 0.0, HIGH * tall), part="slider"),
         Band(around, thickness, "tank"),
         *plates,

@@ -12,6 +12,7 @@ from .design import TankDrop, TankDropScenario
 from .numbering import Numbering
 from .section import liquid_within, section
 
+ACROSS, ALONG = "across the impact [mm]", "along the impact, downwards [mm]"
 STRESS = "stress after von Mises [MPa]"
 
 
@@ -25,6 +26,23 @@ def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
         numbers, now = Numbering.of(run.design), {key: values[row] for key, values in kept.items()}
         found.append(_mirrored(title, name, *_whole(numbers, wall, liquid, now)))
     return found
+
+
+def displaced(run: Any) -> tuple[Meshed, Meshed]:
+    """The wall before the impact, and at the largest force, with how far it has moved since [mm].
+
+    The liquid's mesh goes along by interpolation, so that it has no displacement of its own."""
+    kept = np.asarray(run.history.others["displacement"])
+    row = int(np.argmax(np.asarray(run.history.contact_force)[:, 0]))
+    numbers, made = Numbering.of(run.design), []
+    since = kept[row, numbers.corners].mean(axis=1) - kept[0, numbers.corners].mean(axis=1)
+    for words, place in (("before", 0), (f"{1e3 * float(run.history.time[row]):.4g} ms", row)):
+        wall, _ = map(np.asarray, _moved(run.design, run.scenario, kept[place]))
+        across, down = 1e3 * since[:, 0] * (place > 0), -1e3 * since[:, 1] * (place > 0)
+        both = _mirrored(words, "", wall, numbers.corners, {ACROSS: across, ALONG: down})
+        both.values[ACROSS][len(across) :] *= -1.0
+        made.append(both)
+    return made[0], made[1]
 
 
 @stored

@@ -9,6 +9,7 @@ from .design import TankDrop
 
 BOTTOM, CORNER, WET, DRY = 13, 4, 10, 16  # elements along the wall: flat bottom, corner, up to the level, from there on
 WITHIN, BEYOND, ABOVE = 7, 5, 8  # of BOTTOM and of DRY, where a plate takes one: within it, beyond it, up to it
+SIDE, HALFWAY = 9, 5  # of a tank that is full: along the side, and up to where the support ends; the rest as below
 UPRIGHT = 14  # elements along a plate
 
 
@@ -18,38 +19,50 @@ class Numbering(NamedTuple):
     - ``wall``: (columns, across) its nodes: along it from the middle of the bottom on, in a column from the inside out.
     - ``plate``: (rows, across) the plate's nodes, upwards, from the middle of the tank on; no rows without one. Its
       first row and its last are the wall's.
-    - ``corners``: (elements, 4) the elements' nodes, counter-clockwise, column by column, those of the plate last; the
-      first own axis of each goes along the wall or the plate.
-    - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface.
-    - ``corner``: the column at the lower right corner of the liquid's block.
+    - ``ribs``: (columns, across) the ribs' nodes as the wall's; their last are the wall's inner ones.
+    - ``corners``: (elements, 4) the elements' nodes, counter-clockwise, column by column, those of plate or ribs last;
+      the first own axis of each goes along the wall or the plate.
+    - ``flat``, ``level``: the columns where the flat bottom ends, and at the liquid's surface; half way up where the
+      tank is full.
+    - ``corner``, ``upper``: the columns at the lower and the upper right corner of the liquid's block.
+    - ``full``: whether the liquid fills the tank, without a surface.
     - ``liquid``: (across, up) the liquid's nodes, counted for themselves, from the middle of the bottom on.
     """
 
     wall: Int[np.ndarray, "columns across"]
     plate: Int[np.ndarray, "rows across"]
+    ribs: Int[np.ndarray, "ribs across"]
     corners: Int[np.ndarray, "elements 4"]
     flat: int
     level: int
     corner: int
+    upper: int
+    full: bool
     liquid: Int[np.ndarray, "across up"]
 
     @staticmethod
     def of(design: TankDrop) -> "Numbering":
         """As fine as the design says."""
         fine = design.mesh.refinement
-        flat, level = fine * BOTTOM, fine * (BOTTOM + CORNER + WET)
-        columns, across = level + fine * DRY + 1, fine + 1
+        full = design.contents.kind == "full"
+        flat, level = fine * BOTTOM, fine * (BOTTOM + CORNER + (HALFWAY if full else WET))
+        columns, across = fine * (BOTTOM + CORNER + WET + DRY) + 1, fine + 1
         wall = np.arange(columns * across).reshape(columns, across)
         plate = np.zeros((0, across), int)
         if design.plates.kind != "none":
             foot = wall[fine * WITHIN :][:across, 0]
-            head = wall[level + fine * ABOVE :][:across, 0][::-1]
+            head = wall[columns - 1 - fine * (WITHIN + 1) :][:across, 0][::-1]
             between = columns * across + np.arange((fine * UPRIGHT - 1) * across).reshape(-1, across)
             plate = np.concatenate([foot[None], between, head[None]])
-        corners = np.concatenate([_elements(wall), _elements(plate)])
+        ribs = np.zeros((0, across), int)
+        if design.ribs.kind != "none":
+            ribs = np.hstack([wall.size + np.arange(columns * fine).reshape(columns, fine), wall[:, :1]])
+        corners = np.concatenate([_elements(nodes) for nodes in (wall, plate, ribs)])
         corner = flat + fine * CORNER // 2
-        blocks = corner + 1, level - corner + 1
-        return Numbering(wall, plate, corners, flat, level, corner, np.arange(np.prod(blocks)).reshape(blocks))
+        upper = columns - 1 - corner if full else level
+        blocks = corner + 1, upper - corner + 1
+        liquid = np.arange(np.prod(blocks)).reshape(blocks)
+        return Numbering(wall, plate, ribs, corners, flat, level, corner, upper, full, liquid)
 
     @property
     def inner(self) -> Int[np.ndarray, " columns"]:
@@ -63,8 +76,9 @@ class Numbering(NamedTuple):
 
     @property
     def middle(self) -> Int[np.ndarray, " nodes"]:
-        """The wall's nodes in the middle of the section, which do not move sideways."""
-        return self.wall[[0, -1]].ravel()
+        """The wall's and the ribs' nodes in the middle of the section, which do not move sideways."""
+        both = np.hstack([self.ribs[:, :-1], self.wall]) if len(self.ribs) else self.wall
+        return both[[0, -1]].ravel()
 
     @property
     def liquid_corners(self) -> Int[np.ndarray, "elements 4"]:
@@ -74,13 +88,19 @@ class Numbering(NamedTuple):
 
     @property
     def wet(self) -> Int[np.ndarray, " wet"]:
-        """The liquid's nodes along the wall, from the middle of the bottom to the level."""
-        return np.concatenate([self.liquid[:, 0], self.liquid[-1, 1:]])
+        """The liquid's nodes along the wall, from the middle of the bottom to the level or the middle of the top."""
+        top = self.liquid[-2::-1, -1] if self.full else self.liquid[:0, -1]
+        return np.concatenate([self.liquid[:, 0], self.liquid[-1, 1:], top])
 
     @property
     def free(self) -> Int[np.ndarray, " free"]:
-        """The liquid's nodes on its surface."""
-        return self.liquid[:, -1]
+        """The liquid's nodes on its surface, none where the tank is full."""
+        return self.liquid[:0, -1] if self.full else self.liquid[:, -1]
+
+    @property
+    def wetted(self) -> Int[np.ndarray, " wet"]:
+        """The wall's nodes in the places of `wet`."""
+        return self.inner[: len(self.wet)]
 
     def at_a_joint(self, element: int) -> bool:
         """Whether an element is where a plate meets the wall, or next to that."""

@@ -4,6 +4,14 @@ from ..outcome import INPUT, NOT_FINITE, PENETRATION, STEP_SIZE, RunOutcome
 
 STEPS = "failed: more steps than max_steps (200000, more by jb.simulate); take a shorter duration or a coarser mesh"
 
+FORMS = {
+    "yield": "the wall yields or a ply fails",
+    "solid": "the cushion is solid",
+    "torn": "the liquid is torn",
+    "crack": "a point of the wall fails",
+}
+"""Ways to fail whose times a run has, as `TankRun.yield_time` and so on. A hole takes all points of an element."""
+
 
 class TankOutcome(RunOutcome):
     """Outcomes of a drop onto a tank."""

@@ -1,6 +1,9 @@
 """The catalogue of a drop's quantities."""
 
+import operator
+
 from ..quantity import CONTACT_TIME, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from .outcome import FORMS
 
 QUANTITIES: dict[str, Quantity] = {
     "peak_force": PEAK_FORCE._replace(description="largest force of the cushion on the slider"),
@@ -8,7 +11,7 @@ QUANTITIES: dict[str, Quantity] = {
     "wall_mass": Quantity(
         "kg",
         lambda run: run.wall_mass,
-        "mass of the wall and the plates, without the tank's ends",
+        "mass of the wall, the ribs and the plates, without the tank's ends",
         "wall mass",
         swept=True,
         tuned=True,
@@ -102,6 +105,15 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
     ),
+    **{
+        f"{form}_time": Quantity(
+            "s",
+            operator.attrgetter(f"{form}_time"),
+            f"when {what} for the first time; NaN if never",
+            differentiable=False,
+        )
+        for form, what in FORMS.items()
+    },
     "contact_time": CONTACT_TIME,
     "end_time": END_TIME,
 }

@@ -13,7 +13,7 @@ from ..history import History
 from ..impacts import Impacts
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
-from .outcome import TankOutcome
+from .outcome import FORMS, TankOutcome
 from .section import Section, wall_mass
 from .stepping import SMOOTH, Dropped, Row
 from .tank_run import TankRun
@@ -34,6 +34,8 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
     area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
     mean = seen.sharpened - jnp.log(area * end)
     smallest = jnp.min(parts.wall.quads.area) * found.step
+    never = jnp.isinf(seen.failures)
+    times = dict(zip(FORMS, jnp.where(never, jnp.nan, seen.failures), strict=True))
     return TankRun(
         **_of_every_run(parts, parameters, found, code, known, end, momentum),
         impulse=factor * seen.impulse * known,
@@ -47,7 +49,11 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         deleted=deleted,
         deflection=seen.deflection * known,
         travel=seen.travel * known,
-        compression=seen.compression / design.cushion.thickness * known,
+        compression=(seen.compression / design.cushion.thickness if parts.system.layers else jnp.zeros(())) * known,
+        yield_time=times["yield"],
+        solid_time=times["solid"],
+        torn_time=times["torn"],
+        crack_time=times["crack"],
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
@@ -130,8 +136,7 @@ def history_of(parts: Assembled, rows: Row) -> History:
     at = system.positions[None] + rows.displacement
     slider = at[:, parts.slider, 1]
     middle = 0.5 * (at[:, section.numbers.inner] + at[:, section.numbers.outer])
-    (cushion,) = system.layers
-    compression = jax.vmap(lambda x: jnp.max(cushion.compression(x)))(at)
+    compression = jax.vmap(lambda x: jnp.max(parts.compression(x)))(at)
     others = {
         "deflection": -rows.displacement[:, section.numbers.outer[-1], 1],
         "support_force": factor * rows.support,

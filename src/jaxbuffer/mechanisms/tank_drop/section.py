@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from .design import ZONES, TankDrop
-from .numbering import ABOVE, BEYOND, BOTTOM, CORNER, DRY, WET, WITHIN, Numbering
+from .numbering import ABOVE, BEYOND, BOTTOM, CORNER, DRY, SIDE, WET, WITHIN, Numbering
 
 TAPER = 0.02  # m, over which the thickness goes from one zone's to the next one's
 
@@ -38,20 +38,26 @@ def section(design: TankDrop, fill: Scalar) -> Section:
         rows = len(numbers.plate) - 1
         between = foot + (np.arange(1, rows) / rows)[:, None, None] * (head - foot)
         positions = jnp.concatenate([positions, between.reshape(-1, 2)])
+    if len(numbers.ribs):
+        depth = thickness[:, None] + design.ribs.height * shares[None, :-1]
+        positions = jnp.concatenate([positions, (face[:, None] - depth[..., None] * normal[:, None]).reshape(-1, 2)])
     return Section(numbers, positions, liquid_within(positions, numbers))
 
 
 def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
     """Where along the outside there are nodes [m]: flat bottom, corner, up to the level and from there on, each divided
     evenly; with columns on both faces of a plate."""
-    ends, level = _lengths(design), _level(design, fill)
-    marks = [0.0, ends[0], ends[1], level, ends[-1]]
-    counts = [BOTTOM, CORNER, WET, DRY]
+    ends = _lengths(design)
+    full = design.contents.kind == "full"
+    middle = [ends[1], ends[2], ends[3]] if full else [ends[1], _level(design, fill)]
+    above = [SIDE, CORNER] if full else [WET]
+    marks = [0.0, ends[0], *middle, ends[-1]]
+    counts = [BOTTOM, CORNER, *above, BOTTOM if full else DRY]
     if design.plates.kind != "none":
         at, half = design.plates.position, 0.5 * design.plates.thickness
         faces = [at - half, at + half]
-        marks = [0.0, *faces, ends[0], ends[1], level, ends[-1] - faces[1], ends[-1] - faces[0], ends[-1]]
-        counts = [WITHIN, 1, BEYOND, CORNER, WET, ABOVE, 1, WITHIN]
+        marks = [0.0, *faces, ends[0], *middle, ends[-1] - faces[1], ends[-1] - faces[0], ends[-1]]
+        counts = [WITHIN, 1, BEYOND, CORNER, *above, BEYOND if full else ABOVE, 1, WITHIN]
     parts = [
         a + (b - a) * np.linspace(0.0, 1.0, design.mesh.refinement * count, endpoint=False)
         for a, b, count in zip(marks, marks[1:], counts, strict=False)
@@ -60,14 +66,15 @@ def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
 
 
 def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
-    """The liquid's nodes [m] between the ``wall``'s, the middle and the surface, by transfinite interpolation."""
-    edge, corner = wall[numbers.inner[: numbers.level + 1]], numbers.corner
-    bottom, right = edge[: corner + 1], edge[corner:]
+    """The liquid's nodes [m] between the ``wall``'s, the middle and any surface, by transfinite interpolation."""
+    edge, corner = wall[numbers.wetted], numbers.corner
+    bottom, right = edge[: corner + 1], edge[corner : numbers.upper + 1]
     xi = (np.arange(corner + 1) / corner)[:, None, None]
     eta = (np.arange(len(right)) / (len(right) - 1))[None, :, None]
-    height = right[:, 1]
-    left = jnp.stack([jnp.zeros_like(height), bottom[0, 1] + eta[0, :, 0] * (height[-1] - bottom[0, 1])], axis=1)
-    top = jnp.stack([xi[:, 0, 0] * right[-1, 0], jnp.full(corner + 1, 1.0) * height[-1]], axis=1)
+    top = jnp.stack([xi[:, 0, 0] * right[-1, 0], jnp.full(corner + 1, 1.0) * right[-1, 1]], axis=1)
+    if numbers.full:
+        top = edge[numbers.upper :][::-1]
+    left = jnp.stack([0.0 * right[:, 1], bottom[0, 1] + eta[0, :, 0] * (top[0, 1] - bottom[0, 1])], axis=1)
     sides = (1.0 - xi) * left[None] + xi * right[None]
     ends = (1.0 - eta) * bottom[:, None] + eta * top[:, None]
     corner_at = lambda points, k: points[k][None, None]  # noqa: E731
@@ -120,12 +127,16 @@ def thickness_at(design: TankDrop, along: Float[Array, " columns"]) -> Float[Arr
 
 
 def wall_area(design: TankDrop) -> Float[Array, ""]:
-    """Of half of the wall's cross-section [m²], by its middle surface."""
+    """Of half of the wall's cross-section [m²], by its middle surface, with the ribs' by theirs and their share."""
     ends = _lengths(design)
     along = jnp.linspace(0.0, 1.0, 2001) * ends[-1]
     thickness = thickness_at(design, along)
     curved = ((along > ends[0]) & (along < ends[1])) | ((along > ends[2]) & (along < ends[3]))
-    strip = thickness * jnp.where(curved, 1.0 - 0.5 * thickness / design.tank.corner_radius, 1.0)
+    bent = jnp.where(curved, 1.0 / design.tank.corner_radius, 0.0)
+    strip = thickness * (1.0 - 0.5 * thickness * bent)
+    if design.ribs.kind != "none":
+        high = design.ribs.height
+        strip = strip + design.ribs.share * high * (1.0 - (thickness + 0.5 * high) * bent)
     return jnp.trapezoid(strip, along)
 
 
@@ -137,6 +148,6 @@ def plate_area(design: TankDrop) -> Scalar:
 
 
 def wall_mass(design: TankDrop) -> Float[Array, ""]:
-    """Of the whole tank's wall and plates, without its ends [kg]."""
+    """Of the whole tank's wall, ribs and plates, without its ends [kg]."""
     made_of = design.composite if design.material.kind == "composite" else design.material
     return 2.0 * made_of.density * (wall_area(design) + plate_area(design)) * design.tank.length

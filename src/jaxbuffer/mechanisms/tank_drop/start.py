@@ -62,7 +62,7 @@ def _unknowns(parts: Assembled) -> Unknowns:
 def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
     """A step of Newton's method where these of the bottom's nodes stand, and which stand then: those that press, or
     are below the baffle."""
-    (contact,) = parts.system.contacts
+    contact = parts.system.contacts[0]
     matrix, left = _linearised(parts, unknowns, values)
     bottom, unknown = unknowns.bottom, len(unknowns.places)
     if contact.method == "penalty":

@@ -11,10 +11,12 @@ from ..._types import Scalar
 from ...hybrid import Options
 from ...structures import Orthotropic, State, at_faces, march, mises
 from ...structures.central_differences import BLOCK
+from ...structures.contact import SOLID
 from ...structures.system import SAFETY, Energies, Instant
 from .assembly import Assembled, assembled
 from .design import TankDrop, TankDropScenario
 from .laminate import least_reserve
+from .outcome import FORMS
 from .start import falling
 
 TOLERANCE = 1e-6  # at which steps are as long as stability allows; they go with its root below
@@ -23,6 +25,7 @@ GRADES = 8.0  # numbers of steps in a factor of two, so that small changes of a 
 CRUSHED = 0.95  # of the inner height: how far the top may come down
 SMOOTH = 20.0  # the smooth maximum of the stress is sharp to so small a part of the yield stress
 ROWS = 800  # of a history, evenly spread over the duration
+ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
 
 
 class Row(NamedTuple):
@@ -56,7 +59,8 @@ class Seen(NamedTuple):
     - ``sharpened``: logarithm of the integral over wall and time that is the smooth maximum of the stress [ln m² s].
     - ``reserve``: the least of a composite's plies [-].
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel``: of the slider, downwards [m].
-    - ``compression``: largest, of the cushion [m].
+    - ``compression``: largest, of the cushion, or of the wall into the slider without one [m].
+    - ``failures``: (forms,) when each of `FORMS` first happened, infinite before [s].
     - ``highest``, ``lowest``: pressures of the liquid on the wall, with the static one [Pa].
     - ``first``: all energies together at the first instant; ``off``: the furthest from it later [J].
     - ``energies``: at the last instant [J].
@@ -75,6 +79,7 @@ class Seen(NamedTuple):
     deflection: Float[Array, ""]
     travel: Float[Array, ""]
     compression: Float[Array, ""]
+    failures: Float[Array, " forms"]
     highest: Float[Array, ""]
     lowest: Float[Array, ""]
     first: Float[Array, ""]
@@ -152,13 +157,14 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
             *(room(elements), room(elements), Energies(*(room() for _ in energies))),
         )
     most = jnp.asarray(jnp.inf)
-    return Seen(*(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, -most, most, zero, zero, energies, rows)
+    never = jnp.full(len(FORMS), jnp.inf)
+    return Seen(*(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, never, -most, most, zero, zero, energies, rows)
 
 
 def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
     system, section = parts.system, parts.section
-    (cushion,), (found,) = instant.layers, instant.resistances
-    force = jnp.sum(cushion.normal)
+    (found,) = instant.resistances
+    force = jnp.sum((instant.layers or instant.contacts[1:])[0].normal)
     stress = jnp.max(mises(at_faces(found.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.strength
@@ -171,7 +177,14 @@ def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, se
     total = sum(instant.energies, jnp.zeros(()))
     first = jnp.where(instant.time == 0.0, total, seen.first)
     moved = system.positions + instant.displacement
-    compressed = jnp.max(system.layers[0].compression(moved))
+    compressed = jnp.max(parts.compression(moved))
+    reserve = _reserve(parts, design, found.stress)
+    happens = jnp.stack([
+        (highest_stress >= limit) & (design.material.kind == "plastic") | (reserve < 1.0),
+        compressed >= SOLID * design.cushion.thickness if system.layers else jnp.asarray(False),
+        lower < -ATMOSPHERE,
+        jnp.any(parts.material.failed(found.history)),
+    ])  # fmt: skip
     return Seen(
         jnp.maximum(seen.force, force),
         jnp.where(force > seen.force, instant.time, seen.force_time),
@@ -181,10 +194,11 @@ def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, se
         jnp.maximum(seen.stress, highest_stress),
         jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
         jnp.logaddexp(seen.sharpened, sharpened),
-        jnp.minimum(seen.reserve, _reserve(parts, design, found.stress)),
+        jnp.minimum(seen.reserve, reserve),
         jnp.maximum(seen.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
         jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),
         jnp.maximum(seen.compression, compressed),
+        jnp.where(happens & jnp.isinf(seen.failures), instant.time, seen.failures),
         higher,
         lower,
         first,

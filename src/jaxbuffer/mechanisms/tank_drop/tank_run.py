@@ -19,9 +19,11 @@ class TankRun(Run):
     - ``deflection``: largest, of the middle of the top downwards [m]; ``travel`` of the slider [m].
     - ``compression``: largest, of the cushion over its thickness [-].
     - ``highest_pressure``, ``lowest_pressure``: of the liquid on the wall, with the static one [Pa].
+    - ``yield_time``, ``solid_time``, ``torn_time``, ``crack_time``: when the wall first yields or a ply of it fails,
+      the cushion is solid, the liquid is under less than no pressure, an integration point fails; NaN if never [s].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
     - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
-    - ``wall_mass``: of wall and plates [kg]; ``step``: of the time stepping [s].
+    - ``wall_mass``: of wall, ribs and plates [kg]; ``step``: of the time stepping [s].
     """
 
     impulse: Float[Array, ""]
@@ -38,6 +40,10 @@ class TankRun(Run):
     compression: Float[Array, ""]
     highest_pressure: Float[Array, ""]
     lowest_pressure: Float[Array, ""]
+    yield_time: Float[Array, ""]
+    solid_time: Float[Array, ""]
+    torn_time: Float[Array, ""]
+    crack_time: Float[Array, ""]
     rebound_speed: Float[Array, ""]
     reserve: Float[Array, ""]
     wall_mass: Float[Array, ""]

@@ -1,5 +1,6 @@
 """What is told of a drop onto a tank and drawn of it."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,10 @@ from .design import TankDrop, TankDropScenario
 from .drawing import drawing
 from .meshes import meshes
 from .numbering import Numbering
+from .outcome import FORMS
 from .panels import panels
+from .stepping import ATMOSPHERE
 from .tank_run import TankRun
-
-ATMOSPHERE = 1.013e5  # Pa: a liquid under less than minus this is torn
 
 
 def label(scenario: TankDropScenario, among: Any = ()) -> str:
@@ -45,31 +46,35 @@ def warnings(run: TankRun) -> list[str]:
         )
     elif float(run.compression) > SOLID:
         lines.append(f"the cushion is solid: {100.0 * float(run.compression):.3g} % of its thickness are used up")
-    if design.contents.kind == "liquid":
-        if float(run.lowest_pressure) < -ATMOSPHERE:
-            lines.append(
-                f"the liquid would be torn: its pressure falls to {1e-3 * float(run.lowest_pressure):.4g} kPa over the"
-                " atmosphere's, and no cavities are computed"
-            )
-        air = (1.0 - float(run.scenario.fill)) * (
-            float(design.tank.height) - float(design.wall.bottom) - float(design.wall.top)
+    if design.contents.kind != "none" and float(run.lowest_pressure) < -ATMOSPHERE:
+        lines.append(
+            f"the liquid would be torn: its pressure falls to {1e-3 * float(run.lowest_pressure):.4g} kPa over the"
+            " atmosphere's, and no cavities are computed"
         )
-        if float(run.deflection) > air:
-            lines.append(
-                f"the top comes down by {1e3 * float(run.deflection):.4g} mm, further than the air is high"
-                f" ({1e3 * air:.4g} mm): it would strike the liquid, which is not computed"
-            )
     if float(run.deflection) > 0.5 * float(design.tank.height):
         lines.append("the tank is crushed: its top comes down by more than half of its height, and walls do not touch")
+    if len(order := _failures(run)) > 1:
+        lines.append(f"in order of time: {', '.join(order)}")
     return lines
+
+
+def in_order(run: TankRun) -> str:
+    """The forms in which a tank fails, as they come, with their times; "" if there is none."""
+    return ", ".join(_failures(run))
+
+
+def _failures(run: TankRun) -> list[str]:
+    times = {what: float(getattr(run, f"{form}_time")) for form, what in FORMS.items()}
+    happened = sorted((at, what) for what, at in times.items() if math.isfinite(at))
+    return [f"{what} ({1e3 * at:.3g} ms)" for at, what in happened]
 
 
 def names(design: TankDrop) -> Names:
     """What the parts of a design are called."""
     others = {"deflection": "m", "support_force": "N", "peak_stress": "Pa", "peak_plastic_strain": "-"}
-    if design.contents.kind == "liquid":
+    if design.contents.kind != "none":
         others |= {"highest_pressure": "Pa", "lowest_pressure": "Pa"}
-    return Names(bodies=("slider",), contacts=("cushion",), others=others)
+    return Names(bodies=("slider",), contacts=("cushion" if design.cushion.kind == "layer" else "wall",), others=others)
 
 
 def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
@@ -88,10 +93,10 @@ VIEW = View(
     label=label,
     approach=label,
     leaves_out=(
-        "The tank is infinitely long: its ends, and ribs across it, are left out (plane strain).",
-        "The liquid is a linear acoustic medium on the mesh it has at rest; it neither splashes nor is torn, and"
-        " baffle plates do not hinder it.",
-        "Walls do not touch each other, nor the liquid beyond its level; a wall with a hole does not leak.",
+        "The tank is infinitely long: its ends are left out (plane strain), and ribs are spread evenly along it.",
+        "The liquid is a linear acoustic medium on the mesh it has at rest; it neither flows nor is torn, and"
+        " neither baffle plates nor ribs hinder it.",
+        "Walls do not touch each other; a wall with a hole does not leak.",
         "Nothing has been compared with a measurement: the paper prints no value of any result.",
     ),
     warnings=warnings,

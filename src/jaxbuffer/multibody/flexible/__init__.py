@@ -1,20 +1,8 @@
-"""Flexible bodies: their modes, made once outside of a run, for planar floating frames of reference."""
+"""Flexible bodies: their modes, made once outside of a run, for planar floating frames of reference.
 
-from .bar import Bar as Bar
-from .bar import FlexibleBar as FlexibleBar
-from .bars import cantilever_bar as cantilever_bar
-from .bars import free_bar as free_bar
-from .bars import pinned_bar as pinned_bar
-from .damping import modal_damping as modal_damping
-from .damping import rayleigh_damping as rayleigh_damping
-from .modes import ComponentModes as ComponentModes
-from .modes import Marker as Marker
-from .planar import Attachment as Attachment
-from .planar import PlanarModes as PlanarModes
-from .planar import planar_modes as planar_modes
-from .plates import RectangularPlate as RectangularPlate
-from .plates import plate_strip as plate_strip
-from .recovery import axial_force as axial_force
-from .recovery import bending_moment as bending_moment
-from .recovery import deflection as deflection
-from .recovery import stress as stress
+Names are imported when they are first used, because scikit-fem and SciPy, for planar shapes, take long to import.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -19,7 +19,6 @@ from .bar_elements import (
     gram,
     quadrature,
 )
-from .craig_bampton import craig_bampton, uncoupled
 
 ELEMENTS = 60  # at least; the table of docs/flexible.md has its digits with so many
 
@@ -100,6 +99,8 @@ def free_shapes(interior: int, axial_interior: int | None) -> BarShapes:
     **Arguments:** ``interior``: number of fixed-interface modes in bending; there are interior + 2 modes in all.
     ``axial_interior``: the same along the bar, where there are axial_interior + 1 modes. None: it does not stretch.
     """
+    from .craig_bampton import craig_bampton, uncoupled  # with SciPy, which a run without bars is spared
+
     elements = _elements(interior)
     mass, stiffness = bending_matrices(elements)
     xi = np.linspace(0.0, 1.0, elements + 1)
@@ -188,6 +189,8 @@ def _elements(interior: int) -> int:
 
 def _reduced(mass: np.ndarray, stiffness: np.ndarray, fixed: int, interface: list[int], interior: int) -> np.ndarray:
     """(unknowns, modes) modes of elements whose first ``fixed`` unknowns are fixed; ``interface`` counts the others."""
+    from .craig_bampton import craig_bampton, uncoupled  # with SciPy, see above
+
     reduction = craig_bampton(mass[fixed:, fixed:], stiffness[fixed:, fixed:], interface, interior)
     shapes = uncoupled(reduction).shapes
     return np.concatenate([np.zeros((fixed, shapes.shape[1])), shapes])

@@ -6,6 +6,9 @@ NumPy and SciPy: this is done once, outside of a run. Matrices may be dense or S
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import eigh, qr, solve
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import eigsh, splu
 
 DENSE = 600  # up to so many unknowns matrices are treated as dense ones
 
@@ -67,8 +70,6 @@ def uncoupled(reduction: Reduction, momenta: np.ndarray | None = None) -> Modes:
     - ``momenta``: (unknowns, rigid) M times the rigid-body motions; modes orthogonal to them are those of mean axes.
       None: the model cannot move as a rigid body.
     """
-    from scipy.linalg import eigh, qr
-
     basis, mass, stiffness = reduction
     if momenta is not None:
         complete, _ = qr(basis.T @ momenta)
@@ -83,22 +84,14 @@ def uncoupled(reduction: Reduction, momenta: np.ndarray | None = None) -> Modes:
 
 def _lowest(mass: Any, stiffness: Any, modes: int) -> np.ndarray:
     """(unknowns, modes) shapes of the lowest modes of a model that is held."""
-    from scipy.linalg import eigh
-
     if isinstance(mass, np.ndarray):
         return eigh(mass, stiffness)[1][:, ::-1][:, :modes]  # as the largest of the inverse: small ones stay precise
-    from scipy.sparse.linalg import eigsh
-
     return eigsh(stiffness, modes, mass, sigma=0.0, v0=np.ones(mass.shape[0]))[1]
 
 
 def _solve(matrix: Any, right: np.ndarray) -> np.ndarray:
     if isinstance(matrix, np.ndarray):
-        from scipy.linalg import solve
-
         return solve(matrix, right, assume_a="pos")
-    from scipy.sparse.linalg import splu
-
     return splu(matrix.tocsc()).solve(right)
 
 
@@ -106,8 +99,6 @@ def _as_treated(matrix: Any) -> Any:
     """Small matrices as dense ones, large ones as SciPy's sparse rows."""
     if matrix.shape[0] <= DENSE:
         return np.asarray(matrix) if isinstance(matrix, np.ndarray) else matrix.toarray()
-    from scipy.sparse import csr_array
-
     return csr_array(matrix)
 
 

@@ -9,11 +9,28 @@ from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..._types import Scalar
 from .craig_bampton import craig_bampton, uncoupled
 from .damping import uncoupled_damping
 from .modes import ComponentModes, Marker
+
+try:
+    from skfem import (
+        Basis,
+        BilinearForm,
+        ElementQuad1,
+        ElementQuad2,
+        ElementTriP1,
+        ElementTriP2,
+        ElementVector,
+        MeshTri,
+    )
+    from skfem.helpers import dot
+    from skfem.models.elasticity import linear_elasticity, plane_stress
+except ImportError as missing:
+    raise ImportError("planar shapes need scikit-fem: pip install scikit-fem") from missing
 
 
 class Attachment(NamedTuple):
@@ -37,6 +54,8 @@ class PlanarModes(NamedTuple):
       and zero otherwise.
     - ``points``: (markers, 2) attachments from the centre; ``motions``: (markers, 3, modes) displacement along x and y
       and rotation there.
+    - ``nodes``: (2, nodes) places from the centre, the mesh's vertices first; ``shapes``: (2, nodes, modes) there.
+    - ``stress``: (vertices, modes) σ_x per unit of each modal coordinate.
     """
 
     area: float
@@ -47,6 +66,9 @@ class PlanarModes(NamedTuple):
     gyroscopic: np.ndarray
     points: np.ndarray
     motions: np.ndarray
+    nodes: np.ndarray
+    shapes: np.ndarray
+    stress: np.ndarray
 
     def body(
         self,
@@ -96,7 +118,8 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
     """
     if not attachments:
         raise ValueError("attachments: give at least one")
-    mass, stiffness, places = _elasticity(mesh, poissons_ratio)
+    basis = Basis(mesh, ElementVector(ElementTriP2() if isinstance(mesh, MeshTri) else ElementQuad2()))
+    mass, stiffness, places, order = _elasticity(basis, poissons_ratio)
     ones, other = np.tile([1.0, 0.0], places.shape[1]), np.tile([0.0, 1.0], places.shape[1])
     area = float(ones @ mass @ ones)
     centre = np.array([ones @ mass @ places.T.ravel(), other @ mass @ places.T.ravel()]) / area
@@ -116,23 +139,47 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
         gyroscopic=-shapes.T @ (mass @ _turned(shapes)),
         points=points,
         motions=motions,
+        nodes=places - centre[:, None],
+        shapes=np.stack([shapes[0::2], shapes[1::2]]),
+        stress=_stress(basis, shapes[np.argsort(order)], poissons_ratio),
     )
 
 
-def _elasticity(mesh: Any, poissons_ratio: float) -> tuple[Any, Any, np.ndarray]:
-    """Mass and stiffness of unit density, thickness and modulus, and (2, nodes) places; unknowns (u_x, u_y) by node."""
-    try:
-        from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, ElementVector, MeshTri
-        from skfem.helpers import dot
-        from skfem.models.elasticity import linear_elasticity, plane_stress
-    except ImportError as missing:
-        raise ImportError("planar shapes need scikit-fem: pip install scikit-fem") from missing
-    element = ElementTriP2() if isinstance(mesh, MeshTri) else ElementQuad2()
-    basis = Basis(mesh, ElementVector(element))
+def boundary(mesh: Any, name: str) -> Attachment:
+    """What is tied to the middle of a named boundary of a mesh: all nodes of the boundary, as of a pin's bush."""
+    facets = np.asarray(mesh.boundaries[name])
+    vertices = mesh.facets[:, facets]
+    first, last = mesh.p[:, vertices[0]], mesh.p[:, vertices[1]]
+    lengths = np.linalg.norm(last - first, axis=0)
+
+    def nodes(places: np.ndarray) -> np.ndarray:
+        mine = np.zeros(places.shape[1], bool)
+        mine[vertices] = mine[mesh.nvertices + facets] = True  # a node on each facet follows the vertices
+        return mine
+
+    x, y = 0.5 * (first + last) @ lengths / lengths.sum()
+    return Attachment((float(x), float(y)), nodes)
+
+
+def _stress(basis: Basis, shapes: np.ndarray, poissons_ratio: float) -> np.ndarray:
+    """(vertices, modes) σ_x of unit modulus at the mesh's vertices, of (unknowns, modes) displacements in the order of
+    the basis: projected onto linear elements."""
+    corners = basis.with_element(ElementTriP1() if isinstance(basis.mesh, MeshTri) else ElementQuad1())
+    columns = []
+    for shape in shapes.T:
+        gradient = basis.interpolate(shape).grad
+        along = (gradient[0, 0] + poissons_ratio * gradient[1, 1]) / (1.0 - poissons_ratio**2)
+        columns.append(corners.project(along)[corners.nodal_dofs[0]])
+    return np.stack(columns, axis=1)
+
+
+def _elasticity(basis: Basis, poissons_ratio: float) -> tuple[Any, Any, np.ndarray, np.ndarray]:
+    """Mass and stiffness of unit density, thickness and modulus, (2, nodes) places, and where each unknown is in the
+    basis; unknowns (u_x, u_y) by node: vertices, then those on facets and inside."""
     mass = BilinearForm(lambda u, v, w: dot(u, v)).assemble(basis)
     stiffness = linear_elasticity(*plane_stress(1.0, poissons_ratio)).assemble(basis)
     order = np.concatenate([dofs.T.ravel() for dofs in (basis.nodal_dofs, basis.facet_dofs, basis.interior_dofs)])
-    return mass[order][:, order], stiffness[order][:, order], basis.doflocs[:, order[0::2]]
+    return mass[order][:, order], stiffness[order][:, order], basis.doflocs[:, order[0::2]], order
 
 
 def _turned(vectors: np.ndarray) -> np.ndarray:
@@ -144,8 +191,6 @@ def _turned(vectors: np.ndarray) -> np.ndarray:
 
 def _tied(places: np.ndarray, centre: np.ndarray, attachments: Sequence[Attachment]) -> tuple[Any, np.ndarray]:
     """All unknowns from the attachments' (u_x, u_y, rotation) and then those of free nodes; points from the centre."""
-    from scipy.sparse import csr_array
-
     count = places.shape[1]
     owner = np.full(count, -1)
     for which, attachment in enumerate(attachments):

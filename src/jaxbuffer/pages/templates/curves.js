@@ -1,5 +1,5 @@
 "use strict";
-/* Forces over time to be read off: a slider or the pointer sets the time, buttons show less of it or more. */
+/* Forces and other values over time to be read off: a slider or the pointer sets the time, buttons show less of it or more. */
 {
 const NAMESPACE = "http://www.w3.org/2000/svg", HEIGHT = 300, LEFT = 56, RIGHT = 12, TOP = 28, BOTTOM = 36, ZOOM = 4, PAD = 8;
 const ROOM = 70; // pixels for a label of the time axis
@@ -30,12 +30,15 @@ function lastTouchdown({ times, forces }) { // 0 where nothing touches after the
 class Curves {
   constructor(root) {
     const data = JSON.parse(root.querySelector("script").textContent);
-    this.curves = data.map(it => ({ name: it.name, times: it["time [s]"], forces: it["force [N]"] }));
+    this.axis = root.dataset.axis; // "force [N]", "stroke [mm]"
+    this.unit = this.axis.slice(this.axis.indexOf("[") + 1, -1);
+    this.curves = data.map(it => ({ name: it.name, times: it["time [s]"], forces: it[this.axis] }));
     this.svg = root.querySelector(".chart");
     this.slider = root.querySelector(".time");
     this.clock = root.querySelector(".clock");
     this.end = Math.max(...this.curves.map(it => it.times[it.times.length - 1]));
     this.largest = Math.max(1e-12, ...this.curves.map(it => it.forces.reduce((a, b) => Math.max(a, b), 0)));
+    this.lowest = Math.min(0, ...this.curves.map(it => it.forces.reduce((a, b) => Math.min(a, b), 0)));
     const last = this.curves[this.curves.length - 1];
     this.time = last.times[last.forces.indexOf(last.forces.reduce((a, b) => Math.max(a, b), 0))];
     this.slider.addEventListener("input", () => this.read(this.from + this.slider.value / 1000 * (this.to - this.from)));
@@ -44,7 +47,8 @@ class Curves {
     on(".closer", () => this.zoom(1 / ZOOM));
     on(".wider", () => this.zoom(ZOOM));
     on(".whole", () => this.view(0, this.end));
-    const impacts = BEYOND * Math.max(this.time, ...this.curves.map(lastTouchdown)), early = impacts < EARLY * this.end;
+    const impacts = BEYOND * Math.max(this.time, ...this.curves.map(lastTouchdown));
+    const early = this.axis === "force [N]" && impacts < EARLY * this.end; // of contacts
     if (early) root.querySelector("figcaption").append(". Shown first: the beginning, with all impacts");
     this.view(0, early ? impacts : this.end);
     new ResizeObserver(() => this.draw()).observe(this.svg);
@@ -76,14 +80,17 @@ class Curves {
 
   x(time) { return PAD + (this.width - LEFT - RIGHT - 2 * PAD) * (time - this.from) / (this.to - this.from); }
 
-  y(force) { return (HEIGHT - TOP - BOTTOM) * (1 - force / (1.05 * this.largest)); }
+  y(force) { // zero is at the bottom, unless something is below it
+    const top = 1.05 * this.largest, bottom = 1.05 * this.lowest;
+    return (HEIGHT - TOP - BOTTOM) * (top - force) / (top - bottom);
+  }
 
   draw() {
     this.width = Math.max(this.svg.clientWidth, 200);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${HEIGHT}`);
     this.svg.replaceChildren();
     const inner = this.width - LEFT - RIGHT, tall = HEIGHT - TOP - BOTTOM;
-    for (const [force, text] of ticks(0, 1.05 * this.largest, 4)) {
+    for (const [force, text] of ticks(1.05 * this.lowest, 1.05 * this.largest, 4)) {
       const y = TOP + this.y(force);
       this.add(this.svg, "line", { class: "grid", x1: LEFT, x2: LEFT + inner, y1: y, y2: y });
       this.add(this.svg, "text", { x: LEFT - 6, y: y + 4, "text-anchor": "end" }, text);
@@ -94,7 +101,7 @@ class Curves {
       this.add(this.svg, "text", { x, y: TOP + tall + 16, "text-anchor": "middle" }, text);
     }
     this.add(this.svg, "text", { x: LEFT + inner, y: HEIGHT - 4, "text-anchor": "end" }, "time [s]");
-    this.add(this.svg, "text", { x: 0, y: 14 }, "force [N]");
+    this.add(this.svg, "text", { x: 0, y: 14 }, this.axis);
     const field = this.add(this.svg, "svg", { x: LEFT, y: TOP, width: inner, height: tall, overflow: "hidden" });
     this.curves.forEach(({ times, forces }, n) => {
       const points = [];
@@ -121,7 +128,7 @@ class Curves {
       if (force === null) { told.push(`${curve.name}: is over`); return; }
       this.marks[n].setAttribute("cx", x);
       this.marks[n].setAttribute("cy", this.y(force));
-      told.push(`${curve.name}: ${Number(force.toPrecision(4))} N`);
+      told.push(`${curve.name}: ${Number(force.toPrecision(4))} ${this.unit}`);
     });
     const text = [`${time.toPrecision(5)} s`, ...told].join(" · ");
     this.clock.textContent = text;

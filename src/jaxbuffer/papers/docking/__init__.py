@@ -6,6 +6,8 @@ Its figures are lost and its text prints no force, so its statements are all the
 from ..study import Paper, Part
 from .claims import CLAIMS
 from .figures import figure
+from .published import as_published
+from .readings import PART as READINGS
 from .rows import COLUMNS, SHOWN, row
 from .studies import STUDIES
 
@@ -16,4 +18,5 @@ PAPER = Paper(
     "The paper's figures are lost and its text prints no force: its statements are all there is to compare with. "
     "Values its text leaves open are assumed, as said under each study.",
     (CAPTURES,),
+    (as_published(CAPTURES), READINGS),
 )

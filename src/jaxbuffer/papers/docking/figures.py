@@ -10,6 +10,7 @@ from ...mechanisms.history import History
 from ...output.style import drawing, line, panels
 from ...run.instants import at_times
 from ..study import Studied
+from .published import SUFFIX
 
 FORCE, TIME = "contact force [N]", "time [s]"
 DENSE = 400  # instants of a first impact
@@ -22,7 +23,7 @@ def figure(studied: Studied) -> Figure:
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)
         axes = grid.ravel()
-        _DRAW.get(studied.study.name, _captured)(studied, axes)
+        _DRAW.get(studied.study.name.removesuffix(SUFFIX), _captured)(studied, axes)
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
         return drawn
 

@@ -5,6 +5,7 @@ A module each for studies, rows, claims and figures of a mechanism; another mech
 """
 
 from ..study import Paper, Part
+from . import algorithm, element_studies
 from .bar_claims import CLAIMS
 from .bar_figures import figure
 from .bar_rows import COLUMNS, SHOWN, row
@@ -17,6 +18,18 @@ from .crank_rows import row as crank_row
 from .crank_studies import STUDIES as CRANK_STUDIES
 
 BAR = Part(STUDIES, COLUMNS, SHOWN, row, CLAIMS, figure)
+ALGORITHM = Part(
+    algorithm.STUDIES, algorithm.COLUMNS, algorithm.SHOWN, algorithm.row, algorithm.CLAIMS, algorithm.figure
+)
+ELEMENTS = Part(
+    element_studies.STUDIES,
+    element_studies.COLUMNS,
+    element_studies.SHOWN,
+    element_studies.row,
+    element_studies.CLAIMS,
+    element_studies.figure,
+    solve=element_studies.solve,
+)
 CRANK = Part(CRANK_STUDIES, CRANK_COLUMNS, CRANK_SHOWN, crank_row, CRANK_CLAIMS, crank_figure)
 PAPER = Paper(
     "impact",
@@ -25,5 +38,5 @@ PAPER = Paper(
     "prints, and its forces for the same data run from 205 to 915 N. Ours stand beside them; no agreement is claimed "
     "that is not there. Density (steel), supports and damping of the modes are assumed. Of the slider-crank no "
     "geometry is printed: what grows and what comes first can be compared, its numbers cannot.",
-    (BAR, CRANK),
+    (BAR, ALGORITHM, ELEMENTS, CRANK),
 )

@@ -1,14 +1,17 @@
 """One row of numbers a drop, and what a run at a fixed step would have seen of it."""
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from ...mechanisms.bar_drop.run import BarDropRun
 from ..study import Case, Row
+from .fixed_steps import components
 
 STEPS = (1e-3, 1e-4)  # s, the paper's two
 BEGINNINGS = 200  # of the grids that are tried
 WINDOW = 3.8e-3  # s from the first contact: the paper's detailed view, 0.1824 to 0.1862 s
-COUNTED = 0.01  # of the peak: a maximum of the force that counts as a harmonic
+APART = 1e-3  # m: above this gap the bar has left the plate, and the next touch is another impact
+COUNTED = 0.01  # of the peak: by which a maximum of the force must stand out to count as a harmonic
 COLUMNS = {
     "outcome": "",
     "contact_at": "s",
@@ -26,6 +29,9 @@ COLUMNS = {
     "plate_deflection": "m",
     "plate_share_at_peak": "-",
     "bar_deflection": "m",
+    "friction_force": "N",
+    "impact_lasts": "s",
+    "height_after": "m",
     "seen_at_1e-3": "N",
     "seen_at_1e-4": "N",
     "plate_modes": "-",
@@ -33,7 +39,16 @@ COLUMNS = {
 }
 SHOWN = (
     *("contact_at", "speed", "first_peak", "peak_force", "spring_peak", "damper_peak", "impacts", "harmonics"),
-    *("plate_deflection", "bar_deflection", "seen_at_1e-3", "seen_at_1e-4", "plate_modes", "bar_modes"),
+    *(
+        "plate_deflection",
+        "bar_deflection",
+        "friction_force",
+        "height_after",
+        "seen_at_1e-3",
+        "seen_at_1e-4",
+        "plate_modes",
+        "bar_modes",
+    ),
 )
 
 
@@ -50,6 +65,9 @@ def row(case: Case, run: BarDropRun) -> Row:
         f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(sampled_at(step, time, force))) for step in STEPS
     }
     stays = bool(np.isnan(hits.release_time[0]))
+    since, gap = time - float(hits.time[0]), np.asarray(history.gap)[:, 0]
+    touching, above = (since >= 0.0) & (gap <= 0.0), (since >= 0.0) & (gap > APART)
+    left = since[above][0] if np.any(above) else np.inf
     return {
         "outcome": run.outcome.name,
         "contact_at": float(hits.time[0]),
@@ -62,11 +80,14 @@ def row(case: Case, run: BarDropRun) -> Row:
         "first_contact": (float(run.end_time) if stays else float(hits.release_time[0])) - float(hits.time[0]),
         "stays": int(stays),
         "impacts": int(run.impact_count),
-        "harmonics": harmonics(time - float(hits.time[0]), force),
+        "harmonics": harmonics(since, force),
         "penetration": deepest,
         "plate_deflection": bent,
         "plate_share_at_peak": at_peak,
         "bar_deflection": float(np.asarray(run.quantity("bar_deflection"))),
+        "friction_force": float(np.abs(np.asarray(history.friction_force)).max()),
+        "impact_lasts": float(since[touching & (since < left)][-1]),
+        "height_after": float(gap[since >= 0.0].max(initial=0.0)),
         **medians,
         "plate_modes": design.plate.modes,
         "bar_modes": design.bar.modes,
@@ -75,11 +96,10 @@ def row(case: Case, run: BarDropRun) -> Row:
 
 def damper_peak(run: BarDropRun) -> float:
     """The largest of c STEP(δ) δ̇ [N]."""
-    history, impact = run.history, run.design.impact
+    history = run.history
     assert history is not None
-    depth, speed = np.asarray(history.penetration), np.asarray(history.approach_speed)[:, 0]
-    share = np.clip(depth / float(impact.ramp_depth), 0.0, 1.0)
-    return float(np.max(float(impact.damping) * share**2 * (3.0 - 2.0 * share) * speed, initial=0.0))
+    _, damper = components(run.design, np.asarray(history.penetration), np.asarray(history.approach_speed)[:, 0])
+    return float(damper.max(initial=0.0))
 
 
 def sampled_at(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
@@ -92,5 +112,4 @@ def harmonics(since: np.ndarray, force: np.ndarray) -> int:
     """How many maxima the force has in the paper's detailed view. ``since``: the time from the first contact [s]."""
     inside = (since >= 0.0) & (since < WINDOW)
     padded = np.concatenate([[0.0], force[inside], [0.0]])
-    higher = (padded[1:-1] > padded[:-2]) & (padded[1:-1] >= padded[2:]) & (padded[1:-1] > COUNTED * force.max())
-    return int(np.sum(higher))
+    return len(find_peaks(padded, prominence=COUNTED * force.max())[0])

@@ -8,7 +8,7 @@ from ..._types import Figure
 from ...mechanisms.slider_crank import journal_path
 from ...output.style import COLOURS, drawing, label, panels
 from ..study import Studied
-from .crank_rows import STARTED, components, torque_of
+from .crank_rows import STARTED, components, end_off, torque_of
 
 START = 4.0  # times what the torque takes to a tenth: the view of the start
 DETAIL = 0.1  # s: the first impacts
@@ -19,7 +19,7 @@ def figure(studied: Studied) -> Figure:
     """The study's figure."""
     bends = any(run.design.rod.modes for run in studied.captures)
     with drawing():
-        drawn, grid = panels(10.0, 9.0, 3, 2)
+        drawn, grid = panels(10.0, 15.0, 5, 2) if bends else panels(10.0, 9.0, 3, 2)
         for number, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
             _one(grid, case.label, COLOURS[number], run, bends)
         longest = max(float(row["start_takes"]) for row in studied.rows)
@@ -33,6 +33,7 @@ def figure(studied: Studied) -> Figure:
             (grid[2, 1], "Deflection of the rod's middle", TIME, "deflection [µm]")
             if bends
             else (grid[2, 1], "Speed of the crank", TIME, "speed [rad/s]"),
+            *(_end_panels(grid) if bends else ()),
         ):
             label(axes, title, x, y, legend=axes is grid[0, 0])
         if "k = " in studied.study.cases[0].label:
@@ -43,6 +44,16 @@ def figure(studied: Studied) -> Figure:
         grid[2, 0].set_aspect("equal")
         drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
         return drawn
+
+
+def _end_panels(grid: Any) -> tuple[tuple[Any, str, str, str], ...]:
+    """Axes, title and labels of what the paper shows of the end of a rod that bends, and of its crank."""
+    return (
+        (grid[3, 0], "Speed of the crank (fig. 36)", TIME, "speed [rad/s]"),
+        (grid[3, 1], "Rod's end off the line of its mean rotation (fig. 37)", TIME, "across the rod [µm]"),
+        (grid[4, 0], "Rod's end across the slider's line (fig. 38)", TIME, "displacement [mm]"),
+        (grid[4, 1], "Its speed (fig. 38)", TIME, "speed [m/s]"),
+    )
 
 
 def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
@@ -56,7 +67,11 @@ def _one(grid: Any, name: str, colour: str, run: Any, bends: bool) -> None:
     grid[1, 0].plot(time, across, **drawn)
     grid[1, 1].plot(time, along, **drawn)
     grid[2, 0].plot(*path[early].T, **drawn)
+    (grid[3, 0] if bends else grid[2, 1]).plot(time, np.asarray(history.velocity)[:, 0, 2], **drawn)
     if not bends:
-        grid[2, 1].plot(time, np.asarray(history.velocity)[:, 0, 2], **drawn)
-    elif run.design.rod.modes:
+        return
+    if run.design.rod.modes:
         grid[2, 1].plot(time, 1e6 * np.asarray(history.rod_deflection), **drawn)
+        grid[3, 1].plot(time, 1e6 * end_off(run), **drawn)
+    grid[4, 0].plot(time, -path[:, 1], **drawn)  # the path is of the slider, seen from the rod's end
+    grid[4, 1].plot(time, np.asarray(history.approach_speed)[:, 2], **drawn)  # towards the side above

@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from ...mechanisms.run import Run
+from ...mechanisms.slider_crank import journal_path
 from ...mechanisms.slider_crank.design import Rod
 from ...multibody.flexible import free_bar
-from ..study import Case, Row
+from ..study import NONE, Case, Row
 
 STARTED = 1e-2  # s: from here on the start is over
-NONE = "none"  # of a turn that is not completed
 TENTH = 0.1  # of the torque at the start
 COLUMNS = {
     "outcome": "",
@@ -25,6 +25,8 @@ COLUMNS = {
     "across": "N",
     "along": "N",
     "across_second_turn": "N",
+    "swing_first_turn": "N m",
+    "swing_second_turn": "N m",
     "impacts": "-",
     "depth": "m",
     "touching_share": "-",
@@ -49,8 +51,8 @@ def row(case: Case, run: Run) -> Row:
     low = np.flatnonzero(np.abs(torque) < TENTH * abs(torque[0]))
     return {
         "outcome": run.outcome.name,
-        "first_turn": known(turns[0]),
-        "second_turn": known(turns[1] - turns[0]),
+        "first_turn": turns[0],
+        "second_turn": turns[1] - turns[0],
         "torque_at_start": float(torque[0]),
         "start_takes": float(time[low[0]]) if len(low) else math.nan,
         "first_impact": float(run.impacts.time[0]),
@@ -59,6 +61,8 @@ def row(case: Case, run: Run) -> Row:
         "across": float(across.max()),
         "along": float(along.max()),
         "across_second_turn": float(across[later].max()) if np.any(later) else NONE,
+        "swing_first_turn": float(np.abs(torque[(time >= STARTED) & ~later]).max()),
+        "swing_second_turn": float(np.abs(torque[later]).max()) if np.any(later) else NONE,
         "impacts": int(run.impact_count),
         "depth": float(run.maxima["penetration"]),
         "touching_share": float(run.quantity("contact_share")),
@@ -67,11 +71,6 @@ def row(case: Case, run: Run) -> Row:
         "rod_modes": run.design.rod.modes,
         **frequencies(run.design.rod),
     }
-
-
-def known(time: float) -> float | str:
-    """A time [s], or `NONE`."""
-    return NONE if math.isnan(time) else time
 
 
 def frequencies(rod: Rod) -> Row:
@@ -94,6 +93,17 @@ def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray,
     assert history is not None
     right, left, above, below = np.asarray(history.contact_force).T
     return np.abs(right - left), np.abs(above - below)
+
+
+def end_off(run: Run) -> Float[np.ndarray, " steps"]:
+    """How far the end of a rod that bends, at the piston pin, is across its mean rotation [m], which modes of a free
+    bar have as their axis."""
+    history = run.history
+    assert history is not None
+    place, angle = np.asarray(history.position), np.asarray(history.position)[:, 1, 2]
+    # by components the path is the slider's, seen from the rod's end
+    off = place[:, 2, :2] - journal_path(run) - place[:, 1, :2]
+    return np.cos(angle) * off[:, 1] - np.sin(angle) * off[:, 0]
 
 
 def turn_times(time: Float[np.ndarray, " steps"], angle: Float[np.ndarray, " steps"]) -> tuple[float, float]:

@@ -1,0 +1,39 @@
+"""The energy of relative motion: kinetic energy beyond that of the whole moving as one rigid body (M177).
+
+With what springs and contacts store it is what buffer, contact and latch have to take before the vehicles are at rest
+together.
+"""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..._types import Scalar, stacked
+from ...multibody import Kinematics, System
+
+
+def rigid_energy(system: System, kin: Kinematics, spin_inertia: Scalar = 0.0, spin: Scalar = 0.0) -> Scalar:
+    """Return ½ P²/M + ½ H²/J [J]: the energy of the whole as one rigid body that has its momenta.
+
+    Mass, centre of mass and inertia are read off the momenta of rigid motions, so that bodies may be flexible.
+
+    **Arguments:** ``spin_inertia`` [kg m²] and ``spin`` [rad/s]: of a tip that turns by itself.
+    """
+    linear = system.linear_momentum(kin)
+    angular = system.angular_momentum(kin) + spin_inertia * spin
+    turning = system.kinematics(kin.q, _turning(system, kin))
+    arm = system.linear_momentum(turning)  # M times (-Y, X), of the centre of mass
+    inertia = system.angular_momentum(turning) + spin_inertia  # about the origin
+    mass = sum((body.mass for body in system.bodies), start=jnp.zeros(()))
+    centre_x, centre_y = arm[1] / mass, -arm[0] / mass
+    angular = angular - (centre_x * linear[1] - centre_y * linear[0])
+    inertia = inertia - mass * (centre_x**2 + centre_y**2)
+    return 0.5 * jnp.sum(linear**2) / mass + 0.5 * angular**2 / inertia
+
+
+def _turning(system: System, kin: Kinematics) -> Float[Array, " coordinates"]:
+    """The velocities of a turn of the whole about the origin, at 1 rad/s."""
+    entries: list[Scalar] = []
+    for body in range(len(system.bodies)):
+        origin = kin.frame(body).origin
+        entries += [-origin.y, origin.x, 1.0]
+    return stacked([*entries, *[0.0] * (system.coordinates - len(entries))])

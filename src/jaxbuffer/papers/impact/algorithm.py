@@ -1,0 +1,169 @@
+"""Algorithm 1 of the paper: the two components of IMPACT at instants 1e-4 s apart, beside all of the force."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..._types import Figure
+from ...fields import replace
+from ...mechanisms.bar_drop import BarDrop, BarDropScenario
+from ...output.style import BLUE, COLOURS, ORANGE, drawing, label, panels
+from ..study import Case, Claim, Row, Rows, Studied, Study, Verdict, near, verdict
+from .bar_figures import OFFSETS
+from .fixed_steps import components, peaks
+
+INSTANTS = np.arange(0.0, 0.6, 1e-4)  # s, the algorithm's
+STEPS = {"1e-3": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6}  # s: the paper's two, and one that resolves the contact
+OF_GRIDS: dict[str, Any] = {"": np.median, "_least": np.min, "_most": np.max}
+PRINTED = {"1e-3": 205.0, "1e-4": 250.0}  # N, by steps of these lengths
+SPEED = 1.325  # m/s, the printed one, in the figure of the damper
+SPRING, DAMPER = range(2)
+NAMES = ("peak_force", "spring", "spring_seen", "damper", "damper_seen", "damper_as_printed")
+COLUMNS = dict.fromkeys((*NAMES, *(f"bdf_{step}{which}" for step in STEPS for which in OF_GRIDS)), "N")
+SHOWN = tuple(COLUMNS)
+STUDIES = (
+    Study(
+        "algorithm",
+        "3-10",
+        "IMPACT by components, and what Algorithm 1 sees of them",
+        "damping c [N s/mm]",
+        "y₁ is the height of the plate above the datum, so that the bar falls by 194 mm less y₁; the algorithm is "
+        "given the motion of the rigid bar; bdf: backward differences of order 2",
+        tuple(
+            Case(
+                f"c = {c:g}, y₁ = {y1:g} mm",
+                c,
+                replace(BarDrop(), {"impact.damping": 1e3 * c}),
+                BarDropScenario(height=0.194 - 1e-3 * y1),
+                {"duration": 0.6, "rtol": 1e-8},
+            )
+            for c, y1 in ((1.0, 0.8), (6.0, 0.897))
+        ),
+    ),
+)
+
+
+def row(case: Case, run: Any) -> Row:
+    """What there is, what the algorithm's instants meet, and what backward differences at fixed steps compute."""
+    whole, seen = _components(run), _components(run, INSTANTS)
+    printed = _components(run, printed=True)[DAMPER]
+    forces = float(run.peak_force), *(float(x.max()) for pair in zip(whole, seen, strict=True) for x in pair)
+    return {
+        "outcome": run.outcome.name,
+        **dict(zip(NAMES, (*forces, float(printed.max())), strict=True)),
+        **{
+            f"bdf_{step}{which}": float(of(_peaks(case.value, step)))
+            for step in STEPS
+            for which, of in OF_GRIDS.items()
+        },
+    }
+
+
+@cache
+def _peaks(damping: float, step: str) -> Any:
+    """`peaks` of the study's case with a damping [N s/mm]."""
+    (case,) = (case for case in STUDIES[0].cases if case.value == damping)
+    return peaks(case.design, case.scenario, STEPS[step])
+
+
+def _components(run: Any, at: Any = None, printed: bool = False) -> tuple[Any, Any]:
+    """F₁ and F₂ of a run [N], at the steps of its history or at other times [s]."""
+    history = run.history
+    time, depth = np.asarray(history.time), -np.asarray(history.gap)[:, 0]
+    at = time if at is None else at
+    closing = np.interp(at, time, np.asarray(history.approach_speed)[:, 0])
+    return components(run.design, np.interp(at, time, depth), closing, printed)
+
+
+def figure(studied: Studied) -> Figure:
+    """The components over depth and over time, and the largest forces of fixed steps."""
+    with drawing():
+        drawn, grid = panels(10.0, 14.0, 5, 2)
+        _over_depth(grid, studied.study.cases[0].design)
+        for column, (case, run) in enumerate(zip(studied.study.cases, studied.captures, strict=True)):
+            _over_time(grid[2, column], run, SPRING, f"Spring F₁, {case.label} (fig. {7 + 2 * column})")
+            _over_time(grid[3, column], run, DAMPER, f"Damper F₂, {case.label} (fig. {8 + 2 * column})")
+            axes = grid[4, column]
+            for step, colour in zip(STEPS, COLOURS, strict=False):
+                forces = np.sort(_peaks(case.value, step))
+                axes.semilogy(np.linspace(0.0, 1.0, len(forces)), forces, color=colour, label=f"steps of {step} s")
+            axes.set_ylim(top=4.0 * axes.get_ylim()[1])  # room for the legend
+            label(axes, f"By backward differences, {case.label}", OFFSETS, "largest force [N]", legend=False)
+            axes.legend(loc="upper left", ncols=3)
+        drawn.suptitle(f"{studied.study.title} (the paper's fig. {studied.study.figures})")
+        return drawn
+
+
+def _over_depth(grid: Any, design: BarDrop) -> None:
+    """Figures 3 to 6."""
+    depth = np.linspace(-0.01, 0.03, 801)  # mm
+    for printed, name, colour in ((False, "c STEP, 0 at the touch", BLUE), (True, "as printed, a = c", ORANGE)):
+        _, damper = components(design, 1e-3 * depth, 1.0, printed)
+        grid[0, 0].plot(depth, 1e-3 * damper, color=colour, label=name)
+        grid[1, 0].plot(depth, SPEED * damper, color=colour, label=name)
+    grid[0, 1].plot(10.0 * depth, components(design, 1e-2 * depth, 0.0)[SPRING])
+    part = np.linspace(-1.0, 2.0, 301)
+    grid[1, 1].plot(3.0 + part, np.clip(part, 0.0, 1.0) ** 2 * (3.0 - 2.0 * np.clip(part, 0.0, 1.0)))
+    label(grid[0, 0], "Damping over depth (fig. 3)", "depth [mm]", "damping [N s/mm]")
+    label(grid[0, 1], "Spring force over depth (fig. 4)", "depth [mm]", "force [N]", legend=False)
+    label(grid[1, 0], f"Damping force over depth at {SPEED} m/s (fig. 5)", "depth [mm]", "force [N]")
+    label(grid[1, 1], "STEP(x, 3, 0, 4, 1) (fig. 6)", "x [-]", "STEP [-]", legend=False)
+
+
+def _over_time(axes: Any, run: Any, which: int, title: str) -> None:
+    """One component over 0.6 s, its first contact larger, and the algorithm's instants as dots."""
+    time, first = np.asarray(run.history.time), float(run.impacts.time[0])
+    closer = axes.inset_axes((0.5, 0.38, 0.45, 0.55))
+    closer.set_xlabel("time from the first contact [ms]", fontsize=7)
+    closer.tick_params(labelsize=7)
+    for place, begin, many in ((axes, 0.0, 1.0), (closer, first, 1e3)):
+        place.plot(many * (time - begin), _components(run)[which], color=BLUE, linewidth=0.9, label="computed")
+        at = many * (INSTANTS - begin)
+        place.plot(at, _components(run, INSTANTS)[which], ".", color=ORANGE, markersize=3, label="Algorithm 1")
+    closer.set_xlim(-0.05, 0.35)
+    label(axes, title, "time [s]", "force [N]", legend=False)
+    axes.legend(loc="upper left")
+
+
+def _seen(rows: Rows) -> Verdict:
+    names = ("spring_seen", "spring", "damper_seen", "damper")
+    pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
+    said = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
+    found = [number for numbers in pairs for number in numbers[::2]]
+    said = (
+        f"c = 1 and 6: {said}. It is given the motion, so that its force stops nothing, and its instants pass over a "
+        "damper that acts for some 10 µs"
+    )
+    return Verdict(said, verdict([near(a, b) for a, b in zip(found, (250, 3e3, 450, 5e4), strict=True)]))
+
+
+def _printed_step(rows: Rows) -> Verdict:
+    printed, right = (float(rows["algorithm"][0][name]) for name in ("damper_as_printed", "damper"))
+    said = (
+        "with the printed a = c damping is 2 c at the touch and falls to c at the depth d, a force that jumps; a = -c "
+        f"is meant. F₂ of the same motion: {printed:.4g} N against {right:.4g} N"
+    )
+    return Verdict(said, verdict([near(printed, right)]))
+
+
+def _fixed(rows: Rows) -> Verdict:
+    parts, fine, within = [], [], []
+    for row, step in zip(rows["algorithm"], ("1e-3", "1e-4"), strict=True):
+        low, high = (float(row[f"bdf_1e-4_{end}"]) for end in ("least", "most"))
+        middle, right = float(row[f"bdf_{step}"]), float(row["peak_force"])
+        parts.append(
+            f"{right:.4g} N; {middle:.3g} N by steps of {step} s, {low:.3g} to {high:.3g} N by steps of 1e-4 s"
+        )
+        fine.append(near(middle, right))
+        within.append(f"{PRINTED[step]} N {'is' if low <= PRINTED[step] <= high else 'is not'}")
+    said = f"c = 1: {parts[0]}; c = 6: {parts[1]}, by where the steps begin. Of the printed forces "
+    said += f"{' and '.join(within)} in the band of 1e-4 s"
+    return Verdict(said, verdict(fine))
+
+
+CLAIMS = (
+    Claim("Algorithm 1 gives 250 and 3000 N for c = 1, 450 and 5e4 N for c = 6", "2.1, fig. 7-10", _seen),
+    Claim("STEP rises from 0 at the touch to c (with a = c, eq. 24)", "2.1, fig. 3, 5", _printed_step),
+    Claim("Steps of 1e-3 s (c = 1) and 1e-4 s (c = 6) show the force", "2.2, fig. 12, 17", _fixed),
+)

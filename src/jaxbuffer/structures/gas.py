@@ -1,0 +1,44 @@
+"""Air that is shut in above a liquid: a uniform pressure by the volume that is left to it."""
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._types import Scalar
+from .boundary import boundary_areas, enclosed
+from .incidence import added_at
+
+EXPONENT = 1.4  # of air without time to exchange heat
+
+
+class Gas(eqx.Module):
+    """A gas that presses on a whole wall, at once on its dry part and through a liquid that it cannot compress.
+
+    - ``wall``: (nodes,) that enclose gas and liquid, as of `enclosed`.
+    - ``volume``: of the gas at the start, ``whole``: of gas and liquid then [m²].
+    - ``pressure``: absolute, at the start [Pa]; outside it is the same always.
+    """
+
+    wall: np.ndarray
+    volume: Float[Array, ""]
+    whole: Float[Array, ""]
+    pressure: Scalar
+
+    def share(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
+        """V/V0, of the volume at the start [-]."""
+        return 1.0 + (enclosed(positions[self.wall]) - self.whole) / self.volume
+
+    def overpressure(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
+        """Of the gas over the outside [Pa]: p0 ((V0/V)^γ - 1)."""
+        return self.pressure * (self.share(positions) ** -EXPONENT - 1.0)
+
+    def push(self, positions: Float[Array, "nodes 2"]) -> Float[Array, "nodes 2"]:
+        """What it does to the nodes [N]."""
+        forces = self.overpressure(positions) * boundary_areas(positions[self.wall])
+        return added_at(self.wall, forces, len(positions))
+
+    def energy(self, positions: Float[Array, "nodes 2"]) -> Float[Array, ""]:
+        """Stored in it, less what the outside has done [J]: the integral of -(p - p0) dV."""
+        share = self.share(positions)
+        stored = (share ** (1.0 - EXPONENT) - 1.0) / (EXPONENT - 1.0) + share - 1.0
+        return self.pressure * self.volume * stored

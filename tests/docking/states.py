@@ -1,0 +1,92 @@
+"""Docking mechanisms at an instant, without a run, and what they conserve there."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxbuffer import Scenario, replace, table2
+from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+
+LATCH = {
+    "latch.stiffness": 2e4,
+    "latch.damping": 100.0,
+    "latch.preload": 3.0,
+    "latch.turn_stiffness": 50.0,
+    "latch.turn_damping": 2.0,
+}
+REAL_BUFFER = {
+    "buffer.preload": 1.5,
+    "buffer.c_A2": 20.0,
+    "buffer.rebound_factor": 3.0,
+    "buffer.friction": 0.2,
+    "buffer.rebound_stiffness": 2e4,
+    "buffer.rebound_damping": 20.0,
+}
+CURVES = {
+    "buffer.spring_curve": [[0.005, 2.0], [0.01, 6.0], [0.02, 20.0]],
+    "buffer.damper_curve": [[0.02, 0.2], [0.05, 0.4], [0.2, 0.9]],
+}
+
+
+class Instant(NamedTuple):
+    """A mechanism in a state with its closed contacts, 1 and 0."""
+
+    mechanism: CaptureMechanism
+    state: jax.Array
+    active: jax.Array
+
+    @property
+    def posture(self):
+        return self.mechanism.posture(self.state)
+
+    @property
+    def rate(self):
+        return self.mechanism.derivative(0.0, self.state, self.active)
+
+    def momentum_rates(self):
+        """Rates of linear and angular momentum less what a thrust puts in, [N] and [N m]."""
+        return jax.jvp(self.mechanism.momentum, (self.state,), (self.rate,))[1]
+
+    def energy_rate(self):
+        """Rate of everything stored and lost less what is put in [W], and the largest of these flows."""
+        energy_at = lambda state: self.mechanism.energy_at(self.mechanism.posture(state), self.active)  # noqa: E731
+        flows = jax.tree.leaves(jax.jvp(energy_at, (self.state,), (self.rate,))[1])
+        return float(sum(flows)), max(abs(float(flow)) for flow in flows)
+
+
+def mechanism(values=None, **scenario):
+    """Table 2 with other ``values`` by path."""
+    return CaptureMechanism(replace(table2(), values or {}), Scenario(**scenario))
+
+
+def moving(assembled, stroke=0.004, stroke_rate=-0.06, ahead=0.0005, closed=(), **extras):
+    """The mechanism in a state in which everything moves, on its constraints: the tip has crossed the capture plane by
+    ``ahead`` [m], off the axis, the stroke is as given; ``closed``: names of closed contacts; ``extras`` by name."""
+    cylinder, probe = assembled.design.buffer, assembled.probe
+    turned, spin = 0.03, 0.2  # of cylinder and probe
+    along, across = np.array([np.cos(turned), np.sin(turned)]), np.array([-np.sin(turned), np.cos(turned)])
+    half, a = cylinder.cylinder_length / 2, assembled.design.active.hinge_offset
+    hinge, hinge_velocity = np.array([-0.4, 0.01]), np.array([0.11, -0.02])
+    s_angle, s_spin = -0.02, -0.1
+    s_along, s_across = np.array([np.cos(s_angle), np.sin(s_angle)]), np.array([-np.sin(s_angle), np.cos(s_angle)])
+    s, s_velocity = hinge - a * s_along, hinge_velocity - a * s_spin * s_across
+    b, b_velocity = hinge - half * along, hinge_velocity - half * spin * across
+    reach = -half + cylinder.free_length - stroke + probe.rear  # of the probe's centre of mass before the cylinder's
+    p, p_velocity = b + reach * along, b_velocity + reach * spin * across - stroke_rate * along
+    tip = p + probe.front * along
+    t_angle, t_spin = 0.05, -0.3
+    turn = np.array([[np.cos(t_angle), -np.sin(t_angle)], [np.sin(t_angle), np.cos(t_angle)]])
+    plane = -assembled.design.cone.offset - assembled.design.probe.tip_radius * np.sin(np.pi / 4)
+    t = tip - turn @ np.array([plane + ahead, 0.0007])
+    q = [*s, s_angle, *b, turned, *p, turned, *t, t_angle]
+    v = [*s_velocity, s_spin, *b_velocity, spin, *p_velocity, spin, 0.01, 0.02, t_spin]
+    rest = np.zeros(assembled.spins + len(assembled.loss_names) + len(assembled.extra_names))
+    if assembled.spins:
+        rest[0] = 0.7
+    state = jnp.asarray([*q, *v, *rest, 0.1, 0.1])
+    for name, value in extras.items():
+        state = assembled.with_extra(state, name, value)
+    active = jnp.asarray([float(name in closed) for name in assembled.contact_names])
+    return Instant(assembled, state, active)

@@ -1,0 +1,112 @@
+"""The real buffer's forces, energies and losses by its formulas, and what it conserves."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from scipy.interpolate import PchipInterpolator
+
+from docking.states import CURVES, REAL_BUFFER, mechanism, moving
+from jaxbuffer import InputError, replace, table2
+from jaxbuffer.mechanisms.probe_cone.buffer_force import BufferForce
+
+STROKES = (-0.003, -2e-5, 0.0, 1e-5, 3e-4, 0.004, 0.025)
+SPEEDS = (-0.3, -0.02, -4e-4, 0.0, 4e-4, 0.02, 0.3)
+CURVE = PchipInterpolator([0.0, 0.005, 0.01, 0.02], [0.0, 2.0, 6.0, 20.0])
+DAMPER = PchipInterpolator([0.0, 0.02, 0.05, 0.2], [0.0, 0.2, 0.4, 0.9])
+
+
+def straight(curve, at):
+    """SciPy's curve, straight before and after its points."""
+    first, last = curve.x[0], curve.x[-1]
+    inside = np.clip(at, first, last)
+    return curve(inside) + curve.derivative()(inside) * (at - inside)
+
+
+def spring(stroke, curve=False):
+    force = straight(CURVE, stroke) if curve else 500.0 * stroke
+    return force + 1.5 * stroke / np.sqrt(stroke**2 + 1e-4**2)
+
+
+def damper(speed, curve=False):
+    size = abs(speed)
+    force = straight(DAMPER, size) if curve else 5.0 * size + 20.0 * size**2
+    return np.sign(speed) * force * (3.0 if speed < 0.0 else 1.0)
+
+
+def element(curves=False):
+    values = {name: value for name, value in REAL_BUFFER.items() if not (curves and name == "buffer.c_A2")}
+    found = mechanism(values | (CURVES if curves else {})).axial
+    assert isinstance(found, BufferForce)
+    return found
+
+
+@pytest.mark.parametrize("curves", [False, True], ids=["numbers", "curves"])
+def test_forces_are_those_of_the_formulas(curves):
+    buffer = element(curves)
+    for stroke in STROKES:
+        assert_allclose(buffer.spring_force(stroke), spring(stroke, curves), rtol=1e-13, atol=1e-15)
+    for speed in SPEEDS:
+        assert_allclose(buffer.damper_force(speed), damper(speed, curves), rtol=1e-13, atol=1e-15)
+        assert_allclose(buffer.friction_force(speed), 0.2 * np.tanh(speed / 1e-3), rtol=1e-13)
+
+
+@pytest.mark.parametrize("curves", [False, True], ids=["numbers", "curves"])
+def test_the_springs_energy_is_the_integral_of_its_force(curves):
+    buffer = element(curves)
+    for stroke in STROKES:
+        points = [0.0, *(p for p in (0.005, 0.01, 0.02) if p < stroke)]
+        whole = sum(
+            quad(spring, a, b, (curves,), epsabs=1e-15)[0] for a, b in zip(points, [*points[1:], stroke], strict=True)
+        )
+        assert_allclose(buffer.spring_energy(stroke), whole, rtol=1e-9, atol=1e-14)
+
+
+def test_each_number_by_itself():
+    assert_allclose(mechanism({"buffer.preload": 2.0}).axial.spring_force(3e-4), 0.15 + 2.0 * 3.0 / np.sqrt(10.0))
+    assert_allclose(mechanism({"buffer.c_A2": 10.0}).axial.damper_force(-0.2), -1.4)
+    assert_allclose(mechanism({"buffer.rebound_factor": 4.0}).axial.damper_force(-0.2), -4.0)
+    assert_allclose(mechanism({"buffer.rebound_factor": 4.0}).axial.damper_force(0.2), 1.0)
+    assert_allclose(mechanism({"buffer.friction": 0.3}).axial.friction_force(1e-3), 0.3 * np.tanh(1.0))
+
+
+def test_without_them_it_is_the_papers_spring_and_damper():
+    assert not isinstance(mechanism().axial, BufferForce)
+    assert mechanism().contact_names == ("lower", "upper")
+
+
+@pytest.mark.parametrize("stroke_rate", [-0.06, 0.06], ids=["out", "in"])
+@pytest.mark.parametrize("values", [REAL_BUFFER, CURVES], ids=["numbers", "curves"])
+def test_it_acts_between_cylinder_and_probe_and_its_losses_are_its_powers(values, stroke_rate):
+    instant = moving(mechanism(values), stroke=0.004, stroke_rate=stroke_rate)
+    axial, kin = instant.mechanism.axial, instant.posture.kin
+    stroke, speed = axial.stroke(kin)
+    assert_allclose([stroke, speed], [0.004, stroke_rate], rtol=1e-12)
+    dissipative = axial.damper_force(speed) + axial.friction_force(speed)
+    assert_allclose(axial.tension(kin), -(axial.spring_force(stroke) + dissipative), rtol=1e-12)
+    assert_allclose(axial.dissipation(kin), dissipative * speed, rtol=1e-12)
+    linear, angular = instant.momentum_rates()
+    assert_allclose([*linear, angular], 0.0, atol=1e-10)
+    rest, flow = instant.energy_rate()
+    assert flow > 1e-3
+    assert abs(rest) < 1e-12 * flow
+
+
+def test_the_rebound_stop_pulls_in_beyond_its_gap():
+    assembled = mechanism(REAL_BUFFER)
+    beyond = moving(assembled, stroke=-0.0015, stroke_rate=-0.03, closed=("rebound",))
+    force = 2e4 * (0.0015 - 5e-4) + 20.0 * 0.03
+    assert_allclose(assembled.rebound_force(beyond.posture, beyond.active), force, rtol=1e-10)
+    assert_allclose(assembled.stored(beyond.posture, beyond.active)["rebound"], 0.5 * 2e4 * 1e-3**2, rtol=1e-9)
+    rest, flow = beyond.energy_rate()
+    assert abs(rest) < 1e-12 * flow
+    returning = moving(assembled, stroke=-0.0006, stroke_rate=0.3, closed=("rebound",))  # c ṡ is more than k (s + g)
+    assert float(assembled.rebound_force(returning.posture, returning.active)) == 0.0
+    within = moving(assembled, stroke=-0.0004)
+    gap, closing = assembled.gaps_at(within.posture)
+    assert_allclose([gap[2], closing[2]], [1e-4, 0.06], rtol=1e-9)
+
+
+def test_a_curve_and_the_number_it_stands_for_are_given_together():
+    with pytest.raises(InputError, match=r"buffer.spring_curve and buffer.k_A are given together"):
+        replace(table2(), {**CURVES, "buffer.k_A": 400.0})

@@ -1,0 +1,76 @@
+"""Where everything is, and how it moves, at a free start: section "start" of the model, in plain trigonometry."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from docking.states import LATCH, mechanism
+from jaxbuffer.mechanisms.probe_cone.system import SLOWEST_TOUCHDOWN
+
+FREE = {
+    "start": "free",
+    "offset": 0.02,
+    "standoff": 0.01,
+    "lateral_speed": 0.013,
+    "active_angle": 0.05,
+    "active_rate": -0.02,
+    "misalignment": -0.03,
+    "passive_rate": 0.005,
+}
+
+
+@pytest.mark.parametrize("free_tip", [False, True], ids=["welded tip", "free tip"])
+def test_positions_and_velocities(free_tip):
+    assembled = mechanism({"probe.free_tip": free_tip}, **FREE)
+    state, active = assembled.start()
+    q, v = np.asarray(state[:12]).reshape(4, 3), np.asarray(state[12:24]).reshape(4, 3)
+    # The tip's centre in the axes of T: its radius before the mouth, by the standoff before that.
+    local = np.array([-0.096 - 0.0735 * np.sqrt(0.5) - 0.015 - 0.01, 0.02])
+    cos, sin = np.cos(-0.03), np.sin(-0.03)
+    tip = np.array([[cos, -sin], [sin, cos]]) @ local
+    along, across = np.array([np.cos(0.05), np.sin(0.05)]), np.array([-np.sin(0.05), np.cos(0.05)])
+    probe = tip - assembled.probe.front * along
+    cylinder = probe - (assembled.probe.rear + 0.1365 - 0.1365 / 2) * along  # rear end, free spring, half the cylinder
+    active_vehicle = cylinder + (0.1365 / 2 - 0.1365) * along
+    assert_allclose(q[:, :2], [active_vehicle, cylinder, probe, [0.0, 0.0]], atol=1e-15)
+    assert_allclose(q[:, 2], [0.05, 0.05, 0.05, -0.03])
+    for body in range(3):  # turning about the centre of mass of S as one body
+        arm = np.dot(q[body, :2] - active_vehicle, along)
+        assert_allclose(v[body], [*(np.array([0.1, 0.013]) - 0.02 * arm * across), -0.02], atol=1e-16)
+    assert_allclose(v[3], [0.0, 0.0, 0.005])
+    if free_tip:
+        assert float(state[24]) == -0.02
+    assert_allclose(active, 0.0)
+    assert_allclose(assembled.memory(state), SLOWEST_TOUCHDOWN)
+
+
+def test_it_is_on_the_constraints_and_the_spring_at_rest():
+    assembled = mechanism(LATCH, **FREE)
+    at, _ = assembled.first_posture()
+    constraints = assembled.system.constraints(at.kin)
+    assert_allclose(constraints.phi, 0.0, atol=2e-16)
+    assert_allclose(np.asarray(constraints.jacobian) @ np.asarray(at.kin.v), 0.0, atol=1e-16)
+    assert_allclose([at.stroke, at.stroke_rate], 0.0, atol=1e-16)
+    assert np.all(np.asarray(at.approach.gap) > 0.0)
+
+
+def test_the_tip_stands_before_the_mouth_and_off_the_axis():
+    assembled = mechanism(start="free", offset=-0.03, standoff=0.02)
+    at, _ = assembled.first_posture()
+    assert_allclose(tuple(assembled.tip_in_cone(at)), [-0.096 - 0.0735 * np.sqrt(0.5) - 0.035, -0.03], rtol=1e-14)
+
+
+def test_the_first_energy_of_relative_motion_is_that_of_two_bodies():
+    """A straight approach off the axis: ½ m_1 m_2 v²/M less what turning as one rigid body takes, ½ H²/J."""
+    assembled = mechanism(LATCH, start="free", offset=0.02)
+    at, active = assembled.first_posture()
+    masses = np.asarray(assembled.system.masses()).reshape(4, 3)
+    q = np.asarray(at.kin.q).reshape(4, 3)
+    front, passive = masses[:3, 0].sum(), masses[3, 0]
+    whole = front + passive
+    centre = masses[:, 0] @ q[:, :2] / whole
+    inertia = masses[:, 2].sum() + masses[:, 0] @ np.sum((q[:, :2] - centre) ** 2, axis=1)
+    turning = 0.1 * -(masses[:3, 0] @ (q[:3, 1] - centre[1]))
+    expected = 0.5 * front * passive / whole * 0.1**2 - 0.5 * turning**2 / inertia
+    assert_allclose(assembled.relative_energy(at, active), expected, rtol=1e-12)
+    assert_allclose(assembled.extra(at.state, "first_energy"), expected, rtol=1e-12)

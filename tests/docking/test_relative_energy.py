@@ -1,0 +1,60 @@
+"""Energy of relative motion: of two bodies by hand, and none of any motion of the whole as one rigid body."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from docking.states import LATCH, mechanism, moving
+from jaxbuffer.mechanisms.probe_cone.relative_energy import rigid_energy
+from jaxbuffer.multibody import Body, System
+
+SPIN, DRIFT = 0.4, np.array([0.3, -0.2])  # rad/s, m/s
+
+
+def test_two_bodies_by_hand():
+    """2 kg at the origin and 3 kg at (1, 0), the latter moving across at 1 m/s: P²/2M = 0.9 J, H = 1.2 N m s about the
+    centre of mass, J = 1.2 + 0.5 kg m²."""
+    system = System((Body(2.0, 0.2), Body(3.0, 0.3)))
+    kin = system.kinematics(jnp.array([0.0, 0, 0, 1, 0, 0]), jnp.array([0.0, 0, 0, 0, 1, 0]))
+    assert_allclose(rigid_energy(system, kin), 0.9 + 0.5 * 1.2**2 / 1.7, rtol=1e-14)
+    assert_allclose(system.kinetic_energy(kin) - rigid_energy(system, kin), 0.6 - 0.72 / 1.7, rtol=1e-14)
+
+
+def test_where_the_origin_is_does_not_matter():
+    system = System((Body(2.0, 0.2), Body(3.0, 0.3)))
+    v = jnp.array([0.1, 0.3, -0.5, 0.7, -0.2, 0.9])
+    near = rigid_energy(system, system.kinematics(jnp.array([0.0, 0, 0, 1, 0, 0]), v))
+    far = rigid_energy(system, system.kinematics(jnp.array([5.0, -7, 0, 6, -7, 0]), v))
+    assert_allclose(near, far, rtol=1e-12)
+
+
+@pytest.mark.parametrize("free_tip", [False, True], ids=["welded tip", "free tip"])
+@pytest.mark.parametrize("closed", [(), ("latch",)], ids=["open", "latched"])
+def test_a_rigid_motion_of_the_whole_has_none(free_tip, closed):
+    """What is left is what the springs hold."""
+    assembled = mechanism(LATCH | {"probe.free_tip": free_tip})
+    instant = moving(assembled, stroke=0.003, closed=closed, since_crossing=0.007)
+    state = np.array(instant.state)
+    q = state[:12].reshape(4, 3)
+    v = np.column_stack([DRIFT[0] - SPIN * q[:, 1], DRIFT[1] + SPIN * q[:, 0], np.full(4, SPIN)])
+    state[12:24] = v.ravel()
+    if free_tip:
+        state[24] = SPIN
+    at = assembled.posture(jnp.asarray(state))
+    stored = assembled.stored(at, instant.active)
+    in_springs = sum(float(energy) for name, energy in stored.items() if name != "kinetic")
+    assert in_springs > 1e-3
+    assert_allclose(assembled.relative_energy(at, instant.active), in_springs, rtol=1e-12)
+
+
+def test_a_tip_that_turns_by_itself_has_some():
+    assembled = mechanism({"probe.free_tip": True})
+    instant = moving(assembled)
+    before = float(assembled.relative_energy(instant.posture, instant.active))
+    faster = instant.state.at[24].add(2.0)
+    after = float(assembled.relative_energy(assembled.posture(faster), instant.active))
+    inertia = float(assembled.probe.tip_inertia)
+    # ½ I_t ω² less its share of the rigid motion, which is of the order of I_t over the inertia of the whole.
+    assert_allclose(after - before, 0.5 * inertia * (2.7**2 - 0.7**2), rtol=0.6)
+    assert after > before

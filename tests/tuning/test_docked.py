@@ -1,0 +1,54 @@
+"""Tuning with a latch: until held, by the points of a measured curve."""
+
+import numpy as np
+import pytest
+
+from jaxbuffer import Limits, Objective, Problem, Scenario, Variable, replace, sensitivity, simulate, table2, tune
+
+FORCE = "buffer.spring_curve.force"
+LATCHED = {
+    "buffer.spring_curve": [[0.005, 2.0], [0.01, 6.0], [0.02, 14.0]],  # m, N
+    "latch.stiffness": 2e4,  # N/m
+    "latch.damping": 100.0,  # N s/m
+}
+
+
+@pytest.mark.slow
+def test_a_curve_is_tuned_until_the_vehicles_are_nearly_at_rest():
+    """Two free starts, either flank first; the energy left after 4 s falls, every limit holds, the curve rises."""
+    design = replace(table2(), LATCHED)
+    problem = Problem(
+        design,
+        [Scenario(start="free", offset=-0.005), Scenario(start="free", offset=0.005, approach_speed=0.12)],
+        [
+            Variable("buffer.c_A", 2.0, 30.0),
+            Variable(f"{FORCE}[1]", 3.0, 9.0),
+            Variable(f"{FORCE}[2]", 10.0, 25.0),
+        ],
+        Objective({"relative_energy": 1.0}),
+        Limits(at_most={"stroke": 0.025, "hinge_angle": np.radians(3.0), "peak_latch_force": 100.0}),
+        duration=4.0,
+    )
+    tuned = tune(problem, iterations=3, starts=1, searches=1)
+    column = problem.names.index("relative_energy")
+    before, after = (evaluation.quantities[:, column].max() for evaluation in (tuned.before, tuned.after))
+    assert after < 0.7 * before
+    assert not tuned.goal.broken(tuned.after)
+    forces = tuned.design.buffer.spring_curve.values
+    assert forces[0] == 2.0 and np.all(np.diff(forces) > 0.0)
+
+
+@pytest.mark.slow
+def test_derivatives_by_a_curves_points_are_those_of_differences():
+    """Central differences at rtol 1e-9, of the largest stroke and latch force."""
+    design, scenario = replace(table2(), LATCHED), Scenario(start="free", offset=-0.005)
+    names = ("stroke", "peak_latch_force")
+    found = sensitivity(design, scenario, (f"{FORCE}[1]",), 1.5, quantities=names, certify="none", rtol=1e-8)
+
+    def values(force):
+        run = simulate(replace(design, {f"{FORCE}[1]": force}), scenario, 1.5, rtol=1e-9)
+        return np.array([float(run.quantity(name)) for name in names])
+
+    step = 1e-3  # N
+    differences = (values(6.0 + step) - values(6.0 - step)) / (2.0 * step)
+    np.testing.assert_allclose(found.gradients[:, 0], differences, rtol=1e-3)

@@ -1,0 +1,118 @@
+"""Docking broken on purpose, and which checks ought to notice."""
+
+from .breakage import Breakage
+
+LATCH = "tests/docking/test_latch.py"
+REACTION = f"{LATCH}::test_it_acts_on_both_vehicles"
+SHARED = f"{LATCH}::test_force_and_moment_by_hand"
+CLOSING = f"{LATCH}::test_what_closing_puts_in_stands_in_the_ledger"
+FORMULAS = "tests/docking/test_buffer_force.py::test_forces_are_those_of_the_formulas"
+STRAIGHT = "tests/docking/test_curve.py::test_it_goes_on_straight_beyond_both_ends"
+TORN = "tests/docking/test_runs.py::test_how_a_run_ends[the strength is exceeded]"
+RIGID = "tests/docking/test_relative_energy.py::test_a_rigid_motion_of_the_whole_has_none"
+TWO_BODIES = "tests/docking/test_relative_energy.py::test_two_bodies_by_hand"
+THRUST = f"{LATCH}::test_a_thrusts_impulse_and_work_stand_in_the_ledgers"
+SWING = "tests/docking/test_oscillators.py::test_a_half_sine_in_any_direction_by_closed_form"
+PRINTED = "tests/verification/test_printed_forces.py::test_the_programs_published_forces_are_the_corrected_ones"
+
+
+def _one_body() -> None:
+    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce, P
+
+    loads = LatchForce.loads
+    LatchForce.loads = lambda self, at: tuple(load for load in loads(self, at) if load.body == P)
+
+
+def _closed_at_once() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce
+
+    LatchForce._share = lambda self, since: (jnp.ones(()), jnp.zeros(()))
+
+
+def _closing_unpaid() -> None:
+    from jaxbuffer.mechanisms.probe_cone.latch_force import LatchForce
+
+    LatchForce.closing_power = lambda self, at: 0.0 * at.share
+
+
+def _rebound_inwards() -> None:
+    from jaxbuffer.mechanisms.probe_cone.buffer_force import BufferForce
+
+    force = BufferForce.damper_force
+    BufferForce.damper_force = lambda self, speed: -force(self, -speed)
+
+
+def _along_the_spring() -> None:
+    from jaxbuffer.multibody import AxialSpringDamper
+
+    state = AxialSpringDamper.state
+
+    def along(self, kin):  # type: ignore[no-untyped-def]
+        axial = state(self, kin)
+        return axial._replace(separation_rate=axial.along * axial.rate)
+
+    AxialSpringDamper.state = along
+
+
+def _flat_curve() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.fields import MonotoneCubic
+
+    summed = MonotoneCubic._summed
+    MonotoneCubic._summed = lambda self, at: summed(self, jnp.clip(at, 0.0, self.places[-1]))
+
+
+def _untearable() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.mechanisms.probe_cone.outcome import Outcome
+    from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
+
+    terminals, torn = CaptureMechanism.terminals_at, Outcome.ends().index("torn")
+
+    def broken(self, at):
+        guards = terminals(self, at)
+        return jnp.where(jnp.arange(guards.shape[0]) == torn, -1.0, guards)
+
+    CaptureMechanism.terminals_at = broken
+
+
+def _turning_counts() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.mechanisms.probe_cone import posture, relative_energy
+
+    def broken(system, kin, spin_inertia=0.0, spin=0.0):
+        return 0.5 * jnp.sum(system.linear_momentum(kin) ** 2) / sum(body.mass for body in system.bodies)
+
+    relative_energy.rigid_energy = posture.rigid_energy = broken
+
+
+def _endless_thrust() -> None:
+    from jaxbuffer.mechanisms.probe_cone.thrust import Thrust
+
+    force = Thrust.force
+    Thrust.force = lambda self, kin, pushing: force(self, kin, 1.0)
+
+
+def _one_direction() -> None:
+    from jaxbuffer.mechanisms.probe_cone.oscillators import Oscillators
+
+    Oscillators.sizes = lambda self, kin, states: list(abs(self.acceleration(kin, states))[::2])
+
+
+DOCKING = (
+    Breakage("latch on one body", "the latches push the probe and not the cone", _one_body, (REACTION, CLOSING)),
+    Breakage("closed at once", "the share with which latches close forgotten", _closed_at_once, (SHARED, CLOSING)),
+    Breakage("closing for nothing", "the work of closing latches not booked", _closing_unpaid, (CLOSING,)),
+    Breakage("printed damper", "equation 10's damper damps the length alone", _along_the_spring, (PRINTED,)),
+    Breakage("rebound inwards", "the rebound factor on the way in", _rebound_inwards, (FORMULAS,)),
+    Breakage("flat curve", "a measured curve is constant beyond its last point", _flat_curve, (STRAIGHT,)),
+    Breakage("torn unseen", "latches hold whatever pulls at them", _untearable, (TORN,)),
+    Breakage("turning counts", "turning of the whole counts as relative motion", _turning_counts, (RIGID, TWO_BODIES)),
+    Breakage("shock along x", "the shock of equipment in one direction alone", _one_direction, (SWING,)),
+    Breakage("endless thrust", "a thrust that goes on after its time", _endless_thrust, (THRUST,)),
+)
