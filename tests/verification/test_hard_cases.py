@@ -54,10 +54,16 @@ def test_a_hinge_force_that_falls_within_a_step():
 
 @pytest.mark.slow
 def test_a_drive_torque_at_a_reversal():
-    """208.0 N m by a solve at rtol 1e-9; no accepted step of the run itself exceeds what it reports."""
+    """208.0028 N m by solves from rtol 1e-9 to 1e-11. The friction reverses while the torque grows by 2e-3 of itself in
+    30 ns: the default tolerance is not enough, and the run's trust says by how much. No accepted step exceeds what the
+    run reports."""
+    design = jb.replace(jb.SliderCrank(), CRANK)
     scenario = jb.SliderCrankScenario(crank_speed=170.0671712959704, crank_angle=-1.509)
-    run = jb.simulate(jb.replace(jb.SliderCrank(), CRANK), scenario, 0.01, history=True)
-    assert float(run.maxima["drive_torque"]) == pytest.approx(208.0, rel=1e-3)
+    tight = jb.simulate(design, scenario, 0.01, rtol=1e-9)
+    assert float(tight.maxima["drive_torque"]) == pytest.approx(208.0028, rel=1e-6)
+    run = jb.simulate(design, scenario, 0.01, history=True)
+    error = jb.trust(run, jb.simulate(design, scenario, 0.01, rtol=1e-7)).errors["drive_torque"]
+    assert float(run.maxima["drive_torque"]) == pytest.approx(208.0028, rel=error + 1e-6)
     for name in ("drive_torque", "slider_acceleration"):
         highest = float(np.max(run.history.others[name]))
         assert float(run.maxima[name]) >= highest * (1.0 - 1e-6), name
@@ -106,11 +112,11 @@ def test_tangents_beside_a_touchdown_at_tight_tolerance(rtol):
         run = jb.simulate(jb.replace(design, {"slider.mass": mass}), scenario, 1e-3, rtol=rtol)
         return run.peak_force, run.code
 
-    mass, step = 0.04443, 1e-6
+    mass, step = 0.04443, 3e-5  # shorter, and rounding takes 2e-4 of the difference
     (_, code), slope = jax.jit(jax.value_and_grad(peak, has_aux=True))(mass)
     low, high = (float(jax.jit(peak)(mass * (1.0 + move))[0]) for move in (-step, step))
     assert int(code) == int(jb.simulate(design, scenario, 1e-3).code)
-    assert float(slope) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-4)
+    assert float(slope) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-5)
 
 
 def test_nothing_of_a_failed_run_is_a_number():
