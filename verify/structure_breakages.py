@@ -23,6 +23,9 @@ PISTON = f"{STRUCTURES}/test_acoustics.py::test_a_piston_on_a_column_swings_at_i
 JOUKOWSKY = f"{STRUCTURES}/test_acoustics.py::test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column"
 FILLED = f"{STRUCTURES}/test_filled.py"
 BULK = f"{FILLED}::test_a_closed_column_is_as_stiff_as_its_bulk"
+PERFORATED = f"{STRUCTURES}/test_perforated.py"
+HELD = f"{PERFORATED}::test_the_flow_through_a_plate_that_is_held[300000000.0]"
+GOES_ALONG = f"{PERFORATED}::test_a_plate_that_is_free_goes_along[0.2-400.0]"
 LID = f"{FILLED}::test_a_lid_on_a_surface_meets_joukowskys_pressure"
 AIR = f"{FILLED}::test_trapped_air_is_a_gas_spring"
 PLY = "tests/composites/test_failure.py::test_a_sixty_degree_ply_of_graphite"
@@ -191,14 +194,28 @@ def _weightless_liquid() -> None:
     from jaxbuffer.structures import Liquid
 
     struck = Liquid.struck
-    Liquid.struck = lambda self, wall: struck(self, wall) / self.density
+    Liquid.struck = lambda self, *moves: struck(self, *moves) / self.density
 
 
 def _half_swept() -> None:
     from jaxbuffer.structures import Liquid
 
     rate = Liquid.rate
-    Liquid.rate = lambda self, impulse, velocity, positions: rate(self, impulse, 0.99 * velocity, positions)
+    Liquid.rate = lambda self, impulse, velocity, *others: rate(self, impulse, 0.99 * velocity, *others)
+
+
+def _plate_unmoved() -> None:
+    from jaxbuffer.structures.perforated import Perforated
+
+    push = Perforated.push
+    Perforated.push = lambda self, *arguments: 0.0 * push(self, *arguments)
+
+
+def _smooth_holes() -> None:
+    from jaxbuffer.structures.perforated import Perforated
+
+    resistance = Perforated.resistance
+    Perforated.resistance = lambda self, *arguments: 0.5 * resistance(self, *arguments)
 
 
 def _sticky_surface() -> None:
@@ -282,6 +299,8 @@ STRUCTURE = (
         _weightless_liquid,
         (PISTON, JOUKOWSKY),
     ),
+    Breakage("plate unmoved", "a plate with holes that no pressure moves", _plate_unmoved, (GOES_ALONG,)),
+    Breakage("smooth holes", "holes that lose half of the pressure they should", _smooth_holes, (HELD,)),
     Breakage("half swept", "a full tank's liquid feels 1 % less of its wall's motion", _half_swept, (BULK,)),
     Breakage("sticky surface", "a surface that pulls at the wall above it", _sticky_surface, (LID,)),
     Breakage("isothermal air", "trapped air that gives its heat away at once", _isothermal, (AIR,)),

@@ -7,7 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.tank_drop.assembly import assembled
-from jaxbuffer.mechanisms.tank_drop.design import valid
+from jaxbuffer.mechanisms.tank_drop.design import ZONES, valid
 from jaxbuffer.mechanisms.tank_drop.numbering import Numbering
 from jaxbuffer.mechanisms.tank_drop.section import section, wall_mass
 from jaxbuffer.mechanisms.tank_drop.start import at_rest
@@ -167,6 +167,49 @@ def test_a_plate_makes_a_drop_harder_and_keeps_energy_and_momentum():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("contents", "fill"), [("liquid", 0.6), ("full", 1.0)])
+def test_a_liquid_feels_a_plate_by_its_aperture(contents, fill):
+    """A plate all holes is not felt; the smaller the open share, the stiffer the tank, as its halves keep their liquid;
+    what the holes take is in the ledger."""
+    drop = jb.TankDropScenario(height=0.1, fill=fill)
+    changes = {"contents.kind": contents, **dict.fromkeys((f"wall.{zone}" for zone in ZONES), 0.01)}
+
+    def run(aperture):
+        return jb.simulate(tank({**changes, "plates.aperture": aperture}), drop, 8e-3)
+
+    unfelt, whole, *shares = map(run, (None, 1.0, 0.5, 0.2, 0.01))
+    for name in ("peak_force", "impulse", "deflection"):
+        assert float(getattr(whole, name)) == pytest.approx(float(getattr(unfelt, name)), rel=3e-3), name
+    assert float(whole.energy.lost["holes"]) == 0.0
+    forces = [float(run.peak_force) for run in (whole, *shares)]
+    assert forces == sorted(set(forces))
+    for each in shares:
+        assert float(each.balance.energy) < 2e-4 and float(each.balance.linear_momentum) < 1e-10
+        assert float(each.energy.lost["holes"]) > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contents", ["liquid", "full"])
+def test_derivatives_by_holes_are_those_of_differences(contents):
+    """Aperture and diameter, over 4 ms: of the force, the stress and the energy lost in the holes."""
+    drop = jb.TankDropScenario(height=0.1, fill=1.0 if contents == "full" else 0.6)
+
+    def of(values):
+        changes = {"contents.kind": contents, "plates.aperture": values[0], "plates.hole_diameter": values[1]}
+        run = jb.simulate(tank(changes), drop, 4e-3)
+        numbers = jnp.stack([run.peak_force, run.smooth_stress, run.energy.lost["holes"]])
+        return numbers, numbers
+
+    both = jax.jit(jax.jacrev(of, has_aux=True))
+    at = np.array([0.3, 0.03])
+    slopes, values = both(at)
+    for k, step in enumerate(np.diag(1e-4 * at)):
+        change = (both(at + step)[1] - both(at - step)[1]) / (2.0 * step[k])
+        elasticity, expected = slopes[:, k] * at[k] / values, change * at[k] / values
+        np.testing.assert_allclose(elasticity, expected, rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.slow
 def test_plates_of_a_composite_wall_are_of_its_plies():
     """Its run always says that joints have no fillet, since it does not tell where the least reserve is."""
     run = jb.simulate(tank({"material.kind": "composite"}), jb.TankDropScenario(height=0.1), 5e-4)
@@ -204,6 +247,9 @@ def test_derivatives_by_a_plate_are_those_of_differences():
         ),
         ({"plates.position": 0.001}, r"plates.position = 0.001 m is out of range"),
         ({"plates.kind": "solid"}, "plates.kind"),
+        ({"plates.aperture": 0.0}, r"plates.aperture = 0 is out of range; allowed: \(0, 1\]"),
+        ({"plates.aperture": 1.2}, r"plates.aperture = 1.2 is out of range"),
+        ({"plates.hole_diameter": -0.01}, r"plates.hole_diameter = -0.01 m is out of range"),
         ({"plates.thickness": 0.05}, r"plates.thickness = 0.05 m is out of range; allowed: \(0, 0.03\] m"),
     ],
 )

@@ -18,6 +18,7 @@ from .._types import Scalar
 from .boundary import boundary_areas
 from .incidence import Incidence, added_at
 from .mapping import Mapping, Rule
+from .perforated import Perforated
 
 
 class Cover(NamedTuple):
@@ -77,6 +78,7 @@ class Liquid(NamedTuple):
     - ``follows``: whether A is that of the wall as it moves, so that the volume which it encloses is exact; K_f and M_f
       remain those of the mesh at rest.
     - ``cover``: above its surface, or None. What lies half an element below the surface is compressed where both meet.
+    - ``plate``: that stands in it, or None.
     """
 
     incidence: Incidence
@@ -89,6 +91,7 @@ class Liquid(NamedTuple):
     outward: Float[Array, "pairs 2"]
     follows: bool = False
     cover: Cover | None = None
+    plate: Perforated | None = None
 
     def push(
         self, pressure: Float[Array, " nodes"], structure: int, positions: Float[Array, "structure 2"] | None = None
@@ -97,29 +100,37 @@ class Liquid(NamedTuple):
         outward = self.outward if positions is None else boundary_areas(positions[self.wall])
         return added_at(self.wall, pressure[self.wet][:, None] * outward, structure)
 
+    def _swept(
+        self, outward: Float[Array, "pairs 2"], wall: Float[Array, "structure 2"], through: Float[Array, " holes"]
+    ) -> Float[Array, " nodes"]:
+        """Volume over time that leaves the liquid at each node [m²/s], by the wall's velocity and the flow ``through`` a
+        plate [m/s]."""
+        swept = added_at(self.wet, jnp.sum(outward * wall[self.wall], axis=1), len(self.mass))
+        return swept if self.plate is None else swept + self.plate.swept(wall, through, len(self.mass))
+
     def rate(
         self,
         impulse: Float[Array, " nodes"],
         velocity: Float[Array, "structure 2"],
+        through: Float[Array, " holes"],
         positions: Float[Array, "structure 2"],
     ) -> Float[Array, " nodes"]:
         """ṗ [Pa/s] of a liquid that `follows`, from ∫p dt [Pa s] and the wall at one instant: M147 integrated once."""
-        swept = jnp.sum(boundary_areas(positions[self.wall]) * velocity[self.wall], axis=1)
+        swept = self._swept(boundary_areas(positions[self.wall]), velocity, through)
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
-        flow = self.density * added_at(self.wet, swept, len(self.mass)) + self.incidence.to_nodes(inside)
-        return -self.free * flow / self.mass
+        return -self.free * (self.density * swept + self.incidence.to_nodes(inside)) / self.mass
 
     def acceleration(
-        self, pressure: Float[Array, " nodes"], wall: Float[Array, "structure 2"]
+        self, pressure: Float[Array, " nodes"], wall: Float[Array, "structure 2"], through: Float[Array, " holes"]
     ) -> Float[Array, " nodes"]:
-        """p̈ [Pa/s²] under the wall's acceleration ü [m/s²]."""
+        """p̈ [Pa/s²] under the accelerations of wall and plate, and of what flows through it [m/s²]."""
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(pressure))
-        return self.struck(wall) - self.free * self.incidence.to_nodes(inside) / self.mass
+        return self.struck(wall, through) - self.free * self.incidence.to_nodes(inside) / self.mass
 
-    def struck(self, wall: Float[Array, "structure 2"]) -> Float[Array, " nodes"]:
-        """What an acceleration of the wall [m/s²] adds to p̈ [Pa/s²], or a sudden velocity [m/s] to ṗ [Pa/s]."""
-        pushed = jnp.sum(self.outward * wall[self.wall], axis=1)
-        return -self.free * self.density * added_at(self.wet, pushed, len(self.mass)) / self.mass
+    def struck(self, wall: Float[Array, "structure 2"], through: Float[Array, " holes"]) -> Float[Array, " nodes"]:
+        """What accelerations of the wall and through a plate [m/s²] add to p̈ [Pa/s²], or sudden velocities [m/s] to ṗ
+        [Pa/s]."""
+        return -self.free * self.density * self._swept(self.outward, wall, through) / self.mass
 
     def met(
         self,
@@ -133,12 +144,14 @@ class Liquid(NamedTuple):
         met = self.density * self.cover.overlap(displacement, raised) / self.mass[self.cover.surface]
         return pressure.at[self.cover.surface].set(met)
 
-    def rising(self, impulse: Float[Array, " nodes"], velocity: Float[Array, "structure 2"]) -> Float[Array, " pairs"]:
+    def rising(
+        self, impulse: Float[Array, " nodes"], velocity: Float[Array, "structure 2"], through: Float[Array, " holes"]
+    ) -> Float[Array, " pairs"]:
         """Volume that goes up through the surface in a second [m²/s]: what M147, integrated once, leaves there."""
         if self.cover is None:
             return jnp.zeros(0)
         inside = jnp.einsum("eij,ej->ei", self.stiffness, self.incidence.to_corners(impulse))
-        swept = added_at(self.wet, jnp.sum(self.outward * velocity[self.wall], axis=1), len(self.mass))
+        swept = self._swept(self.outward, velocity, through)
         return -(self.incidence.to_nodes(inside) / self.density + swept)[self.cover.surface]
 
     def energy(

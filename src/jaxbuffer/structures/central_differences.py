@@ -1,7 +1,7 @@
 """Explicit time stepping by central differences (M126, M127), in blocks of steps between searches for contact."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import equinox.internal as eqxi
 import jax
@@ -9,7 +9,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
+from .acoustics import Liquid
 from .contact.forces import contact_forces
+from .perforated import Through
 from .structure import Resistance
 from .system import Energies, Instant, Near, State, System
 
@@ -34,17 +36,13 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     weight = mass * system.gravity[None]
     constant = weight if system.load is None else weight + system.load
     residual = constant - sum((part.forces for part in resistances), jnp.zeros_like(positions))
-    pressure = state.pressure
+    pressure, resistance = state.pressure, jnp.zeros(0)
     if (liquid := system.liquid) is not None:
         pressure = liquid.met(pressure, state.displacement, state.raised)
-        static = system.static_pressure
-        if liquid.follows:
-            residual = residual + liquid.push(pressure, len(positions), positions)
-            residual = residual if static is None else residual + liquid.push(static, len(positions))
-        else:
-            residual = residual + liquid.push(pressure if static is None else pressure + static, len(positions))
-        if liquid.cover is not None:
-            residual = residual + liquid.cover.push(pressure[liquid.cover.surface], len(positions))
+        residual = _with_liquid(residual, system, liquid, pressure, positions)
+        if liquid.plate is not None:
+            resistance = liquid.plate.resistance(state.velocity, state.through, step)
+            residual = residual + liquid.plate.push(pressure, resistance, len(positions))
     if system.gas is not None:
         residual = residual + system.gas.push(positions)
     layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
@@ -59,40 +57,81 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     acceleration = inverse_mass * (residual + pressing)
     velocity = state.velocity + step * acceleration
     between = 0.5 * (state.velocity + velocity)
-    rate, impulse, raised, now = state.pressure_rate, state.impulse, state.raised, pressure
-    if liquid is not None:
-        impulse = impulse + step * pressure
-        if liquid.follows:  # half a step later: with the wall half way, the area that it sweeps is exact
-            rate = liquid.rate(impulse, velocity, positions + 0.5 * step * velocity)
-        else:
-            rate = rate + step * liquid.acceleration(pressure, acceleration)
-        pressure = pressure + step * rate
-        raised = raised + step * liquid.rising(impulse, velocity)
+    wet, holes = _liquid_after(liquid, state, step, pressure, resistance, positions, velocity)
     energies = Energies(
         kinetic=0.5 * jnp.sum(mass * state.velocity * velocity),
         stored=_sum(resistances, "stored"),
         plastic=_sum(resistances, "plastic"),
         contact=state.contact_work - 0.5 * step * jnp.sum(pressing * state.velocity),
-        liquid=_liquid_energy(system, state, now, impulse),
+        liquid=_liquid_energy(system, state, pressure, wet.impulse) + holes.kinetic,
         potential=-jnp.sum(constant * state.displacement),
         released=state.released,
+        holes=state.lost + holes.half,
     )
     known = state.time, state.displacement, between
-    instant = Instant(*known, resistances, tuple(contacts), layers, now, energies)
+    instant = Instant(*known, resistances, tuple(contacts), layers, pressure, energies)
     after = State(
         state.time + step,
         state.displacement + step * velocity,
         velocity,
         tuple(part.history for part in resistances),
-        pressure,
-        rate,
-        impulse,
-        raised,
+        *wet,
+        holes.after,
         tuple(forces.over_step for forces in contacts),
         state.contact_work - step * jnp.sum(pressing * between),
         state.released + _sum(resistances, "released"),
+        state.lost + holes.whole,
     )
     return after, instant
+
+
+class Wet(NamedTuple):
+    """A liquid after a step: see `State`."""
+
+    pressure: Float[Array, " liquid"]
+    rate: Float[Array, " liquid"]
+    impulse: Float[Array, " liquid"]
+    raised: Float[Array, " surface"]
+
+
+def _with_liquid(
+    forces: Array, system: System, liquid: Liquid, pressure: Array, positions: Array
+) -> Float[Array, "nodes 2"]:
+    """The forces with those of the liquid on wall and plate [N]."""
+    static, nodes = system.static_pressure, len(positions)
+    if liquid.follows:
+        forces = forces + liquid.push(pressure, nodes, positions)
+        forces = forces if static is None else forces + liquid.push(static, nodes)
+    else:
+        forces = forces + liquid.push(pressure if static is None else pressure + static, nodes)
+    if liquid.cover is not None:
+        forces = forces + liquid.cover.push(pressure[liquid.cover.surface], nodes)
+    return forces
+
+
+def _liquid_after(
+    liquid: Liquid | None,
+    state: State,
+    step: Scalar,
+    pressure: Array,
+    resistance: Array,
+    positions: Array,
+    velocity: Array,
+) -> tuple[Wet, Through]:
+    """The liquid after a step, and what has flown through a plate in it."""
+    holes = Through.none(state.through)
+    if liquid is None:
+        return Wet(pressure, state.pressure_rate, state.impulse, state.raised), holes
+    impulse = state.impulse + step * pressure
+    if liquid.plate is not None:
+        holes = liquid.plate.flow(pressure, resistance, state.through, (state.velocity, velocity), step)
+    if liquid.follows:  # half a step later: with the wall half way, the area that it sweeps is exact
+        rate = liquid.rate(impulse, velocity, holes.after, positions + 0.5 * step * velocity)
+    else:
+        wall, through = (velocity - state.velocity) / step, (holes.after - state.through) / step
+        rate = state.pressure_rate + step * liquid.acceleration(pressure, wall, through)
+    raised = state.raised + step * liquid.rising(impulse, velocity, holes.after)
+    return Wet(pressure + step * rate, rate, impulse, raised), holes
 
 
 def _sum(resistances: tuple[Resistance, ...], name: str) -> Float[Array, ""]:

@@ -53,18 +53,20 @@ class System(eqx.Module):
         still = jnp.zeros_like(self.positions)
         velocity = still if velocity is None else velocity
         quiet = jnp.zeros(0) if self.liquid is None else jnp.zeros_like(self.liquid.mass)
+        plate = None if self.liquid is None else self.liquid.plate
+        still_holes = jnp.zeros(0 if plate is None else len(plate.area))
         return State(
             jnp.zeros(()),
             still,
             velocity,
             tuple(group.start() for group in self.elements),
             quiet,
-            quiet if self.liquid is None else self.liquid.struck(velocity),
+            quiet if self.liquid is None else self.liquid.struck(velocity, still_holes),
             quiet,
             jnp.zeros(0 if self.liquid is None or self.liquid.cover is None else len(self.liquid.cover.surface)),
+            still_holes,
             tuple(jnp.zeros(len(contact.slaves)) for contact in self.contacts),
-            jnp.zeros(()),
-            jnp.zeros(()),
+            *(jnp.zeros(()),) * 3,
         )
 
     def search(self, displacement: Float[Array, "nodes 2"]) -> tuple:
@@ -96,6 +98,8 @@ class System(eqx.Module):
                 over = jnp.max(wet.density * over / wet.mass[cover.surface])
                 most = jnp.maximum(most, over + jnp.max(coupled * (1.0 - wet.free[wet.wet]), initial=0.0))
             added.append(most)
+            if wet.plate is not None:
+                added.append(wet.plate.fastest(wet.mass, wet.free, self.inverse_mass))
             fastest = jnp.maximum(fastest, wet.fastest() ** 2)
         return 2.0 / jnp.sqrt(fastest + sum(added, jnp.zeros(())))
 
@@ -118,10 +122,11 @@ class State(NamedTuple):
     - ``displacement``: (nodes, 2) at t [m]; ``velocity``: (nodes, 2) half a step before [m/s].
     - ``histories``: of the elements' points.
     - ``pressure``: (liquid,) at t, beyond the static one [Pa]; ``pressure_rate``: half a step before [Pa/s];
-      ``impulse``: ∫p dt, half a step before [Pa s]; ``raised``: volume that has gone up through a covered surface [m²].
+      ``impulse``: ∫p dt, half a step before [Pa s]; ``raised``: volume that has gone up through a covered surface [m²];
+      ``through``: flow through a plate, half a step before [m/s].
     - ``pressed``: each contact's normal forces over the step before [N].
     - ``contact_work``: energy that contacts and layers have taken up so far [J].
-    - ``released``: elastic energy of deleted elements [J].
+    - ``released``: elastic energy of deleted elements, ``lost``: energy lost in a plate's holes [J].
     """
 
     time: Float[Array, ""]
@@ -132,9 +137,11 @@ class State(NamedTuple):
     pressure_rate: Float[Array, " liquid"]
     impulse: Float[Array, " liquid"]
     raised: Float[Array, " surface"]
+    through: Float[Array, " holes"]
     pressed: tuple[Float[Array, " pairs"], ...]
     contact_work: Float[Array, ""]
     released: Float[Array, ""]
+    lost: Float[Array, ""]
 
 
 class Energies(NamedTuple):
@@ -142,7 +149,7 @@ class Energies(NamedTuple):
 
     - ``kinetic``: of nodes; ``stored``: elastic; ``plastic``: work; ``contact``: taken up by contacts and cushions;
       ``liquid``: of compression and motion, with a gas above it; ``potential``: of gravity and constant
-      loads; ``released``: by deletion.
+      loads; ``released``: by deletion; ``holes``: lost where the liquid flows through a plate.
     """
 
     kinetic: Float[Array, ""]
@@ -152,6 +159,7 @@ class Energies(NamedTuple):
     liquid: Float[Array, ""]
     potential: Float[Array, ""]
     released: Float[Array, ""]
+    holes: Float[Array, ""]
 
 
 class Instant(NamedTuple):

@@ -13,6 +13,7 @@ from ...structures.boundary import boundary_areas, enclosed
 from ...structures.contact import Contact, Layer, RigidPlane
 from ...structures.gas import Gas
 from ...structures.incidence import Incidence
+from ...structures.perforated import Holes, Perforated, at_heights
 from .design import TankDrop, TankDropScenario
 from .laminate import equivalent
 from .numbering import Numbering
@@ -60,15 +61,17 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     if len(seen.numbers.ribs):
         quads, density = _with_ribs(design, quads)
     wall = Plane(quads, material)
-    inverse = 1.0 / quads.lumped_mass(density)[:nodes]
-    inverse = jnp.repeat(inverse[:, None], 2, axis=1).at[seen.numbers.middle, 0].set(0.0)
-    held = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
-    inverse = jnp.concatenate([inverse, held[None], jnp.zeros((1, 2))])
     liquid = static = None
+    mass = jnp.repeat(quads.lumped_mass(density)[:nodes, None], 2, axis=1)
     if design.contents.kind != "none":
         liquid = _liquid(design, seen)
         surface = seen.liquid[seen.numbers.liquid[0, -1], 1]
         static = design.contents.density * scenario.gravity * (surface - seen.liquid[:, 1])
+        if liquid.plate is not None:
+            mass = mass.at[liquid.plate.plate, 0].add(liquid.plate.added_mass())
+    inverse = (1.0 / mass).at[seen.numbers.middle, 0].set(0.0)
+    held = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
+    inverse = jnp.concatenate([inverse, held[None], jnp.zeros((1, 2))])
     system = System(
         positions,
         inverse,
@@ -169,4 +172,23 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
         boundary_areas(seen.positions[seen.numbers.wetted]),
         follows=seen.numbers.full,
         cover=cover,
+        plate=_holes(design, seen) if seen.numbers.plate_side >= 0 else None,
+    )
+
+
+def _holes(design: TankDrop, seen: Section) -> Perforated:
+    """The plate as the liquid feels it."""
+    plates, numbers, side = design.plates, seen.numbers, seen.numbers.plate_side
+    assert plates.aperture is not None
+    left, right = numbers.liquid[side], numbers.liquid[side + 1]
+    middle = 0.5 * (seen.liquid[left] + seen.liquid[right])
+    rows = jnp.mean(seen.positions[numbers.plate, 1], axis=1)
+    return Perforated(
+        left,
+        right,
+        boundary_areas(middle)[:, 0],
+        numbers.plate,
+        at_heights(middle[:, 1], rows),
+        Holes.of(plates.thickness, plates.hole_diameter, plates.aperture),
+        jnp.asarray(design.contents.density, float),
     )

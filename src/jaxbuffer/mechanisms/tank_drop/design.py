@@ -65,16 +65,19 @@ class Plates(Part):
     """Two perforated baffle plates inside, upright from the bottom to the top, left and right alike, of the wall's
     material.
 
-    They are so full of holes that what the tank holds does not feel them.
-
     ``kind``: "none" or "perforated"; ``thickness``: of a plate without holes that is as stiff; ``position``: of its
-    middle, from the middle of the tank.
+    middle, from the middle of the tank; ``aperture``: share of its area that is open (None: the liquid does not feel
+    the plate), ``hole_diameter``.
     """
 
     section: ClassVar[str] = "plates"
     kind: str = choice("none", "none", "perforated", doc="none, or two perforated baffle plates inside")
     thickness: Number = number(0.005, "m", **THICKNESS, doc="thickness of a plate without holes that is as stiff")
     position: Number = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
+    aperture: Number | None = number(
+        None, "-", low=0.0, low_open=True, high=1.0, doc="open share of a plate; not set: the liquid does not feel it"
+    )
+    hole_diameter: Number = number(0.02, "m", **POSITIVE, doc="diameter of the holes, for the liquid in them")
 
 
 class Ribs(Part):

@@ -26,7 +26,10 @@ class Numbering(NamedTuple):
       tank is full.
     - ``corner``, ``upper``: the columns at the lower and the upper right corner of the liquid's block.
     - ``full``: whether the liquid fills the tank, without a surface.
-    - ``liquid``: (across, up) the liquid's nodes, counted for themselves, from the middle of the bottom on.
+    - ``liquid``: (across, up) the liquid's nodes, counted for themselves, from the middle of the bottom on; none
+      between the faces of a plate that it feels.
+    - ``plate_side``: which of these columns is on the inner face of such a plate, the next being on the outer one; -1
+      without.
     """
 
     wall: Int[np.ndarray, "columns across"]
@@ -39,6 +42,7 @@ class Numbering(NamedTuple):
     upper: int
     full: bool
     liquid: Int[np.ndarray, "across up"]
+    plate_side: int
 
     @staticmethod
     def of(design: TankDrop) -> "Numbering":
@@ -60,9 +64,11 @@ class Numbering(NamedTuple):
         corners = np.concatenate([_elements(nodes) for nodes in (wall, plate, ribs)])
         corner = flat + fine * CORNER // 2
         upper = columns - 1 - corner if full else level
-        blocks = corner + 1, upper - corner + 1
+        felt = design.plates.kind != "none" and design.plates.aperture is not None
+        blocks = corner + 1 - (fine - 1 if felt else 0), upper - corner + 1
         liquid = np.arange(np.prod(blocks)).reshape(blocks)
-        return Numbering(wall, plate, ribs, corners, flat, level, corner, upper, full, liquid)
+        side = fine * WITHIN if felt else -1
+        return Numbering(wall, plate, ribs, corners, flat, level, corner, upper, full, liquid, side)
 
     @property
     def inner(self) -> Int[np.ndarray, " columns"]:
@@ -84,7 +90,10 @@ class Numbering(NamedTuple):
     def liquid_corners(self) -> Int[np.ndarray, "elements 4"]:
         """The liquid's nodes at the corners of its elements, counter-clockwise."""
         sides = [self.liquid[:-1, :-1], self.liquid[1:, :-1], self.liquid[1:, 1:], self.liquid[:-1, 1:]]
-        return np.stack(sides, axis=-1).reshape(-1, 4)
+        elements = np.stack(sides, axis=-1)
+        if self.plate_side >= 0:
+            elements = np.delete(elements, self.plate_side, axis=0)
+        return elements.reshape(-1, 4)
 
     @property
     def wet(self) -> Int[np.ndarray, " wet"]:
@@ -100,7 +109,18 @@ class Numbering(NamedTuple):
     @property
     def wetted(self) -> Int[np.ndarray, " wet"]:
         """The wall's nodes in the places of `wet`."""
-        return self.inner[: len(self.wet)]
+        within = self.within_plate
+        if self.full:
+            within = np.concatenate([within, len(self.inner) - 1 - within])
+        columns = len(self.inner) if self.full else self.upper + 1
+        return np.delete(self.inner[:columns], within)
+
+    @property
+    def within_plate(self) -> Int[np.ndarray, " columns"]:
+        """The columns along the bottom between the faces of a plate that the liquid feels."""
+        if self.plate_side < 0:
+            return np.zeros(0, int)
+        return np.arange(self.plate_side + 1, self.plate_side + self.wall.shape[1] - 1)
 
     def at_a_joint(self, element: int) -> bool:
         """Whether an element is where a plate meets the wall, or next to that."""

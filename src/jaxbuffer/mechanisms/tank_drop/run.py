@@ -123,7 +123,8 @@ def _code(found: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
 def _energy(factor: Scalar, energies: Any) -> Energy:
     """Of the whole tank and the slider [J]."""
     whole = {name: factor * value for name, value in energies._asdict().items()}
-    lost = {"plastic": whole.pop("plastic"), "deleted": whole.pop("released"), "contact": whole.pop("contact")}
+    names = {"plastic": "plastic", "deleted": "released", "contact": "contact", "holes": "holes"}
+    lost = {name: whole.pop(key) for name, key in names.items()}
     return Energy(stored={"elastic": whole.pop("stored"), **whole}, lost=lost)
 
 

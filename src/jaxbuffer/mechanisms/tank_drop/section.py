@@ -67,7 +67,7 @@ def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:
 
 def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
     """The liquid's nodes [m] between the ``wall``'s, the middle and any surface, by transfinite interpolation."""
-    edge, corner = wall[numbers.wetted], numbers.corner
+    edge, corner = wall[numbers.inner], numbers.corner
     bottom, right = edge[: corner + 1], edge[corner : numbers.upper + 1]
     xi = (np.arange(corner + 1) / corner)[:, None, None]
     eta = (np.arange(len(right)) / (len(right) - 1))[None, :, None]
@@ -81,7 +81,24 @@ def liquid_within(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Ar
     knots = (1.0 - xi) * ((1.0 - eta) * corner_at(left, 0) + eta * corner_at(left, -1)) + xi * (
         (1.0 - eta) * corner_at(right, 0) + eta * corner_at(right, -1)
     )
-    return (sides + ends - knots).reshape(-1, 2)
+    nodes = sides + ends - knots
+    if numbers.plate_side >= 0:
+        nodes = jnp.delete(_beside_plate(nodes, numbers), numbers.within_plate, axis=0, assume_unique_indices=True)
+    return nodes.reshape(-1, 2)
+
+
+def _beside_plate(nodes: Float[Array, "across up 2"], numbers: Numbering) -> Float[Array, "across up 2"]:
+    """The liquid's nodes moved sideways, evenly less with the distance, so that two columns lie on the faces of a plate
+    that is straight from the bottom to the top."""
+    first, last = numbers.plate_side, numbers.plate_side + numbers.wall.shape[1] - 1
+    for face, others in ((first, [0, first, last]), (last, [first, last, numbers.corner])):
+        high = nodes[face, :, 1]
+        ends = [nodes[face, 0], nodes[face, -1] if numbers.full else nodes[face, 0]]
+        share = (high - high[0]) / (high[-1] - high[0])
+        off = ends[0][0] + share * (ends[1][0] - ends[0][0]) - nodes[face, :, 0]
+        weight = np.interp(np.arange(len(nodes)), others, [0.0, 1.0, 0.0])
+        nodes = nodes.at[:, :, 0].add(weight[:, None] * off[None])
+    return nodes
 
 
 def _lengths(design: TankDrop) -> list[Scalar]:

@@ -147,7 +147,7 @@ def dropped(
 
 def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     zero = jnp.zeros(())
-    energies = Energies(*(zero,) * 7)
+    energies = Energies(*(zero,) * len(Energies._fields))
     rows = None
     if history:
         elements = len(parts.section.numbers.corners)
