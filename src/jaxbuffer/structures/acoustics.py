@@ -103,7 +103,7 @@ class Liquid(NamedTuple):
     def _swept(
         self, outward: Float[Array, "pairs 2"], wall: Float[Array, "structure 2"], through: Float[Array, " holes"]
     ) -> Float[Array, " nodes"]:
-        """Volume over time that leaves the liquid at each node [m²/s], by the velocity of the wall and ``through`` a plate
+        """Volume over time that leaves the liquid at each node [m²/s], by velocities of the wall and through a plate
         [m/s]."""
         swept = added_at(self.wet, jnp.sum(outward * wall[self.wall], axis=1), len(self.mass))
         return swept if self.plate is None else swept + self.plate.swept(wall, through, len(self.mass))
