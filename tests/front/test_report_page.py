@@ -478,6 +478,9 @@ def test_what_held_a_run_back(folders, tmp_path):
     (tmp_path / "sensitivity.json").write_text(json.dumps(derived))
     _, _, rows = section_text(review([load(tmp_path)]), "Why not captured")
     assert rows[1][1] == "'jaxbuffer sensitivity' says it"
+    latch = {"latch.stiffness [N/m]": 2e4, "latch.damping [N s/m]": 100.0}
+    (tmp_path / "capture.json").write_text(json.dumps(record | {"design": record["design"] | latch}))
+    assert section_text(review([load(tmp_path)]), "Why not latched")[2][0] == ["way left", "12 mm"]
 
 
 def test_records_say_how_they_came_about(folders):

@@ -79,6 +79,11 @@ class Results:
         kinds += [found.attrs["kind"] for found in (self.run, self.sweep) if found is not None]
         return mechanism_named(kinds[0]) if kinds else mechanism_of(self.design)
 
+    @property
+    def success(self) -> str | None:
+        """How its runs should end, in a word; None where any end will do."""
+        return self.mechanism.success if self.design is None else self.mechanism.success_of(self.design)
+
     def __repr__(self) -> str:
         return "\n".join(
             [f"Results in {self.folder}:", *(f"  {name:12} {told}" for name, told in self._told().items())]

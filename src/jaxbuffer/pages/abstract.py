@@ -59,7 +59,7 @@ def _of_objective(found: Results, lenders: Sequence[Results], kept: bool) -> Cel
 
 def _of_limits(found: Results, held: Standing) -> Cell:
     """Which limits are broken, or how sure it is that all are kept."""
-    missed = [f"{held.missed} of {held.runs} not {words(found.mechanism.success or '')}"] if held.missed else []
+    missed = [f"{held.missed} of {held.runs} not {words(found.success or '')}"] if held.missed else []
     if held.faults:
         return Cell(", ".join([*_broken(held), *missed]), "bad")
     return Cell(", ".join(["all limits kept", *_nearly(held)]), "unsure" if _nearly(held) else "good")
@@ -198,7 +198,7 @@ def _run(found: Results, every: Sequence[Results]) -> str:
     if limits is None:
         return text
     faults = [f"{limits.broken} limit{'s are' if limits.broken > 1 else ' is'} broken."] if limits.broken else []
-    faults += [f"It does not end {words(mechanism.success or '')}, as it must."] if limits.missed else []
+    faults += [f"It does not end {words(found.success or '')}, as it must."] if limits.missed else []
     return " ".join([text, *(faults or ["It keeps every limit."])])
 
 

@@ -19,7 +19,7 @@ def asked(first: Results, every: Sequence[Results]) -> Section | None:
     """Of the page's tuning, or else of its run; limits from the first folder that has some."""
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
-    rows = _limits(mechanism, lender_of([first, *every]))
+    rows = _limits(first, lender_of([first, *every]))
     if tuned is not None:
         rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
         rows += _scenarios(mechanism, tuned["scenarios"], units_of(first))
@@ -32,11 +32,12 @@ def asked(first: Results, every: Sequence[Results]) -> Section | None:
     return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
 
 
-def _limits(mechanism: Mechanism, asked: Record | None) -> Rows:
+def _limits(first: Results, asked: Record | None) -> Rows:
     """How runs must end, and what is limited."""
     if asked is None:
         return []
-    rows = [] if mechanism.success is None else [["end", f"each {mechanism.view.run_name}", words(mechanism.success)]]
+    mechanism, success = first.mechanism, first.success
+    rows = [] if success is None else [["end", f"each {mechanism.view.run_name}", words(success)]]
     for limit in asked_limits(mechanism, asked):
         title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
         rows.append(["limit", title, limit.text(factor, symbol)])

@@ -56,7 +56,7 @@ class Limit(NamedTuple):
 class Judged:
     """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
     where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, the
-    number of impacts among them, and how it ended (``outcomes``)."""
+    number of impacts among them, and how it ended (``outcomes``); ``success``: how it should end, in a word."""
 
     mechanism: Mechanism
     asked: Record
@@ -64,6 +64,7 @@ class Judged:
     labels: Sequence[str]
     values: Sequence[Mapping[str, Any]]
     outcomes: Sequence[str]
+    success: str | None
 
     @property
     def limits(self) -> list[Limit]:
@@ -109,9 +110,9 @@ def judged(found: Results, every: Sequence[Results] = (), side: str = "after") -
     if found.tuned is None:
         values = by_name(record) | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])}
         said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
-        return Judged(mechanism, asked, name, [said], [values], [record["outcome"]])
+        return Judged(mechanism, asked, name, [said], [values], [record["outcome"]], found.success)
     cases = [by_name(case[side]) for case in record["scenarios"]]
-    return Judged(mechanism, asked, name, case_labels(found), cases, [case["outcome"] for case in cases])
+    return Judged(mechanism, asked, name, case_labels(found), cases, [case["outcome"] for case in cases], found.success)
 
 
 def told_already(found: Results, every: Sequence[Results]) -> bool:
@@ -234,7 +235,7 @@ def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
 
 def _rows(held: Judged) -> list[Row]:
     """A row for each limit, and how runs must end."""
-    rows, success = [_row(held, limit) for limit in held.limits], held.mechanism.success
+    rows, success = [_row(held, limit) for limit in held.limits], held.success
     if success is not None:
         missed, every = held.missed, len(held.outcomes)
         where = held.labels[missed[0]] if missed else "–"
@@ -274,7 +275,7 @@ def _row(held: Judged, limit: Limit) -> Row:
 
 def _beyond(held: Judged) -> list[Row]:
     """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
-    success = words(held.mechanism.success or "")
+    success = words(held.success or "")
     missed: list[Row] = [[held.labels[k], "end", "-", words(held.outcomes[k]), success, "–"] for k in held.missed]
     found: list[tuple[float, Row]] = []
     for limit in held.limits:
@@ -291,6 +292,6 @@ def _beyond(held: Judged) -> list[Row]:
 
 def _summed(held: Judged, beyond: Sequence[Row]) -> str:
     """In one sentence, how many scenarios break which limit."""
-    counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(held.mechanism.success or '')}" for row in beyond)
+    counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(held.success or '')}" for row in beyond)
     told = "; ".join(f"{name} in {count}" for name, count in counts.items())
     return f"Limits are broken, of {len(held.labels)} scenarios: {told}. The table below names them, the worst first."

@@ -65,12 +65,12 @@ def diagnosis(found: Results, every: Sequence[Results]) -> Section | None:
 
     **Arguments:** ``every``: all folders of the page; sensitivities of the same run say what to change first.
     """
-    record, mechanism = found.records.get("run"), found.mechanism
+    record = found.records.get("run")
     if record is None or not record.get("diagnosis"):
         return None
     told = {**record["diagnosis"], FIRST: what_to_change(found, every) or record["diagnosis"].get(FIRST, "–")}
     rows = [[heading, text] for heading, text in told.items()]
-    title = f"Why not {mechanism.success}"
+    title = f"Why not {found.success}"
     return Section(title, tables=[Table("What held the run back", ("of", "what is known"), rows)])
 
 
