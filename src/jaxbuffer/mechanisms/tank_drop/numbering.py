@@ -103,9 +103,9 @@ class Numbering(NamedTuple):
         return self.inner[: len(self.wet)]
 
     def at_a_joint(self, element: int) -> bool:
-        """Whether an element is where a plate meets the wall, or next to that."""
+        """Whether an element, or its image in the whole section, is where a plate meets the wall, or next to that."""
         columns = self.wall[np.isin(self.inner, self.plate[[0, -1]])] if len(self.plate) else self.plate
-        return bool(np.isin(self.corners[element], columns).any())
+        return bool(np.isin(self.corners[element % len(self.corners)], columns).any())
 
 
 def _elements(nodes: np.ndarray) -> np.ndarray:
