@@ -54,20 +54,22 @@ def _moved(
     """The nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
     seen = section(design, scenario.fill)
     at = seen.positions + displacement[: len(seen.positions)]
-    if design.mesh.extent == "half":
-        return at, liquid_within(at, seen.numbers)
-    of_wall, of_liquid = mirrors(seen.numbers)
-    right, left = (
-        _liquid_beside(at[: len(of_wall.image)], seen.numbers),
-        _liquid_beside(at[of_wall.image] * FLIP, seen.numbers),
-    )
-    return at, jnp.concatenate([right, left[of_liquid.others] * FLIP])
+    within = liquid_within if design.mesh.extent == "half" else _within_whole
+    return at, within(at, seen.numbers)
 
 
-def _liquid_beside(half: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
-    """The liquid's nodes within half of a wall that may have moved sideways as a whole [m]."""
-    sideways = half[numbers.inner[0]] * np.array([1.0, 0.0])
-    return liquid_within(half - sideways, numbers) + sideways
+def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
+    """As of `liquid_within`, where the whole wall moves: its even part, as half of a wall, with the odd part that both
+    sides share; the surface is straight between them [m]."""
+    of_wall, of_liquid = mirrors(numbers)
+    right, left = wall[: len(of_wall.image)], wall[of_wall.image] * FLIP
+    even, odd = 0.5 * (right + left), 0.5 * (right - left)
+    middle = jnp.abs(even[:, 0]) < 1e-9
+    slope = jnp.where(middle, 0.0, odd[:, 1] / jnp.where(middle, 1.0, even[:, 0]))
+    along = lambda values: liquid_within(jnp.stack([even[:, 0], values], axis=1), numbers)[:, 1]  # noqa: E731
+    liquid = liquid_within(even, numbers)
+    shared = jnp.stack([along(odd[:, 0]), along(slope) * liquid[:, 0]], axis=1)
+    return jnp.concatenate([liquid + shared, ((liquid - shared) * FLIP)[of_liquid.others]])
 
 
 def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | None) -> list[tuple[str, str, int]]:
