@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 from .design import TankDrop
 from .numbering import Numbering
 
-FLIP = np.array([-1.0, 1.0])
+FLIP = np.array([[-1.0, 1.0]])
 
 
 class Mirror(NamedTuple):

@@ -57,6 +57,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
+        slide=found.state.displacement[parts.section.numbers.outer[0], 0] * known,
         reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
         wall_mass=wall_mass(design),
         step=found.step,
