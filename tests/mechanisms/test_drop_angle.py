@@ -121,6 +121,14 @@ def test_a_drop_at_an_angle_keeps_energy_and_momentum(both_ways):
         assert float(run.balance.linear_momentum) < 1e-10
 
 
+@pytest.mark.slow
+def test_a_drop_at_an_angle_on_liquid_keeps_energy(evidence):
+    """While the surface has not met the top; that takes 2e-5 of the energy, here as in a straight drop."""
+    run = drop(tank(WHOLE), 0.02, ANGLE)
+    assert run.outcome.name == "whole" and float(run.balance.linear_momentum) < 1e-10
+    evidence(TOPIC, "a drop at an angle keeps its energy", float(run.balance.energy), 1e-8, "sum of all energies")
+
+
 def test_the_tank_takes_the_tangent_of_the_angle_sideways(both_ways, evidence):
     """Nothing but the slider pushes an empty tank sideways: its momentum is tan a times the slider's impulse."""
     for run, angle in zip(both_ways, (ANGLE, -ANGLE), strict=True):
@@ -222,7 +230,7 @@ def test_a_rigid_tank_slides_under_a_cushion_at_an_angle(evidence):
     evidence(TOPIC, "largest force on a rigid tank at an angle", off, 0.01, "SciPy, two masses and a cushion")
     assert float(found.travel) == pytest.approx(expected.y[0].max(), rel=5e-3)
     assert float(found.slide) == pytest.approx(expected.y[2, -1], rel=0.01)
-    assert float(found.rebound_speed) == pytest.approx(-expected.y[1, -1], rel=0.01)
+    assert float(found.rebound_speed) == pytest.approx(-expected.y[1, -1], rel=0.02)
 
 
 @pytest.mark.slow
