@@ -123,7 +123,7 @@ def test_a_drop_at_an_angle_keeps_energy_and_momentum(both_ways):
 
 @pytest.mark.slow
 def test_a_drop_at_an_angle_on_liquid_keeps_energy(evidence):
-    """While the surface has not met the top; that takes 2e-5 of the energy, here as in a straight drop."""
+    """As long as the surface has not met the top: that costs some 1e-4 of it, in a straight drop as well."""
     run = drop(tank(WHOLE), 0.02, ANGLE)
     assert run.outcome.name == "whole" and float(run.balance.linear_momentum) < 1e-10
     evidence(TOPIC, "a drop at an angle keeps its energy", float(run.balance.energy), 1e-8, "sum of all energies")
