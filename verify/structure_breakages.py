@@ -18,6 +18,7 @@ CUSHION = f"{STRUCTURES}/test_layer.py::test_with_a_damper_it_presses_until_its_
 FRAME = "test_it_sags_under_its_own_weight_as_a_frame_of_beams[perforated-0.004-0.03]"
 PLATES = f"tests/mechanisms/test_tank_plates.py::{FRAME}"
 RIBBED = "tests/mechanisms/test_tank_ribs.py::test_it_sags_under_its_own_weight_as_a_frame_of_ribbed_beams"
+SIDEWAYS = "tests/mechanisms/test_drop_angle.py::test_the_tank_takes_the_tangent_of_the_angle_sideways"
 SUNK = "tests/mechanisms/test_tank_drop.py::test_a_rigid_tank_sinks_by_its_weight_over_the_supports_stiffness[2]"
 PISTON = f"{STRUCTURES}/test_acoustics.py::test_a_piston_on_a_column_swings_at_its_first_frequency_and_keeps_its_energy"
 JOUKOWSKY = f"{STRUCTURES}/test_acoustics.py::test_a_heavy_piston_sends_joukowskys_pressure_up_a_long_column"
@@ -101,6 +102,19 @@ def _wide_ribs() -> None:
         return thin._replace(weight=thin.weight * (1.0 + 0.16 * rib)), density / (1.0 + 0.16 * rib[:, 0])
 
     assembly._with_ribs = broken
+
+
+def _upright_push() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.structures.contact import RigidPlane
+
+    on_nodes = RigidPlane.on_nodes
+
+    def broken(self, slaves, force, nodes):
+        return on_nodes(self, slaves, force * jnp.array([[0.0, 1.0]]), nodes)
+
+    RigidPlane.on_nodes = broken
 
 
 def _support_by_node() -> None:
@@ -285,6 +299,7 @@ STRUCTURE = (
     Breakage("penalty's step", "a penalty left out of the critical step", _penalty_forgotten, (SAFE,)),
     Breakage("plates hang", "baffle plates that are joined to the bottom alone", _plates_hang, (PLATES,)),
     Breakage("wide ribs", "ribs that are held along the tank, 16 % too stiff", _wide_ribs, (RIBBED,)),
+    Breakage("upright push", "a slider at an angle that pushes straight down only", _upright_push, (SIDEWAYS,)),
     Breakage("support by node", "a support that is stiffer on a finer mesh", _support_by_node, (SUNK,)),
     Breakage("late energy", "kinetic energy half a step late", _late_energy, (ENERGIES,)),
     Breakage("no narrowing", "elements that bend are not narrowed: they lock", _no_narrowing, (BENT,)),

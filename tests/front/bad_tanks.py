@@ -18,6 +18,8 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "ribs.share": (1.1, "(0, 1]", ""),
     "plates.thickness": (0.031, "(0, 0.03]", "m"),
     "plates.position": (0, ABOVE, "m"),
+    "plates.aperture": (1.1, "(0, 1]", ""),
+    "plates.hole_diameter": (0, ABOVE, "m"),
     "tank.width": (0, ABOVE, "m"),
     "tank.height": (-0.3, ABOVE, "m"),
     "tank.corner_radius": (0, ABOVE, "m"),
@@ -42,6 +44,7 @@ FIELDS = {  # of design and scenario: a number that is out of range, the range, 
     "scenario.height": (math.inf, ABOVE, "m"),
     "scenario.fill": (0.1, "[0.15, 1]", ""),
     "scenario.gravity": (0, ABOVE, "m/s²"),
+    "scenario.angle": (0.6, "[-0.5, 0.5]", "rad"),
 }
 CHOICES = {
     "ribs.kind": "none, rings",
@@ -53,6 +56,7 @@ CHOICES = {
     "cushion.kind": "layer, none",
     "support.method": "defence node, multiplier, penalty",
     "mesh.refinement": "a whole number from 1 to 8",
+    "mesh.extent": "half, whole",
 }
 
 
@@ -114,6 +118,7 @@ TOGETHER = [
         "and of tank.width = 0.07 m",
     ),
     _study(f"{INSIDE}position = 0.258", f"plates.position = 0.258 {BESIDE}"),
+    _study("[scenario]\nangle = '5°'", 'an angle other than 0 needs mesh.extent = "whole"'),
     line("sweep study.toml --over plates.position=0.1:0.27:2", f"plates.position = 0.27 {BESIDE}", study=KIND + INSIDE),
 ]
 WORDS = [

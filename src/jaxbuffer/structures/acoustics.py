@@ -39,10 +39,12 @@ class Cover(NamedTuple):
     def of(
         surface: np.ndarray, at: Float[Array, "pairs 2"], wall: np.ndarray, above: Float[Array, "nodes 2"]
     ) -> "Cover":
-        """The wall's nodes ``wall`` at ``above`` [m], from x = 0 outwards, over the nodes ``surface`` ``at`` [m]. The
-        last of these is on the wall, so that its strip's middle counts."""
-        x, width = jax.lax.cummax(above[:, 0]), jnp.abs(boundary_areas(at)[:, 1])
-        places = at[:, 0].at[-1].add(-0.5 * width[-1])
+        """The wall's nodes ``wall`` at ``above`` [m], from left to right, over the nodes ``surface`` ``at`` [m]; both
+        from x = 0 on or from a wall on the left. A node on a wall counts where its strip's middle is."""
+        x, width = above[:, 0], jnp.abs(boundary_areas(at)[:, 1])
+        x = jnp.where(x < 0.0, jax.lax.cummin(x, reverse=True), jax.lax.cummax(x))  # walls that lean out over it
+        first = jnp.where(at[0, 0] < -width[0], 0.5 * width[0], 0.0)
+        places = at[:, 0].at[-1].add(-0.5 * width[-1]).at[0].add(first)
         after = jnp.clip(jnp.searchsorted(x, places, side="right"), 1, len(wall) - 1)
         near = jnp.stack([after - 1, after], axis=1)
         share = (places - x[near[:, 0]]) / (x[near[:, 1]] - x[near[:, 0]])

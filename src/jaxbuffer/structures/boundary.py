@@ -13,6 +13,7 @@ def boundary_areas(path: Float[Array, "nodes 2"]) -> Float[Array, "nodes 2"]:
 
 
 def enclosed(path: Float[Array, "nodes 2"]) -> Float[Array, ""]:
-    """Area between a boundary as of `boundary_areas` and the vertical axis, on which it begins and ends level [m²]."""
+    """Area inside a boundary as of `boundary_areas` that is closed, or has both ends at one height; or that begins and
+    ends level on the vertical axis, which then bounds it too [m²]."""
     x, y = path[:, 0], path[:, 1]
     return 0.5 * jnp.sum((x[1:] + x[:-1]) * (y[1:] - y[:-1]))

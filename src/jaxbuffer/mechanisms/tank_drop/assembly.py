@@ -4,9 +4,11 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from jax.scipy.linalg import block_diag
 from jaxtyping import Array, Float
 
-from ..._types import Scalar
+from ..._types import Scalar, stacked
+from ...fields import replace
 from ...structures import Liquid, Orthotropic, Plane, Plastic, Quads, System
 from ...structures.acoustics import Cover, element_matrices
 from ...structures.boundary import boundary_areas, enclosed
@@ -14,6 +16,7 @@ from ...structures.contact import Contact, Layer, RigidPlane
 from ...structures.gas import Gas
 from ...structures.incidence import Incidence
 from ...structures.perforated import Holes, Perforated, at_heights
+from ...structures.system import Instant
 from .design import TankDrop, TankDropScenario
 from .laminate import equivalent
 from .numbering import Numbering
@@ -24,12 +27,14 @@ ACROSS = 4  # integration points from one side of an element to the other
 
 
 class Assembled(NamedTuple):
-    """The system of half a cross-section, a metre long.
+    """The system of half a cross-section or of the whole, a metre long.
 
     - ``system``, ``section``: of it; ``wall``: its elements, ``material``: theirs.
     - ``strength``: the size of stresses that matter: yield stress, or the plies' in compression along the fibres [Pa].
     - ``slider``: its node.
     - ``factor``: from its forces and energies to those of the whole tank [m].
+    - ``angle``: of the slider's underside, counter-clockwise [rad].
+    - ``half``: of the whole, half of it under a slider at no angle; None for a half.
     """
 
     system: System
@@ -39,6 +44,8 @@ class Assembled(NamedTuple):
     strength: Scalar
     slider: int
     factor: Scalar
+    angle: Scalar
+    half: "Assembled | None"
 
     def compression(self, positions: Float[Array, "nodes 2"]) -> Float[Array, " pressed"]:
         """How far the cushion is pressed together at each node below it; without one, the wall into the slider [m]."""
@@ -47,17 +54,25 @@ class Assembled(NamedTuple):
         strike = self.system.contacts[1]
         return -strike.surface.pairs(strike.slaves, positions, None).gap
 
+    def force(self, instant: Instant) -> Float[Array, ""]:
+        """The upward part of the force on the slider, along its fall: the guide takes the sideways part [N]."""
+        (normal,) = [forces.normal for forces in (instant.layers or instant.contacts[1:])]
+        return jnp.cos(self.angle) * jnp.sum(normal)
+
 
 def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     """The parts put together, nothing loaded yet."""
     seen = section(design, scenario.fill)
-    nodes, factor = len(seen.positions), 2.0 * design.tank.length
+    whole = design.mesh.extent == "whole"
+    nodes, factor = len(seen.positions), (1.0 if whole else 2.0) * design.tank.length
     slider, baffle = nodes, nodes + 1
-    above = design.tank.height + (design.cushion.thickness if design.cushion.kind == "layer" else 0.0)
+    angle = scenario.angle if whole else 0.0
+    under = RigidPlane(slider, (jnp.sin(angle), -jnp.cos(angle)) if whole else (0.0, -1.0))
+    above = _above(design, seen, under)
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
     positions = jnp.concatenate([seen.positions, bodies])
     material = _material(design)
-    quads, density = Quads.of(positions, seen.numbers.corners, ACROSS), material.density
+    quads, density = Quads.of(positions, seen.sets.corners, ACROSS), material.density
     if len(seen.numbers.ribs):
         quads, density = _with_ribs(design, quads)
     wall = Plane(quads, material)
@@ -69,22 +84,35 @@ def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
         static = design.contents.density * scenario.gravity * (surface - seen.liquid[:, 1])
         if liquid.plate is not None:
             mass = mass.at[liquid.plate.plate, 0].add(liquid.plate.added_mass())
-    inverse = (1.0 / mass).at[seen.numbers.middle, 0].set(0.0)
+    inverse = (1.0 / mass).at[seen.sets.held, 0].set(0.0)
     held = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
     inverse = jnp.concatenate([inverse, held[None], jnp.zeros((1, 2))])
     system = System(
         positions,
         inverse,
         (wall,),
-        (_support(design, seen, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, seen, slider)])),
-        (_cushion(design, seen, slider),) if design.cushion.kind == "layer" else (),
+        (_support(design, seen, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, seen, under)])),
+        (_cushion(design, seen, under),) if design.cushion.kind == "layer" else (),
         jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
         None,
         liquid,
         static,
         _air(design, seen) if design.contents.air == "trapped" and not seen.numbers.full else None,
     )
-    return Assembled(system, seen, wall, material, _strength(design), slider, factor)
+    half = None
+    if whole:
+        half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
+    return Assembled(system, seen, wall, material, _strength(design), slider, factor, angle, half)
+
+
+def _above(design: TankDrop, seen: Section, under: RigidPlane) -> Scalar:
+    """How high the slider is where it, or its cushion, just touches the tank [m]."""
+    soft = design.cushion.thickness if design.cushion.kind == "layer" else 0.0
+    if design.mesh.extent == "half":
+        return design.tank.height + soft
+    sideways, downwards = under.normal
+    x, y = seen.positions[seen.sets.pressed].T
+    return (soft - jnp.min(sideways * x + downwards * y)) / -downwards
 
 
 def _material(design: TankDrop) -> Plastic | Orthotropic:
@@ -105,7 +133,9 @@ def _with_ribs(design: TankDrop, quads: Quads) -> tuple[Quads, Float[Array, " el
     """Elements of which the ribs' are as deep as their share of a metre and, as narrow ribs are free to narrow along
     the tank and plane elements are not, 1 - ν² of that; densities that give them their whole mass (M168)."""
     narrowed = 1.0 - jnp.asarray(design.material.poisson_ratio, float) ** 2
-    last = np.arange(len(quads.weight)) >= len(quads.weight) - Numbering.of(design).ribs[1:, 1:].size
+    numbers = Numbering.of(design)
+    half = len(numbers.corners)
+    last = np.arange(len(quads.weight)) % half >= half - numbers.ribs[1:, 1:].size
     depth = jnp.where(last, narrowed * design.ribs.share, 1.0)
     density = design.material.density * jnp.where(last, 1.0 / narrowed, 1.0)
     return quads._replace(weight=quads.weight * depth[:, None]), density
@@ -117,33 +147,33 @@ def _strength(design: TankDrop) -> Scalar:
 
 def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:
     """The outside, up to the level, on the baffle."""
-    slaves = seen.numbers.outer[: seen.numbers.level]
+    slaves = seen.sets.support
     strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
     return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
-def _strike(design: TankDrop, seen: Section, slider: int) -> Contact:
+def _strike(design: TankDrop, seen: Section, under: RigidPlane) -> Contact:
     """The slider without a cushion, on the outside from the level on, by the method of the support."""
-    slaves = seen.numbers.outer[seen.numbers.level :]
+    slaves = seen.sets.pressed
     strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
-    return Contact(slaves, RigidPlane(slider, (0.0, -1.0)), design.support.method, design.support.stiffness * strips)
+    return Contact(slaves, under, design.support.method, design.support.stiffness * strips)
 
 
 def _air(design: TankDrop, seen: Section) -> Gas:
     """The air that is shut in above the liquid."""
-    wall = seen.positions[seen.numbers.inner]
-    below = 0.0 if design.contents.kind == "none" else enclosed(seen.liquid[seen.numbers.wet])
-    return Gas(seen.numbers.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
+    wall = seen.positions[seen.sets.inner]
+    below = 0.0 if design.contents.kind == "none" else enclosed(seen.liquid[seen.sets.wet])
+    return Gas(seen.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
 
 
-def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
-    """The cushion over the outside from the level on."""
-    slaves = seen.numbers.outer[seen.numbers.level :]
-    width = jnp.abs(boundary_areas(seen.positions[slaves])[:, 1])
+def _cushion(design: TankDrop, seen: Section, under: RigidPlane) -> Layer:
+    """The cushion over the outside from the level on, in strips as wide as what faces it."""
+    slaves = seen.sets.pressed
+    width = jnp.maximum(-(boundary_areas(seen.positions[slaves]) @ stacked(under.normal)), 0.0)
     soft = design.cushion
     return Layer(
         slaves,
-        RigidPlane(slider, (0.0, -1.0)),
+        under,
         width,
         soft.thickness,
         soft.stiffness,
@@ -153,23 +183,22 @@ def _cushion(design: TankDrop, seen: Section, slider: int) -> Layer:
 
 
 def _liquid(design: TankDrop, seen: Section) -> Liquid:
-    corners, count = seen.numbers.liquid_corners, len(seen.liquid)
+    corners, count = seen.sets.liquid_corners, len(seen.liquid)
     stiffness, mass = element_matrices(seen.liquid, corners, design.contents.sound_speed)
     incidence = Incidence.of(corners, count)
     cover = None
     if not seen.numbers.full:
-        surface = seen.numbers.free
-        above = seen.numbers.inner[seen.numbers.level :][::-1]
+        surface, above = seen.sets.free, seen.sets.above
         cover = Cover.of(surface, seen.liquid[surface], above, seen.positions[above])
     return Liquid(
         incidence,
         stiffness,
         incidence.to_nodes(jnp.sum(mass, axis=2)),
-        jnp.ones(count).at[seen.numbers.free].set(0.0),
+        jnp.ones(count).at[seen.sets.free].set(0.0),
         jnp.asarray(design.contents.density, float),
-        seen.numbers.wetted,
-        seen.numbers.wet,
-        boundary_areas(seen.positions[seen.numbers.wetted]),
+        seen.sets.wetted,
+        seen.sets.wet,
+        boundary_areas(seen.positions[seen.sets.wetted]),
         follows=seen.numbers.full,
         cover=cover,
         plate=_holes(design, seen) if seen.numbers.plate_side >= 0 else None,
@@ -177,18 +206,20 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
 
 
 def _holes(design: TankDrop, seen: Section) -> Perforated:
-    """The plate as the liquid feels it."""
-    plates, numbers, side = design.plates, seen.numbers, seen.numbers.plate_side
+    """The plate, or both, as the liquid feels it."""
+    plates, sets, high = design.plates, seen.sets, seen.numbers.liquid.shape[1]
     assert plates.aperture is not None
-    left, right = numbers.liquid[side], numbers.liquid[side + 1]
-    middle = 0.5 * (seen.liquid[left] + seen.liquid[right])
-    rows = jnp.mean(seen.positions[numbers.plate, 1], axis=1)
+    middle = 0.5 * (seen.liquid[sets.before] + seen.liquid[sets.behind])[:high]
+    rows = jnp.mean(seen.positions[seen.numbers.plate, 1], axis=1)
+    area, shares = boundary_areas(middle)[:, 0], at_heights(middle[:, 1], rows)
+    if len(sets.before) > high:  # the other one, from its head on
+        area, shares = jnp.concatenate([area, area[::-1]]), block_diag(shares, shares[::-1, ::-1])
     return Perforated(
-        left,
-        right,
-        boundary_areas(middle)[:, 0],
-        numbers.plate,
-        at_heights(middle[:, 1], rows),
+        sets.before,
+        sets.behind,
+        area,
+        sets.plate,
+        shares,
         Holes.of(plates.thickness, plates.hole_diameter, plates.aperture),
         jnp.asarray(design.contents.density, float),
     )

@@ -183,17 +183,21 @@ class Mesh(Part):
     """How finely the section is divided.
 
     ``refinement``: 1 for elements of some 20 mm along the wall and one across it, 2 for twice as many
-    either way, up to 8.
+    either way, up to 8; ``extent``: "half" of the section, which is symmetric, or the "whole", which a slider at an
+    angle needs and which takes twice as long.
     """
 
     section: ClassVar[str] = "mesh"
     refinement: int = whole(
         1, 1, 8, doc="1: elements of some 20 mm and one across the wall; 2: twice as many either way; up to 8"
     )
+    extent: str = choice(
+        "half", "half", "whole", doc="half of the section, by symmetry; whole: as scenario.angle needs"
+    )
 
 
 class TankDrop(DesignOf[TankRun]):
-    """The whole mechanism: plane strain in the tank's cross-section, of which one half is computed.
+    """The whole mechanism: plane strain in the tank's cross-section, of which half is computed, or the whole.
 
     *Analysis of fuel tank collision structure based on defense point method* prints no dimension and no material: the
     defaults are assumed.
@@ -233,6 +237,8 @@ class TankDropScenario(Part):
     - ``height``: through which it falls before the cushion touches [m].
     - ``fill``: height of the liquid over the inner height [-].
     - ``gravity``: [m/s²].
+    - ``angle``: by which the slider's underside is turned against the tank's top, counter-clockwise; the slider still
+      falls straight down, guided, and does not turn [rad].
 
     **Raises:** `InputError` where a number is out of its range.
 
@@ -247,11 +253,15 @@ class TankDropScenario(Part):
     height: Number = number(2.04, "m", **POSITIVE, doc="height through which it falls before the cushion touches")
     fill: Number = number(0.8, "-", **FILL, doc="height of the liquid over the inner height")
     gravity: Number = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity")
+    angle: Number = number(
+        0.0, "rad", low=-0.5, high=0.5, doc="angle of the slider's underside against the top; needs mesh.extent = whole"
+    )
 
 
 def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
     """Raise `InputError` where a wall, with its rib, is as thick as its corner is round, a plate does not stand on the
-    flat bottom, the liquid is no higher than its corner, or ribs stand beside what they are not computed with."""
+    flat bottom, the liquid is no higher than its corner, ribs stand beside what they are not computed with, or half of
+    a section is to meet a slider at an angle."""
     check_type("design", design, TankDrop, "the design first, such as jb.TankDrop(), then the scenario")
     for zone in ZONES:
         try:
@@ -259,6 +269,7 @@ def check_fit(design: TankDrop, scenario: TankDropScenario) -> None:
         except InputError as error:
             raise error.between(after=", less than tank.corner_radius") from None
     _check_ribs(design)
+    _check_angle(design, scenario)
     if design.plates.kind != "none":
         try:
             check_entries("plates.position", design.plates.position, "m", *_between(design))
@@ -290,6 +301,17 @@ def _check_ribs(design: TankDrop) -> None:
             raise error.between(after=f", less than tank.corner_radius - wall.{zone}") from None
 
 
+def _check_angle(design: TankDrop, scenario: TankDropScenario) -> None:
+    angle = concrete(scenario.angle)
+    if design.mesh.extent == "whole" or angle is None or not (bad := np.asarray(angle) != 0.0).any():
+        return
+    given = float(np.asarray(angle)[bad][0])
+    raise InputError(
+        f"scenario.angle = {given:g} rad ({np.degrees(given):.3g}°): an angle other than 0 needs"
+        ' mesh.extent = "whole"; half of the section is symmetric'
+    )
+
+
 def _room(design: TankDrop, zone: str) -> Scalar:
     """How high a rib can be there [m]: it ends before the middle of a corner."""
     return design.tank.corner_radius - getattr(design.wall, zone)
@@ -318,4 +340,6 @@ def valid(design: TankDrop, scenario: TankDropScenario) -> Bool[Array, ""]:
     beside = [] if design.plates.kind == "none" else [(left < at) & (at < right)]
     if design.ribs.kind != "none":
         beside += [jnp.asarray(design.ribs.height, float) < _room(design, zone) for zone in ZONES]
+    if design.mesh.extent == "half":
+        beside.append(jnp.asarray(scenario.angle, float) == 0.0)
     return all_of([*design.in_range(), *scenario.in_range(), *thin, *round_enough, *beside, high])

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from ..drawing import GROUND, Band, Drawing, Named, Outline, Spot, as_they_are, box
 from .design import TankDrop
+from .node_sets import NodeSets
 from .numbering import Numbering
 
 SLIDER = 0  # its body
@@ -17,8 +18,9 @@ def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
     """The wall as it bends, in front of the cushion that it is pressed into, the slider and the baffle."""
     wide, tall = 0.6 * float(design.tank.width), float(design.tank.height)
     soft = float(design.cushion.thickness) if design.cushion.kind == "layer" else 0.0
-    numbers = Numbering.of(design)
-    around, rows = tuple(range(1, 2 * len(numbers.wall) + 1)), len(numbers.plate)
+    numbers, sets = Numbering.of(design), NodeSets.of(design)
+    whole, rows = design.mesh.extent == "whole", len(numbers.plate)
+    around = tuple(range(1, (1 if whole else 2) * len(sets.inner) + 1))
     right, left = (tuple(range(around[-1] + 1 + k * rows, around[-1] + 1 + (k + 1) * rows)) for k in (0, 1))
     plates = [
         Band(each, float(design.plates.thickness), part) for each, part in ((right, "plates"), (left, "")) if each
@@ -31,18 +33,27 @@ def drawing(design: TankDrop, bodies: tuple[str, ...] = ()) -> Drawing:
         Band(around, thickness, "tank"),
         *plates,
     )
-    return Drawing(shapes, (), (Named(Spot(SLIDER, 0.0, 0.5 * HIGH * tall), "slider"),), frames=frames)
+    return Drawing(
+        shapes, (), (Named(Spot(SLIDER, 0.0, 0.5 * HIGH * tall), "slider"),), frames=frames if whole else both_halves
+    )
 
 
 def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
     """The slider, and the wall's columns: up on the right, down on the left; then both plates', likewise."""
-    parts = [part for part in ("wall", "plate") if f"{part}_x" in history.others]
-    both = [half for part in parts for half in _halves(*(history.others[f"{part}_{axis}"] for axis in "xy"))]
+    return np.concatenate([as_they_are(history), *_lines(history)], axis=1)
+
+
+def both_halves(history: Any) -> Float[np.ndarray, "steps frames 3"]:
+    """The same, where the history has the right half alone."""
+    both = [half for line in _lines(history) for half in (line, line[:, ::-1] * np.array([-1.0, 1.0, -1.0]))]
     return np.concatenate([as_they_are(history), *both], axis=1)
 
 
-def _halves(x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
-    """What goes through these points (steps, points) [m] on the right, as frames, and its mirror image backwards."""
-    x, y = np.asarray(x), np.asarray(y)
-    angle = np.arctan2(np.gradient(y, axis=1), np.gradient(x, axis=1))
-    return np.stack([x, y, angle], axis=-1), np.stack([-x, y, -angle], axis=-1)[:, ::-1]
+def _lines(history: Any) -> list[np.ndarray]:
+    """What goes through the wall's and the plates' points, as frames (steps, points, 3)."""
+    lines = []
+    for part in ("wall", "plate"):
+        if f"{part}_x" in history.others:
+            x, y = (np.asarray(history.others[f"{part}_{axis}"]) for axis in "xy")
+            lines.append(np.stack([x, y, np.arctan2(np.gradient(y, axis=1), np.gradient(x, axis=1))], axis=-1))
+    return lines

@@ -1,14 +1,16 @@
-"""Wall and liquid at instants of a run, both halves of the section."""
+"""Wall and liquid at instants of a run, in the whole section."""
 
 from collections.abc import Sequence
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from ...programs.cache import stored
 from ..picture import Meshed
 from .design import TankDrop, TankDropScenario
+from .node_sets import FLIP, NodeSets, mirrors
 from .numbering import Numbering
 from .section import liquid_within, section
 
@@ -23,8 +25,8 @@ def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
     for words, name, row in _instants(time, kept["peak_stress"], times):
         wall, liquid = map(np.asarray, _moved(run.design, run.scenario, kept["displacement"][row]))
         title = f"{words}{1e3 * time[row]:.4g} ms"
-        numbers, now = Numbering.of(run.design), {key: values[row] for key, values in kept.items()}
-        found.append(_mirrored(title, name, *_whole(numbers, wall, liquid, now)))
+        now = {key: values[row] for key, values in kept.items()}
+        found.append(_completed(run.design, Meshed(title, name, *_together(run.design, wall, liquid, now))))
     return found
 
 
@@ -34,14 +36,14 @@ def displaced(run: Any) -> tuple[Meshed, Meshed]:
     The liquid's mesh goes along by interpolation, so that it has no displacement of its own."""
     kept = np.asarray(run.history.others["displacement"])
     row = int(np.argmax(np.asarray(run.history.contact_force)[:, 0]))
-    numbers, made = Numbering.of(run.design), []
-    since = kept[row, numbers.corners].mean(axis=1) - kept[0, numbers.corners].mean(axis=1)
+    corners, made = NodeSets.of(run.design).corners, []
+    since = kept[row, corners].mean(axis=1) - kept[0, corners].mean(axis=1)
     for words, place in (("before", 0), (f"{1e3 * float(run.history.time[row]):.4g} ms", row)):
         wall, _ = map(np.asarray, _moved(run.design, run.scenario, kept[place]))
         across, down = 1e3 * since[:, 0] * (place > 0), -1e3 * since[:, 1] * (place > 0)
-        both = _mirrored(words, "", wall, numbers.corners, {ACROSS: across, ALONG: down})
-        both.values[ACROSS][len(across) :] *= -1.0
-        made.append(both)
+        both = _completed(run.design, Meshed(words, "", wall, corners, {ACROSS: across, ALONG: down}))
+        image = np.where(np.arange(len(both.cells)) < len(corners), 1.0, -1.0)
+        made.append(both._replace(values={**both.values, ACROSS: image * both.values[ACROSS]}))
     return made[0], made[1]
 
 
@@ -52,7 +54,22 @@ def _moved(
     """The nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
     seen = section(design, scenario.fill)
     at = seen.positions + displacement[: len(seen.positions)]
-    return at, liquid_within(at, seen.numbers)
+    within = liquid_within if design.mesh.extent == "half" else _within_whole
+    return at, within(at, seen.numbers)
+
+
+def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
+    """As of `liquid_within`, where the whole wall moves: its even part, as half of a wall, with the odd part that both
+    sides share; the surface is straight between them [m]."""
+    of_wall, of_liquid = mirrors(numbers)
+    right, left = wall[: len(of_wall.image)], wall[of_wall.image] * FLIP
+    even, odd = 0.5 * (right + left), 0.5 * (right - left)
+    middle = jnp.abs(even[:, 0]) < 1e-9
+    slope = jnp.where(middle, 0.0, odd[:, 1] / jnp.where(middle, 1.0, even[:, 0]))
+    along = lambda values: liquid_within(jnp.stack([even[:, 0], values], axis=1), numbers)[:, 1]  # noqa: E731
+    liquid = liquid_within(even, numbers)
+    shared = jnp.stack([along(odd[:, 0]), along(slope) * liquid[:, 0]], axis=1)
+    return jnp.concatenate([liquid + shared, ((liquid - shared) * FLIP)[of_liquid.others]])
 
 
 def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | None) -> list[tuple[str, str, int]]:
@@ -62,14 +79,15 @@ def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | Non
     return [("", f"fields_{k}", int(np.argmin(np.abs(time - at)))) for k, at in enumerate(times)]
 
 
-def _whole(
-    numbers: Numbering, wall: np.ndarray, liquid: np.ndarray, kept: dict[str, Any]
+def _together(
+    design: TankDrop, wall: np.ndarray, liquid: np.ndarray, kept: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
-    """Nodes, cells and values of the right half: wall and plate, then the liquid."""
-    nodes, cells = wall, numbers.corners
+    """Nodes, cells and values of what is computed: wall and plate, then the liquid."""
+    sets = NodeSets.of(design)
+    nodes, cells = wall, sets.corners
     values = {STRESS: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
     if "pressure" in kept:
-        corners = numbers.liquid_corners
+        corners = sets.liquid_corners
         pressure = 1e-3 * kept["pressure"][corners].mean(axis=1)
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}
         values["pressure of the liquid [kPa]"] = np.concatenate([np.full(len(cells), np.nan), pressure])
@@ -78,9 +96,10 @@ def _whole(
     return nodes, cells, values
 
 
-def _mirrored(title: str, name: str, nodes: np.ndarray, cells: np.ndarray, values: dict[str, np.ndarray]) -> Meshed:
-    """Both halves; corners stay counter-clockwise."""
-    other = nodes * np.array([-1.0, 1.0])
-    both = np.concatenate([cells, cells[:, ::-1] + len(nodes)])
-    twice = {key: np.concatenate([one, one]) for key, one in values.items()}
-    return Meshed(title, name, np.concatenate([nodes, other]), both, twice)
+def _completed(design: TankDrop, mesh: Meshed) -> Meshed:
+    """With its mirror image, where half of the section is computed; corners stay counter-clockwise."""
+    if design.mesh.extent == "whole":
+        return mesh
+    both = np.concatenate([mesh.cells, mesh.cells[:, ::-1] + len(mesh.nodes)])
+    twice = {key: np.concatenate([one, one]) for key, one in mesh.values.items()}
+    return mesh._replace(nodes=np.concatenate([mesh.nodes, mesh.nodes * FLIP]), cells=both, values=twice)

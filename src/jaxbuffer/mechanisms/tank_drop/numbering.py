@@ -116,6 +116,11 @@ class Numbering(NamedTuple):
         return np.delete(self.inner[:columns], within)
 
     @property
+    def beside_plate(self) -> Int[np.ndarray, "sides pairs"]:
+        """The liquid's nodes on the inner and on the outer face of a plate that it feels, upwards."""
+        return self.liquid[self.plate_side :][:2] if self.plate_side >= 0 else np.zeros((2, 0), int)
+
+    @property
     def within_plate(self) -> Int[np.ndarray, " columns"]:
         """The columns along the bottom between the faces of a plate that the liquid feels."""
         if self.plate_side < 0:
@@ -123,9 +128,9 @@ class Numbering(NamedTuple):
         return np.arange(self.plate_side + 1, self.plate_side + self.wall.shape[1] - 1)
 
     def at_a_joint(self, element: int) -> bool:
-        """Whether an element is where a plate meets the wall, or next to that."""
+        """Whether an element, or its image in the whole section, is where a plate meets the wall, or next to that."""
         columns = self.wall[np.isin(self.inner, self.plate[[0, -1]])] if len(self.plate) else self.plate
-        return bool(np.isin(self.corners[element], columns).any())
+        return bool(np.isin(self.corners[element % len(self.corners)], columns).any())
 
 
 def _elements(nodes: np.ndarray) -> np.ndarray:

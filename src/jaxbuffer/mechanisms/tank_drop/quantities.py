@@ -105,6 +105,15 @@ QUANTITIES: dict[str, Quantity] = {
         swept=True,
         tuned=True,
     ),
+    "slide": Quantity(
+        "m",
+        lambda run: run.slide,
+        "how far the middle of the bottom has gone to the right at the end; 0 of half a section",
+        "slide of the tank",
+        signed=True,
+        swept=True,
+        shown=("mm", 1e3),
+    ),
     **{
         f"{form}_time": Quantity(
             "s",

@@ -57,6 +57,7 @@ def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scal
         highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
         lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
         rebound_speed=after * known,
+        slide=found.state.displacement[parts.section.numbers.outer[0], 0] * known,
         reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
         wall_mass=wall_mass(design),
         step=found.step,
@@ -129,14 +130,14 @@ def _energy(factor: Scalar, energies: Any) -> Energy:
 
 
 def history_of(parts: Assembled, rows: Row) -> History:
-    """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column ("wall_x",
-    "wall_y", of a plate "plate_x", "plate_y" [m]), the ``displacement`` of all nodes [m], the stress [Pa] and plastic
-    strain of all elements, and the liquid's ``pressure`` [Pa]."""
+    """The slider's motion, forces of the whole tank, and how the wall moves: its middle, column by column as of
+    `NodeSets` ("wall_x", "wall_y", of a plate "plate_x", "plate_y" [m]), the ``displacement`` of all nodes [m], the
+    stress [Pa] and plastic strain of all elements, and the liquid's ``pressure`` [Pa]."""
     system, section, factor = parts.system, parts.section, parts.factor
     count, zero = rows.time.shape[0], jnp.zeros(rows.time.shape)
     at = system.positions[None] + rows.displacement
     slider = at[:, parts.slider, 1]
-    middle = 0.5 * (at[:, section.numbers.inner] + at[:, section.numbers.outer])
+    middle = 0.5 * (at[:, section.sets.inner] + at[:, section.sets.outer])
     compression = jax.vmap(lambda x: jnp.max(parts.compression(x)))(at)
     others = {
         "deflection": -rows.displacement[:, section.numbers.outer[-1], 1],
@@ -158,7 +159,7 @@ def history_of(parts: Assembled, rows: Row) -> History:
     whole = jax.tree.map(lambda x: factor * x, rows.energies)
     return History(
         time=rows.time,
-        position=jnp.stack([zero, slider, zero], axis=1)[:, None],
+        position=jnp.stack([zero, slider, zero + parts.angle], axis=1)[:, None],
         velocity=jnp.stack([zero, rows.speed, zero], axis=1)[:, None],
         multipliers=jnp.zeros((count, 0)),
         gap=-compression[:, None],
@@ -173,9 +174,9 @@ def history_of(parts: Assembled, rows: Row) -> History:
 
 def _plate(at: Array, section: Section) -> dict[str, Array]:
     """How the plate moves, if there is one: its middle, row by row [m]. ``at``: (rows of the history, nodes, 2) [m]."""
-    if not len(section.numbers.plate):
+    if not len(section.sets.plate):
         return {}
-    middle = jnp.mean(at[:, section.numbers.plate], axis=2)
+    middle = jnp.mean(at[:, section.sets.plate], axis=2)
     return {"plate_x": middle[..., 0], "plate_y": middle[..., 1]}
 
 

@@ -8,19 +8,21 @@ from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
 from .design import ZONES, TankDrop
+from .node_sets import NodeSets, mirrors
 from .numbering import ABOVE, BEYOND, BOTTOM, CORNER, DRY, SIDE, WET, WITHIN, Numbering
 
 TAPER = 0.02  # m, over which the thickness goes from one zone's to the next one's
 
 
 class Section(NamedTuple):
-    """Half of the cross-section, to the right of its middle.
+    """Half of the cross-section, to the right of its middle, or the whole.
 
-    - ``numbers``: of its nodes and elements; ``positions``: (nodes, 2) of wall and plate [m].
-    - ``liquid``: (liquid nodes, 2) of the liquid [m].
+    - ``numbers``: of the half's nodes and elements; ``sets``: of all there are, the half's first.
+    - ``positions``: (nodes, 2) of wall and plate [m]; ``liquid``: (liquid nodes, 2) of the liquid [m].
     """
 
     numbers: Numbering
+    sets: NodeSets
     positions: Float[Array, "nodes 2"]
     liquid: Float[Array, "liquid 2"]
 
@@ -41,7 +43,11 @@ def section(design: TankDrop, fill: Scalar) -> Section:
     if len(numbers.ribs):
         depth = thickness[:, None] + design.ribs.height * shares[None, :-1]
         positions = jnp.concatenate([positions, (face[:, None] - depth[..., None] * normal[:, None]).reshape(-1, 2)])
-    return Section(numbers, positions, liquid_within(positions, numbers))
+    liquid = liquid_within(positions, numbers)
+    if design.mesh.extent == "whole":
+        of_wall, of_liquid = mirrors(numbers)
+        positions, liquid = of_wall.vectors(positions), of_liquid.vectors(liquid)
+    return Section(numbers, NodeSets.of(design), positions, liquid)
 
 
 def _columns(design: TankDrop, fill: Scalar) -> Float[Array, " columns"]:

@@ -10,6 +10,7 @@ from jaxtyping import Array, Bool, Float
 from ...structures import State
 from .assembly import Assembled
 from .design import TankDropScenario
+from .node_sets import mirrors
 
 ITERATIONS = 20  # of Newton's method, and one for each node that may leave the baffle
 
@@ -41,7 +42,12 @@ def falling(parts: Assembled, scenario: TankDropScenario) -> State:
 def at_rest(parts: Assembled) -> State:
     """The tank in equilibrium with gravity and the liquid's static pressure, its flat bottom on the baffle where it
     presses on it, or as deep in it as a penalty lets it; the slider where the cushion would just touch the tank
-    undeformed. Newton's method finds it; derivatives are those of the equilibrium."""
+    undeformed. Newton's method finds it; derivatives are those of the equilibrium. The whole section stands as its half
+    does and as that one's image: nothing holds it sideways, so that its own matrix is singular."""
+    if parts.half is not None:
+        half = at_rest(parts.half).displacement[: parts.half.slider]
+        of_wall, _ = mirrors(parts.section.numbers)
+        return parts.system.start()._replace(displacement=jnp.concatenate([of_wall.vectors(half), jnp.zeros((2, 2))]))
     unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
     found, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)

@@ -33,7 +33,7 @@ class Row(NamedTuple):
 
     - ``time``: [s].
     - ``displacement``: (nodes, 2) [m]; ``speed``: of the slider, upwards [m/s].
-    - ``force``: on the slider, ``support``: on the baffle, of half a section and a metre of length [N].
+    - ``force``: on the slider, ``support``: on the baffle, of the section and a metre of length [N].
     - ``pressure``: (liquid,) beyond the static one [Pa].
     - ``stress``: (elements,) after von Mises [Pa]; ``plastic_strain``: (elements,) [-].
     - ``energies``: as `Energies`.
@@ -51,7 +51,7 @@ class Row(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What is known of a run so far, of half a section and a metre of length.
+    """What is known of a run so far, of the section and a metre of length.
 
     - ``force``: largest on the slider [N]; ``force_time``: of that [s]; ``impulse``: [N s].
     - ``released``: when the force was last above zero [s]; ``in_contact``: for how long it was [s].
@@ -150,7 +150,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
     energies = Energies(*(zero,) * len(Energies._fields))
     rows = None
     if history:
-        elements = len(parts.section.numbers.corners)
+        elements = len(parts.section.sets.corners)
         room = lambda *shape: jnp.zeros((ROWS, *shape))  # noqa: E731
         rows = Row(
             *(room(), room(*start.displacement.shape), room(), room(), room(), room(*start.pressure.shape)),
@@ -164,7 +164,7 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
 def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
     system, section = parts.system, parts.section
     (found,) = instant.resistances
-    force = jnp.sum((instant.layers or instant.contacts[1:])[0].normal)
+    force = parts.force(instant)
     stress = jnp.max(mises(at_faces(found.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.strength

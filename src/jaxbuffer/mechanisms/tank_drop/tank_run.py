@@ -22,6 +22,7 @@ class TankRun(Run):
     - ``yield_time``, ``solid_time``, ``torn_time``, ``crack_time``: when the wall first yields or a ply of it fails,
       the cushion is solid, the liquid is under less than no pressure, an integration point fails; NaN if never [s].
     - ``rebound_speed``: of the slider at the end, upwards [m/s].
+    - ``slide``: of the tank to the right, by the middle of its bottom, at the end [m].
     - ``reserve``: the yield stress over the largest stress; of a composite the least reserve factor of its plies [-].
     - ``wall_mass``: of wall, ribs and plates [kg]; ``step``: of the time stepping [s].
     """
@@ -45,6 +46,7 @@ class TankRun(Run):
     torn_time: Float[Array, ""]
     crack_time: Float[Array, ""]
     rebound_speed: Float[Array, ""]
+    slide: Float[Array, ""]
     reserve: Float[Array, ""]
     wall_mass: Float[Array, ""]
     step: Float[Array, ""]

@@ -20,7 +20,8 @@ from .tank_run import TankRun
 
 def label(scenario: TankDropScenario, among: Any = ()) -> str:
     """What people call a drop: "from 2.04 m, filled to 80 %"."""
-    return f"from {float(scenario.height):.4g} m, filled to {100.0 * float(scenario.fill):.4g} %"
+    turned = f", at {math.degrees(float(scenario.angle)):.4g}°" if float(scenario.angle) else ""
+    return f"from {float(scenario.height):.4g} m, filled to {100.0 * float(scenario.fill):.4g} %{turned}"
 
 
 def warnings(run: TankRun) -> list[str]:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from ..._types import Scalar
 from ..incidence import added_at
 
 TERRITORY = 0.05  # of a segment's length by which it goes on beyond either end for the foot of a node
@@ -43,7 +44,7 @@ class RigidPlane(eqx.Module):
     """
 
     node: int = eqx.field(static=True)
-    normal: tuple[float, float] = eqx.field(static=True)
+    normal: tuple[Scalar, Scalar]
 
     def pairs(self, slaves: np.ndarray, positions: Float[Array, "nodes 2"], near: Any = None) -> Pairs:
         """The pairs of all ``slaves`` with their feet."""
