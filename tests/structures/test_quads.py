@@ -1,5 +1,7 @@
 """Plane elements: patch test, bending, no locking, no hourglasses, large rotations."""
 
+import re
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -141,3 +143,11 @@ def test_clockwise_corners_are_refused():
     square = jnp.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     with pytest.raises(InputError, match="corners of element 1 are not counter-clockwise"):
         Quads.of(square, corners)
+
+
+def test_eigenvalues_of_elements_are_found_one_by_one():
+    """Many at once share XLA's threads, for which programs that run side by side, as in a sweep, wait forever."""
+    positions, corners = grid(20, 4, 1.0, 0.1)
+    wall = Plane(Quads.of(positions, corners), Elastic(1.0, 100.0, 0.3, "strain"))
+    found = re.findall(r"f64\[([\d,]+)\] \w+:f64\[[\d,]+\] = eigh", str(jax.make_jaxpr(wall.fastest)()))
+    assert found == ["8,8"]

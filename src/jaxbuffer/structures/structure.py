@@ -109,7 +109,9 @@ class Plane(eqx.Module):
     def fastest(self) -> Float[Array, " elements"]:
         still = jnp.zeros((len(self.quads.incidence.places), 2))
         quarter = 0.25 * self.material.density * self.quads.area
-        return jnp.sqrt(jnp.linalg.eigvalsh(self.stiffness(still))[:, -1] / quarter)
+        # One by one: many at once share XLA's threads, and programs on all of these would wait for each other.
+        highest = jax.lax.map(lambda matrix: jnp.linalg.eigvalsh(matrix)[-1], self.stiffness(still))
+        return jnp.sqrt(highest / quarter)
 
 
 class Rods(eqx.Module):
