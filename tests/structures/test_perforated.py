@@ -52,8 +52,8 @@ def let_go(holes, mass, pressure):
         passed = (1.0 - holes.carried) * after.velocity[0, 0] + after.through[0]
         return after, (passed, sum(known.energies), known.energies.holes, after.velocity[0, 0])
 
-    found = jax.jit(lambda state: jax.lax.scan(one, state, length=STEPS)[1])(start)
-    return STEP * (np.arange(STEPS) + 0.5), *map(np.asarray, found)
+    course = jax.jit(lambda state: jax.lax.scan(one, state, length=STEPS)[1])(start)
+    return STEP * (np.arange(STEPS) + 0.5), *map(np.asarray, course)
 
 
 def test_numbers_of_holes():

@@ -145,9 +145,9 @@ def test_clockwise_corners_are_refused():
         Quads.of(square, corners)
 
 
-def test_eigenvalues_of_elements_are_found_one_by_one():
+def test_eigenvalues_of_elements_are_sizes_one_by_one():
     """Many at once share XLA's threads, for which programs that run side by side, as in a sweep, wait forever."""
     positions, corners = grid(20, 4, 1.0, 0.1)
     wall = Plane(Quads.of(positions, corners), Elastic(1.0, 100.0, 0.3, "strain"))
-    found = re.findall(r"f64\[([\d,]+)\] \w+:f64\[[\d,]+\] = eigh", str(jax.make_jaxpr(wall.fastest)()))
-    assert found == ["8,8"]
+    sizes = re.findall(r"f64\[([\d,]+)\] \w+:f64\[[\d,]+\] = eigh", str(jax.make_jaxpr(wall.fastest)()))
+    assert sizes == ["8,8"]

@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .._types import Scalar
 from .acoustics import Liquid
-from .contact.forces import contact_forces
+from .contact.forces import ContactForces, contact_forces
 from .perforated import Through
 from .structure import Resistance
 from .system import Energies, Instant, Near, State, System
@@ -27,7 +27,7 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
 
     **Returns:** the state at t + step, and what is known of t.
     """
-    positions, inverse_mass = system.positions + state.displacement, system.inverse_mass
+    positions = system.positions + state.displacement
     resistances = tuple(
         group.resist(state.displacement, history)
         for group, history in zip(system.elements, state.histories, strict=True)
@@ -39,23 +39,13 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
     pressure, resistance = state.pressure, jnp.zeros(0)
     if (liquid := system.liquid) is not None:
         pressure = liquid.met(pressure, state.displacement, state.raised)
-        residual = _with_liquid(residual, system, liquid, pressure, positions)
         if liquid.plate is not None:
             resistance = liquid.plate.resistance(state.velocity, state.through, step)
-            residual = residual + liquid.plate.push(pressure, resistance, len(positions))
+        residual = _with_liquid(residual, system, liquid, pressure, resistance, positions)
     if system.gas is not None:
         residual = residual + system.gas.push(positions)
-    layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
-    pressing = sum((forces.nodes for forces in layers), jnp.zeros_like(positions))
-    contacts = []
-    for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
-        forces = contact_forces(
-            contact, positions, state.velocity, residual + pressing, inverse_mass, step, candidates, before
-        )
-        contacts.append(forces)
-        pressing = pressing + forces.nodes
-    acceleration = inverse_mass * (residual + pressing)
-    velocity = state.velocity + step * acceleration
+    layers, contacts, pressing = _pressing(system, state, positions, residual, step, near)
+    velocity = state.velocity + step * (system.inverse_mass * (residual + pressing))
     between = 0.5 * (state.velocity + velocity)
     wet, holes = _liquid_after(liquid, state, step, pressure, resistance, positions, velocity)
     energies = Energies(
@@ -69,7 +59,7 @@ def advance(system: System, state: State, step: Scalar, near: Near) -> tuple[Sta
         holes=state.lost + holes.half,
     )
     known = state.time, state.displacement, between
-    instant = Instant(*known, resistances, tuple(contacts), layers, pressure, energies)
+    instant = Instant(*known, resistances, contacts, layers, pressure, energies)
     after = State(
         state.time + step,
         state.displacement + step * velocity,
@@ -94,8 +84,23 @@ class Wet(NamedTuple):
     raised: Float[Array, " surface"]
 
 
+def _pressing(
+    system: System, state: State, positions: Array, residual: Array, step: Scalar, near: Near
+) -> tuple[tuple[ContactForces, ...], tuple[ContactForces, ...], Float[Array, "nodes 2"]]:
+    """The forces of each layer and of each contact, one after the other, and all of them on the nodes [N]."""
+    layers = tuple(layer.forces(positions, state.velocity) for layer in system.layers)
+    pressing, contacts = sum((forces.nodes for forces in layers), jnp.zeros_like(positions)), list[ContactForces]()
+    for contact, candidates, before in zip(system.contacts, near, state.pressed, strict=True):
+        forces = contact_forces(
+            contact, positions, state.velocity, residual + pressing, system.inverse_mass, step, candidates, before
+        )
+        contacts.append(forces)
+        pressing = pressing + forces.nodes
+    return layers, tuple(contacts), pressing
+
+
 def _with_liquid(
-    forces: Array, system: System, liquid: Liquid, pressure: Array, positions: Array
+    forces: Array, system: System, liquid: Liquid, pressure: Array, resistance: Array, positions: Array
 ) -> Float[Array, "nodes 2"]:
     """The forces with those of the liquid on wall and plate [N]."""
     static, nodes = system.static_pressure, len(positions)
@@ -106,6 +111,8 @@ def _with_liquid(
         forces = forces + liquid.push(pressure if static is None else pressure + static, nodes)
     if liquid.cover is not None:
         forces = forces + liquid.cover.push(pressure[liquid.cover.surface], nodes)
+    if liquid.plate is not None:
+        forces = forces + liquid.plate.push(pressure, resistance, nodes)
     return forces
 
 

@@ -208,15 +208,16 @@ def _liquid(design: TankDrop, seen: Section) -> Liquid:
 def _holes(design: TankDrop, seen: Section) -> Perforated:
     """The plate, or both, as the liquid feels it."""
     plates, sets, high = design.plates, seen.sets, seen.numbers.liquid.shape[1]
+    left, right = sets.left_of_plate, sets.right_of_plate
     assert plates.aperture is not None
-    middle = 0.5 * (seen.liquid[sets.before] + seen.liquid[sets.behind])[:high]
+    middle = 0.5 * (seen.liquid[left] + seen.liquid[right])[:high]
     rows = jnp.mean(seen.positions[seen.numbers.plate, 1], axis=1)
     area, shares = boundary_areas(middle)[:, 0], at_heights(middle[:, 1], rows)
-    if len(sets.before) > high:  # the other one, from its head on
+    if len(left) > high:  # the other one, from its head on
         area, shares = jnp.concatenate([area, area[::-1]]), block_diag(shares, shares[::-1, ::-1])
     return Perforated(
-        sets.before,
-        sets.behind,
+        left,
+        right,
         area,
         sets.plate,
         shares,

@@ -59,7 +59,7 @@ class NodeSets(NamedTuple):
     - ``support``, ``pressed``: of ``outer``, those that the baffle may meet, and the slider.
     - ``wet``, ``wetted``: nodes of liquid and wall in the same places; ``free``: of the surface, from left to right.
     - ``above``: of ``inner``, those above the surface, from left to right.
-    - ``before``, ``behind``: of the liquid, those to the left and to the right of a plate that it feels, in its order.
+    - ``left_of_plate``, ``right_of_plate``: the liquid's nodes beside the plates that it feels, in the order of these.
     """
 
     corners: Int[np.ndarray, "elements 4"]
@@ -74,8 +74,8 @@ class NodeSets(NamedTuple):
     wetted: Int[np.ndarray, " wet"]
     free: Int[np.ndarray, " free"]
     above: Int[np.ndarray, " above"]
-    before: Int[np.ndarray, " pairs"]
-    behind: Int[np.ndarray, " pairs"]
+    left_of_plate: Int[np.ndarray, " pairs"]
+    right_of_plate: Int[np.ndarray, " pairs"]
 
     @staticmethod
     def of(design: TankDrop) -> "NodeSets":
@@ -94,8 +94,8 @@ class NodeSets(NamedTuple):
             wetted=numbers.wetted,
             free=numbers.free,
             above=numbers.inner[numbers.level :][::-1],
-            before=numbers.beside_plate[0],
-            behind=numbers.beside_plate[1],
+            left_of_plate=numbers.beside_plate[0],
+            right_of_plate=numbers.beside_plate[1],
         )
         return half._mirrored(*mirrors(numbers)) if design.mesh.extent == "whole" else half
 
@@ -113,8 +113,8 @@ class NodeSets(NamedTuple):
             wetted=wall.across(self.wetted),
             free=liquid.across(self.free),
             above=wall.across(self.above),
-            before=np.concatenate([self.before, liquid.image[self.behind][::-1]]),
-            behind=np.concatenate([self.behind, liquid.image[self.before][::-1]]),
+            left_of_plate=np.concatenate([self.left_of_plate, liquid.image[self.right_of_plate][::-1]]),
+            right_of_plate=np.concatenate([self.right_of_plate, liquid.image[self.left_of_plate][::-1]]),
         )
 
 
