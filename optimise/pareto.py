@@ -8,7 +8,7 @@ import numpy as np
 
 from jaxbuffer import pareto
 from jaxbuffer.output.formats import csv_text
-from jaxbuffer.output.records import front_rows
+from jaxbuffer.output.tuned_records import front_rows
 
 from .study import config, figure, print_record, write
 

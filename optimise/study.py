@@ -9,9 +9,9 @@ from typing import Any
 from jaxbuffer import Problem, Sweep, Tuned, sweep, tune
 from jaxbuffer.files import write as write_whole
 from jaxbuffer.output.formats import csv_text, json_text
-from jaxbuffer.output.records import tuned_comment, tuned_record
 from jaxbuffer.output.style import png
 from jaxbuffer.output.tune_figure import tune_figure
+from jaxbuffer.output.tuned_records import tuned_comment, tuned_record
 from jaxbuffer.study.config import Config, design_toml, load
 from jaxbuffer.sweeps.store import STORE
 from jaxbuffer.tuning.store import in_words

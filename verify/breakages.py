@@ -232,15 +232,15 @@ def _no_friction_moment() -> None:
 
 
 def _wrong_inertia() -> None:
-    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import state_layout
 
-    masses = probe_in_cone.probe_masses
+    masses = state_layout.probe_masses
 
     def broken(design):
         values = masses(design)
         return values._replace(inertia=design.probe.rod_mass * design.probe.length**2 / 12)
 
-    probe_in_cone.probe_masses = broken
+    state_layout.probe_masses = broken
 
 
 def _exponent() -> None:
@@ -269,16 +269,16 @@ def _damper_sign() -> None:
 def _mirror() -> None:
     import numpy as np
 
-    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import state_layout
 
-    assemble = probe_in_cone.assemble_contact
+    assemble = state_layout.assemble_contact
 
     def broken(design):
         import dataclasses
 
         return dataclasses.replace(assemble(design), side=np.ones(2))
 
-    probe_in_cone.assemble_contact = broken
+    state_layout.assemble_contact = broken
 
 
 def _crooked() -> None:
@@ -286,16 +286,16 @@ def _crooked() -> None:
 
     import numpy as np
 
-    from jaxbuffer.mechanisms.probe_cone import posture as probe_in_cone
+    from jaxbuffer.mechanisms.probe_cone import state_layout
 
-    assemble = probe_in_cone.assemble_contact
+    assemble = state_layout.assemble_contact
 
     def broken(design):
         pair = assemble(design)
         moved = pair.shape.start_y * np.array([1.0, 1.002])
         return dataclasses.replace(pair, shape=dataclasses.replace(pair.shape, start_y=moved))
 
-    probe_in_cone.assemble_contact = broken
+    state_layout.assemble_contact = broken
 
 
 def _stiffness() -> None:
@@ -355,7 +355,7 @@ def _stop_jump() -> None:
 
 
 def _no_end() -> None:
-    from jaxbuffer.mechanisms.probe_cone.parts import Buffer
+    from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
 
     Buffer.longest_stroke = property(lambda self: 1.01 * self.free_length)  # type: ignore[assignment, method-assign]
 

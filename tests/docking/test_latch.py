@@ -7,8 +7,8 @@ from numpy.testing import assert_allclose
 
 from docking.states import LATCH, REAL_BUFFER, mechanism, moving
 from jaxbuffer.mechanisms.probe_cone.assembly import P, T
-from jaxbuffer.mechanisms.probe_cone.posture import LATCH as CLOSING
-from jaxbuffer.mechanisms.probe_cone.posture import LATCHED, THRUST_OVER
+from jaxbuffer.mechanisms.probe_cone.state_layout import LATCH as CLOSING
+from jaxbuffer.mechanisms.probe_cone.state_layout import LATCHED, THRUST_OVER
 
 TIMES = {"just closing": 0.002, "half closed": 0.01, "nearly closed": 0.019, "closed": 0.3}
 each_time = pytest.mark.parametrize("since", TIMES.values(), ids=TIMES)

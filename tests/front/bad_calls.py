@@ -27,7 +27,8 @@ from jaxbuffer import (
     table2,
     tune,
 )
-from jaxbuffer.mechanisms.probe_cone.parts import Buffer, Cone, Contact, Passive
+from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
+from jaxbuffer.mechanisms.probe_cone.parts import Cone, Contact, Passive
 from jaxbuffer.tuning import Distribution, Scatter, grid
 
 K = Variable("buffer.k_A", 100.0, 2000.0)

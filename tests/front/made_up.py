@@ -19,8 +19,10 @@ from jaxbuffer.sweeps.columns import column_names
 from jaxbuffer.sweeps.result import Sweep
 from jaxbuffer.tuning import Problem
 from jaxbuffer.tuning.checks import Floor
-from jaxbuffer.tuning.evaluation import PEAKS, Evaluation, compose
+from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.tuning.measurement import PEAKS
+from jaxbuffer.tuning.own_quantities import compose
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.tuned import Tuned
 

@@ -7,7 +7,8 @@ import jaxbuffer.sweeps.grid
 from jaxbuffer import InputError, Scenario, table2
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.study.config import loads
-from jaxbuffer.sweeps.grid import grid, typed
+from jaxbuffer.sweeps.axis import typed
+from jaxbuffer.sweeps.grid import grid
 
 SPEED, STIFFNESS = "scenario.approach_speed", "buffer.k_A"
 

@@ -16,8 +16,8 @@ import jaxbuffer
 from jaxbuffer.cli import commands
 from jaxbuffer.cli.app import app
 from jaxbuffer.cli.options import SHARED
-from jaxbuffer.output.records import version
 from jaxbuffer.tuning.problem import Settings
+from jaxbuffer.version import version
 
 SOURCE = Path(jaxbuffer.__file__).resolve().parents[1]
 

@@ -11,7 +11,7 @@ import jaxbuffer as jb
 from jaxbuffer.errors import OutOfRange
 from jaxbuffer.fields import with_values
 from jaxbuffer.output.folder import Results
-from jaxbuffer.output.records import tuned_record
+from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.abstract import abstract
 from jaxbuffer.pages.designs import asked
 from jaxbuffer.pages.runs import search

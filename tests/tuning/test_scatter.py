@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
-from jaxbuffer.output.records import tuned_record
+from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.study.config import loads
 from jaxbuffer.tuning import Case, Distribution, Scatter
 

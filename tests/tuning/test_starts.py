@@ -9,7 +9,8 @@ from jaxbuffer import Objective, Outcome, Problem, Scenario, Then, Variable, tab
 from jaxbuffer.tuning import checks
 from jaxbuffer.tuning import tune as module
 from jaxbuffer.tuning.checks import floor
-from jaxbuffer.tuning.evaluation import Evaluator, Measurement
+from jaxbuffer.tuning.evaluation import Evaluator
+from jaxbuffer.tuning.measurement import Measurement
 from jaxbuffer.tuning.message import agreement_in_words
 from jaxbuffer.tuning.problem import Settings
 from jaxbuffer.tuning.rounds import anywhere, around

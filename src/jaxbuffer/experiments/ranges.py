@@ -22,7 +22,7 @@ from ..fields import (
     unit_at,
     with_values,
 )
-from ..sweeps.grid import SCALES, Varied, literal
+from ..sweeps.axis import SCALES, Varied, literal
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
 DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale

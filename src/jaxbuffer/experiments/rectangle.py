@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
 from ..fields import Part, as_typed, get
-from ..sweeps.grid import Axis
+from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from ..tables import text
 from ..tuning.objective import Limits

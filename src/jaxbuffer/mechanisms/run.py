@@ -9,44 +9,25 @@ from jaxtyping import Array, Float, Int
 
 from .._types import DataFrame, Dataset, Scalar
 from ..errors import InputError, check_choice
-from ..fields import Part, Portable, get
+from ..fields import Part, Portable
 from ..hybrid import Kind, Log, Result, moving
-from ..labelled.arrays import Labelled, dataset, frame
+from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..programs.cache import Static
 from ..tables import summary_html
-from .dataset import attributes
 from .energy import Balance, Energy
 from .history import History
 from .impacts import Impacts
 from .loads import load
 from .mechanism import Mechanism
 from .outcome import RunOutcome
-from .quantity import IMPACT_UNITS, LOAD_UNITS, OfImpact, check_quantities, of_impact
+from .plain_summary import plain_summary
+from .quantity import LOAD_UNITS, OfImpact, check_quantities, of_impact
 from .registry import mechanism_of
-from .view import Names
+from .run_arrays import history_columns, run_dataset
 
-CONTACT_UNITS = {
-    "gap": "m",
-    "approach_speed": "m/s",
-    "slip": "m/s",
-    "contact_force": "N",
-    "friction_force": "N",
-}
 TOGETHER = 8  # impacts whose loads are computed in one call
 ROUNDING = 1e-6  # relative, of a maximum that is evaluated again with derivatives
-COORDINATES = {
-    "position": (("x", "m"), ("y", "m"), ("angle", "rad")),
-    "velocity": (("x", "m/s"), ("y", "m/s"), ("angle", "rad/s")),
-}
-IMPACT_MEANING = {
-    "peak_force": "largest force until the contact's next touchdown",
-    "approach_speed": "normal speed at touchdown",
-    "time": "touchdown",
-    "release_time": "release, NaN where the run ended in contact",
-    "effective_energy": "kinetic energy before it along the normals of the closed contacts",
-    "compression_end": "when the contact no longer closes",
-}
 
 
 class Maxima(NamedTuple):
@@ -254,7 +235,7 @@ class Run(Portable, Saved):
         >>> f"{float(data.peak_force):.1f} {data.peak_force.units}, {data.sizes['impact']} impact, {data.outcome}"
         '1831.5 N, 1 impact, finished'
         """
-        return _dataset(self)
+        return run_dataset(self)
 
     def to_pandas(self) -> DataFrame:
         """The history as a table: a row a step, columns named with their units, as in ``"time [s]"``.
@@ -322,141 +303,3 @@ def value_of(run: Run, name: str) -> float:
         return float(run.mechanism.quantities[name].of(run))
     present = address.slot < int(run.impacts.count) and not run.outcome.failed
     return float(run.of_impact(address)) if present else float("nan")
-
-
-def plain_summary(run: Run) -> str:
-    """Outcome, the quantities that sweeps have, energy and what numerical error did; units included."""
-    mechanism, outcome, view = run.mechanism, run.outcome, run.mechanism.view
-    if outcome.failed:
-        return f"{view.title}: {outcome.reason} (after {int(run.attempts)} steps; {view.label(run.scenario)})"
-    lines = [
-        f"{view.title}: {outcome.reason}",
-        f"  {'scenario':24} {view.label(run.scenario)}",
-        f"  {'impacts':24} {int(run.impact_count)}",
-    ]
-    for name in mechanism.meant(lambda path: get(run.design, path)):
-        quantity = mechanism.quantities[name]
-        symbol, factor = quantity.in_figures
-        value = factor * float(np.asarray(quantity.of(run)))
-        lines.append(f"  {quantity.title or name:24} {value:.6g} {symbol}".rstrip(" -"))
-    energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
-    lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())
-    lines += [
-        f"  {'energy':24} {float(energy.total):.6g} J, of which dissipated {float(energy.dissipated):.6g} J ({lost})",
-        f"  {'numerical balance':24} energy {float(balance.energy):.1e}, constraint drift {float(balance.drift):.1e} m",
-        f"  {'steps':24} {int(run.accepted)} accepted of {int(run.attempts)}",
-    ]
-    return "\n".join([*lines, *(f"  {line}" for line in mechanism.view.warnings(run))])
-
-
-def history_columns(run: Run) -> dict[str, np.ndarray]:
-    """Columns of shape (steps,) by heading: times, contacts, the mechanism's own, motion, multipliers, energies.
-
-    **Raises:** `InputError` for a run without a history.
-    """
-    if run.history is None:
-        raise InputError("the run has no history; jb.simulate(…, history=True) keeps one")
-    history: Any = jax.tree.map(np.asarray, run.history)
-    names = run.mechanism.view.names(run.design)
-    columns: dict[str, Any] = {"time [s]": history.time}
-    for name, symbol in CONTACT_UNITS.items():
-        value = getattr(history, name)
-        columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {
-        f"{name} [{symbol}]": history.others[name] for name, symbol in names.others.items() if name in history.others
-    }
-    for name, axes in COORDINATES.items():
-        for k, body in enumerate(names.bodies):
-            columns |= {
-                f"{body} {name} {axis} [{s}]": getattr(history, name)[:, k, i] for i, (axis, s) in enumerate(axes)
-            }
-    for k, (name, symbol) in enumerate(names.multipliers.items()):
-        columns[f"multiplier {name} [{symbol}]"] = history.multipliers[:, k]
-    columns |= {f"energy {name} [J]": getattr(history.energy, name) for name in history.energy.names}
-    return {name: np.asarray(column) for name, column in columns.items()}
-
-
-def _dataset(run: Run) -> Dataset:
-    """See `Run.to_xarray`."""
-    if run._many:
-        raise InputError(
-            "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
-        )
-    mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
-    variables = {**_quantities(run, names), **_impacts(run, names)}
-    energies = tuple(run.energy.names)
-    energy = jax.tree.map(np.asarray, run.energy)
-    at_end = [float(getattr(energy, name)) for name in energies]
-    variables["energy_at_end"] = Labelled(("energy",), at_end, "J", "energy at the end, or lost until then")
-    coordinates = {
-        "impact": Labelled(("impact",), np.arange(1, int(run.impacts.count) + 1), "", "impacts in order, from 1"),
-        "energy": Labelled(("energy",), list(energies), "", "stored, lost, and total"),
-    }
-    if run.history is not None:
-        history: Any = jax.tree.map(np.asarray, run.history)
-        variables |= _history(history, names)
-        coordinates |= {
-            "time": Labelled(("step",), history.time, "s", "time of an accepted step"),
-            "contact": Labelled(("contact",), list(names.contacts), "", mechanism.view.contact),
-            "body": Labelled(("body",), list(names.bodies), "", "body"),
-        }
-    return dataset(variables, coordinates, {**attributes(mechanism, run.design, run.scenario), **_ended(run)})
-
-
-def _ended(run: Run) -> dict[str, Any]:
-    return {"outcome": run.outcome.name, "outcome_meaning": run.outcome.reason, "warnings": "\n".join(_warnings(run))}
-
-
-def _warnings(run: Run) -> list[str]:
-    return [] if run.outcome.failed else run.mechanism.view.warnings(run)
-
-
-def _quantities(run: Run, names: Names) -> dict[str, Labelled]:
-    """Single numbers of the whole run."""
-    mechanism = run.mechanism
-    catalogue = mechanism.quantities
-    arrays = {
-        name: Labelled(
-            (), float(np.asarray(catalogue[name].of(run))), catalogue[name].unit, catalogue[name].description
-        )
-        for name in mechanism.swept
-    }
-    largest = names.contacts[int(run.peak_contact)] if float(run.peak_force) > 0.0 else ""
-    counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
-    return {
-        **arrays,
-        f"peak_{mechanism.view.contact}": Labelled((), largest, "", f"{mechanism.view.contact} with the largest force"),
-        **{name: Labelled((), int(count), "-", name.replace("_", " ")) for name, count in counts.items()},
-    }
-
-
-def _impacts(run: Run, names: Names) -> dict[str, Labelled]:
-    """One entry for each impact that happened."""
-    count, hits = int(run.impacts.count), run.impacts
-    contacts = [names.contacts[int(k)] for k in np.asarray(hits.contact)[:count]]
-    arrays = {"impact_contact": Labelled(("impact",), np.array(contacts, str), "", run.mechanism.view.contact)}
-    for name, unit in IMPACT_UNITS.items():
-        values = np.asarray(getattr(hits, name))[:count]
-        arrays[f"impact_{name}"] = Labelled(("impact",), values, unit, IMPACT_MEANING[name])
-    return arrays
-
-
-def _history(history: History, names: Names) -> dict[str, Labelled]:
-    """Everything along the accepted steps."""
-    arrays = {
-        name: Labelled(("step", "contact"), getattr(history, name), unit, name.replace("_", " "))
-        for name, unit in CONTACT_UNITS.items()
-    }
-    bodies = len(names.bodies)
-    for name, axes in COORDINATES.items():
-        for i, (axis, unit) in enumerate(axes):
-            values = getattr(history, name)[:, :bodies, i]
-            arrays[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
-    for name, unit in names.others.items():
-        if name in history.others:
-            arrays[f"{name}_history"] = Labelled(("step",), history.others[name], unit, name.replace("_", " "))
-    for k, (name, unit) in enumerate(names.multipliers.items()):
-        arrays[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), history.multipliers[:, k], unit, name)
-    energies = np.stack([np.asarray(getattr(history.energy, name)) for name in history.energy.names], axis=1)
-    arrays["energy_history"] = Labelled(("step", "energy"), energies, "J", "energy, or lost so far")
-    return arrays

@@ -24,7 +24,7 @@ from ..sweeps.table import sweep_rows
 from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
-from . import formats, records, style
+from . import formats, records, style, sweep_records, tuned_records
 from .field_files import field_files
 from .figures import run_figure
 from .formats import Contents, Made, csv_text
@@ -99,7 +99,7 @@ def tuned_files(tuned: Tuned, made: Made = None, report: Callable[[str], None] =
 
     return {
         "design.toml": lambda: _design(tuned),
-        "tuned.json": lambda: _json(records.tuned_record(tuned), made),
+        "tuned.json": lambda: _json(tuned_records.tuned_record(tuned), made),
         "history.csv": lambda: csv_text(*tuning_history(tuned)),
         "force.json": lambda: formats.compact_json(
             force_record(dict(zip(("before", "after"), worst_runs(), strict=False)), case.label(problem.cases))
@@ -123,7 +123,7 @@ def swept_files(swept: Sweep, made: Made = None, envelope: SafeRectangle | None 
         "sweep.csv": lambda: csv_text(*sweep_rows(swept)),
         "sweep.txt": lambda: "".join(f"{it!r}\n" for it in (swept, envelope) if it is not None),
         "sweep.nc": lambda: content(swept.to_xarray()),
-        "sweep.json": lambda: _json(records.sweep_record(swept, envelope), made),
+        "sweep.json": lambda: _json(sweep_records.sweep_record(swept, envelope), made),
     }
     if swept.grid is not None:
         files |= style.both("sweep", lambda: sweep_figure(swept))
@@ -141,16 +141,16 @@ def sample_files(
     """
     files: Writers = {
         "sample.csv": lambda: csv_text(*sweep_rows(sample)),
-        "sample.json": lambda: _json(records.sample_record(sample, indices, surfaces), made),
+        "sample.json": lambda: _json(sweep_records.sample_record(sample, indices, surfaces), made),
         "sample.txt": lambda: f"{sample_text(sample, indices, surfaces)}\n",
         "sample.nc": lambda: content(sample.to_xarray()),
         **style.both("sample", lambda: sample_figure(sample)),
     }
     if indices is not None:
-        files["indices.csv"] = lambda: csv_text(*records.indices_rows(indices))
+        files["indices.csv"] = lambda: csv_text(*sweep_records.indices_rows(indices))
         files |= style.both("indices", lambda: indices_figure(indices))
     if surfaces:
-        files["surface.csv"] = lambda: csv_text(*records.surface_rows(surfaces))
+        files["surface.csv"] = lambda: csv_text(*sweep_records.surface_rows(surfaces))
         files |= style.both("surface", lambda: surfaces_figure(surfaces))
     return files
 
@@ -164,15 +164,15 @@ def front_files(front: Front, made: Made = None) -> Contents:
     """Return those of `jaxbuffer pareto`. ``made``: how it came about."""
     files: Writers = {f"design-{k + 1}.toml": functools.partial(_design, it) for k, it in enumerate(front.points)}
     return files | {
-        "pareto.csv": lambda: csv_text(*records.front_rows(front)),
-        "pareto.json": lambda: _json(records.front_record(front), made),
+        "pareto.csv": lambda: csv_text(*tuned_records.front_rows(front)),
+        "pareto.json": lambda: _json(tuned_records.front_record(front), made),
         "pareto.txt": lambda: f"{front!r}\n",
         **style.both("pareto", lambda: front_figure(front)),
     }
 
 
 def _design(tuned: Tuned) -> str:
-    return tuned_toml(tuned.design, tuned.problem, records.tuned_comment(tuned), tuned.worst_first)
+    return tuned_toml(tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first)
 
 
 def _json(record: Mapping[str, Any], made: Made) -> str:

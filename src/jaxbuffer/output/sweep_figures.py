@@ -8,7 +8,7 @@ import numpy as np
 
 from .._types import Axes, Figure
 from ..experiments.rectangle import SafeRectangle
-from ..sweeps.grid import Axis
+from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from .layout import legend_below
 from .style import BLUE, COLUMNS, GREY, RED, label, line, panels, styled

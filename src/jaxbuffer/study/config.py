@@ -38,7 +38,8 @@ from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, check_pair
-from ..sweeps.grid import SPAN, grid, literal
+from ..sweeps.axis import SPAN, literal
+from ..sweeps.grid import grid
 from ..tuning.problem import Problem, Settings
 from .mistaken import no_file, no_table, no_toml
 from .problem_toml import check_table, read_problem

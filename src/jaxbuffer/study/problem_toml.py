@@ -26,7 +26,7 @@ from ..fields import (
 )
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..sweeps.grid import EXAMPLE, span
+from ..sweeps.axis import EXAMPLE, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities

@@ -12,7 +12,7 @@ from typing import Any
 from ..experiments.points import METHODS
 from ..fields import POSITIVE, Part, get, meaning, metadata, paths
 from ..mechanisms.mechanism import Mechanism
-from ..sweeps.grid import SCALES as RANGES
+from ..sweeps.axis import SCALES as RANGES
 from ..tuning.problem import SCALES, Settings
 from .config import KINDS, Options, sections
 

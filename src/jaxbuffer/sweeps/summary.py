@@ -7,8 +7,9 @@ from rich.table import Table
 
 from ..fields import as_typed, get
 from ..tables import table
+from .axis import Axis
 from .columns import RunTable
-from .grid import Axis, Grid
+from .grid import Grid
 
 SHOWN = 10  # runs that are listed of those that failed
 QUANTILES = {"least": 0.0, "10 %": 0.1, "median": 0.5, "90 %": 0.9, "greatest": 1.0}

@@ -18,8 +18,9 @@ from jaxtyping import Float
 
 from ..fields import Curve, Part, get, replace
 from .cases import Case
-from .evaluation import Evaluator, built_design, measure
+from .evaluation import Evaluator, built_design
 from .goal import Goal
+from .measurement import measure
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers

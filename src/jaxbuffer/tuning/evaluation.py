@@ -1,35 +1,26 @@
 """All load cases of a design problem at one design: values and first derivatives, on all cores.
 
-The own quantities follow by the chain rule from those of the mechanism. The largest contact force is a maximum over
-impacts, max p_i, and another impact may take over within a step d. So the slope at a fixed largest force and the
-derivative by that force are separate numbers, and h(max p_i, x) becomes h + ∂h/∂p (max (p_i + ∇p_i d) - max p_i) +
-∂h/∂x ∇x d, with the linear model of every impact inside (a composite function; Fletcher, *Practical Methods of
-Optimization*, chapter 14).
+Each run is a `Measurement`; the quantities that a user has made of the mechanism's are in `own_quantities`.
 """
 
 import functools
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..cluster.extra import pool_of
 from ..errors import InputError
-from ..fields import Part, get
+from ..fields import Part
 from ..hybrid import Diffrax, Solver, name_of, solver_named
-from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.run import Run
 from ..run.request import check_pair
-from ..run.simulate import simulate
 from ..run.stepper import stepper_of
-from ..sensitivities.gradients import gradients
 from .cases import Case
-from .problem import PEAK_FORCE, Problem
+from .measurement import Measurement, measure
+from .own_quantities import check_start, compose
+from .problem import Problem
 
-# How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
-PEAKS = 24
 LOST = -10.0  # margin of a run that could not be solved [-]
 # rtol of the last check by diffrax: below it the smooth law's bias is larger, and derivatives take too many steps.
 FINEST_OF_DIFFRAX = 1e-8
@@ -150,95 +141,6 @@ def built_design(problem: Problem, scaled: Float[np.ndarray, " variables"], case
     return design
 
 
-class Measurement(NamedTuple):
-    """The numbers of one run (see `Evaluation`), with slopes by the variables' own values.
-
-    ``rest`` has the problem's measured quantities, without the own ones that are made of them.
-    """
-
-    code: int
-    impacts: int
-    peaks: Float[np.ndarray, " peaks"]
-    slots: Int[np.ndarray, " peaks"]
-    rest: Float[np.ndarray, " rest"]
-    margin: float
-    first: float
-    peaks_slope: Float[np.ndarray, "peaks paths"]
-    rest_slope: Float[np.ndarray, "rest paths"]
-    margin_slope: Float[np.ndarray, " paths"]
-
-    @staticmethod
-    def lost(problem: Problem) -> "Measurement":
-        """Return that of a load case whose design and scenario do not fit each other."""
-        rest, paths = len(problem.measured) - 1, len(problem.paths)
-        slopes = {"peaks_slope": (PEAKS, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
-        shapes = {"peaks": (PEAKS,), "rest": (rest,), "margin": (), "first": ()} | slopes
-        numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        code = int(problem.mechanism.outcomes["failed_input"])
-        return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
-
-
-def measure(
-    built: tuple[Part, Part],
-    *,
-    mechanism: Mechanism,
-    measured: Sequence[str],
-    paths: Sequence[str],
-    duration: Any,
-    rtol: float,
-    solver: Solver | str | None = None,
-    slopes: bool = True,
-) -> Measurement:
-    """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
-
-    **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
-    quantities to read off; ``paths``: by which they are differentiated; ``solver``: as for `simulate`.
-    """
-    (design, scenario), solver = built, None if solver is None else solver_named(solver)
-    rest = [name for name in measured if name != PEAK_FORCE]
-    catalogue = mechanism.quantities
-    margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
-    if slopes:
-        at = [float(get(design, p)) for p in paths]
-        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol, solver=solver)
-        run = result.run
-        of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
-        top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
-    else:
-        run = simulate(design, scenario, duration, rtol=rtol, solver=solver)
-        none = np.zeros(len(paths))
-        of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
-        top_slope, others = none, [none] * (len(rest) + len(margin))
-    values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
-    peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
-    slots = np.argsort(-peaks, kind="stable")[:PEAKS]
-    of_rest = np.array(others[: len(rest)]).reshape(len(rest), len(paths))
-    return Measurement(
-        code=int(run.code),
-        impacts=int(run.impact_count),
-        peaks=peaks[slots],
-        slots=slots,
-        rest=values[: len(rest)],
-        margin=float(values[-1]) if margin else 1.0,
-        first=float(peaks[0]),
-        peaks_slope=of_peaks[slots],
-        rest_slope=of_rest,
-        margin_slope=others[-1] if margin else np.zeros(len(paths)),
-    )
-
-
-def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return every impact's peak [N] and its slopes, at least `PEAKS` of them, the rest zero.
-
-    The last slot is free: of a run with more impacts than are listed it takes the largest, if that is not listed.
-    """
-    more = max(PEAKS - len(slopes), 0)
-    peaks, slopes = np.pad(run.impacts.peak_force, (0, more)), np.pad(slopes, ((0, more), (0, 0)))
-    unlisted = int(run.peak_impact) < 0
-    peaks[-1], slopes[-1] = (float(run.peak_force), top_slope) if unlisted else (0.0, 0.0)
-    return peaks, slopes
-
-
 def _gather(problem: Problem, scaled: np.ndarray, cases: Sequence[Case], runs: list[Measurement]) -> Evaluation:
     """Gather the runs' numbers in arrays and add the own quantities.
 
@@ -296,63 +198,3 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
     run["rest_slope"][ended_otherwise, time] = 0.0
     states = {"code": code, "solved": ~lost, "succeeded": succeeded}
     return run | states | {name: stacked[name] for name in ("impacts", "slots")}
-
-
-class OwnQuantities(NamedTuple):
-    """The own quantities of every load case.
-
-    ``values`` in their units; ``slopes`` by the scaled variables at a fixed largest contact force; ``by_peak``: their
-    derivatives by that force [unit/N].
-    """
-
-    values: Float[np.ndarray, "cases own"]
-    slopes: Float[np.ndarray, "cases own variables"]
-    by_peak: Float[np.ndarray, "cases own"]
-
-
-def compose(
-    problem: Problem,
-    peak: Float[np.ndarray, " cases"],
-    rest: Float[np.ndarray, "cases measured-1"],
-    rest_slope: Float[np.ndarray, "cases measured-1 variables"],
-) -> OwnQuantities:
-    """Compute the own quantities from the measured ones by the chain rule.
-
-    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, with their
-    slopes by the scaled variables.
-    """
-    count, variables = len(peak), rest_slope.shape[2]
-    own = len(problem.quantities)
-    result = OwnQuantities(np.zeros((count, own)), np.zeros((count, own, variables)), np.zeros((count, own)))
-    known = np.column_stack([peak, rest])
-    for k, derived in enumerate(problem.quantities.values()):
-        columns = [problem.measured.index(name) for name in derived.parameters]
-        values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
-        result.values[:, k] = values
-        for name, column, partial in zip(derived.parameters, columns, partials.T, strict=True):
-            if name == PEAK_FORCE:
-                result.by_peak[:, k] = partial
-            else:
-                result.slopes[:, k] += partial[:, None] * rest_slope[:, column - 1]
-    return result
-
-
-def check_start(
-    problem: Problem, peak: Float[np.ndarray, " cases"], rest: Float[np.ndarray, "cases measured-1"], case: int
-) -> None:
-    """Raise `InputError` with the own quantity that has no number, or no derivative, in a load case of the start."""
-    known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
-    for name, derived in problem.quantities.items():
-        values = [known[parameter] for parameter in derived.parameters]
-        value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
-        units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
-        at = ", ".join(
-            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, values, units, strict=True)
-        )
-        where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
-        if not np.isfinite(value):
-            raise InputError(f"quantities.{name}: {derived.label} is {float(value):g} {where}")
-        for parameter, partial in zip(derived.parameters, partials, strict=True):
-            if not np.isfinite(partial):
-                what = f"its derivative by {parameter} is {float(partial):g}"
-                raise InputError(f"quantities.{name}: {derived.label}: {what} {where}")

@@ -5,7 +5,7 @@ import math
 from scipy.interpolate import PchipInterpolator
 
 from jaxbuffer import Design
-from jaxbuffer.mechanisms.probe_cone.parts import Buffer
+from jaxbuffer.mechanisms.probe_cone.buffer import Buffer
 
 
 class Latch:

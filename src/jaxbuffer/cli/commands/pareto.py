@@ -2,8 +2,8 @@
 
 from ...errors import InputError
 from ...output.formats import table_json
-from ...output.records import front_rows
 from ...output.results import front_files
+from ...output.tuned_records import front_rows
 from ...tuning.pareto import check_front
 from ...tuning.pareto import pareto as compute
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail

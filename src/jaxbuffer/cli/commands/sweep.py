@@ -11,8 +11,9 @@ from ...experiments.rectangle import safe_rectangle
 from ...output.results import swept_files, swept_json
 from ...study.config import Config
 from ...study.problem_toml import limits
+from ...sweeps.axis import typed
 from ...sweeps.columns import RunTable
-from ...sweeps.grid import Grid, typed
+from ...sweeps.grid import Grid
 from ...sweeps.grid import grid as made
 from ...sweeps.result import Sweep, SweepInterrupted
 from ...sweeps.store import STORE

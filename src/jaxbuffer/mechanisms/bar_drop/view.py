@@ -6,7 +6,7 @@ import numpy as np
 
 from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
-from ..run import plain_summary
+from ..plain_summary import plain_summary
 from ..validity import BEYOND_LAW, Limit
 from ..view import Names, View
 from .bending import limits, mode_lines

@@ -25,9 +25,9 @@ from ...multibody import (
 from ...multibody.flexible import FlexibleBar, Marker
 from ...plane import Vector
 from .bending import bending_probe
+from .buffer import Buffer
 from .buffer_force import BufferForce, is_plain
 from .design import Design, Scenario
-from .parts import Buffer
 
 S, B, P, T = range(4)  # bodies, in the order of the coordinates
 LOWER, UPPER = 0, 1  # flanks

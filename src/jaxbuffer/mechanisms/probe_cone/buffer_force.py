@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from ..._types import Scalar
 from ...fields import MonotoneCubic
 from ...multibody import AxialSpringDamper, Kinematics, Load, SpringDirection, load_at
-from .parts import Buffer
+from .buffer import Buffer
 
 
 class BufferForce(AxialSpringDamper):

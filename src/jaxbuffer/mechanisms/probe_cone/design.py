@@ -14,9 +14,10 @@ from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
 from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
 from ..run import DesignOf
+from .buffer import Buffer
 from .capture import Capture
 from .oscillators import Shock
-from .parts import Active, Buffer, Cone, Contact, Hinge, Latch, Passive, Probe
+from .parts import Active, Cone, Contact, Hinge, Latch, Passive, Probe
 
 
 class Design(DesignOf[Capture]):

@@ -15,7 +15,8 @@ from .assembly import P, T
 from .buffer_force import BufferForce
 from .capture import Docked
 from .outcome import Outcome
-from .posture import LATCH, Posture
+from .posture import Posture
+from .state_layout import LATCH
 from .system import CaptureMechanism
 
 DOUBLINGS, NEWTON_STEPS = 60, 30  # of a stroke from 1e-9 m on, and towards the stroke whose energy is known

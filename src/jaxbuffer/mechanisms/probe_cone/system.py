@@ -18,7 +18,8 @@ from .bending import modal_scales
 from .buffer_force import BufferForce
 from .design import Design, Scenario
 from .linearisation import flank_directions, linearisation
-from .posture import LATCH, THRUST_OVER, Posture, ProbeInCone
+from .posture import Posture, ProbeInCone
+from .state_layout import LATCH, THRUST_OVER
 
 CONTACTS = ("lower", "upper")  # flanks
 ROUNDED_ACCELERATION = 1e-12  # m/s²: what rounding of positions of a metre makes of it by the constraints' correction

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..run import Run, plain_summary
+from ..plain_summary import plain_summary
+from ..run import Run
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits as bending_limits
 from .bending import told

@@ -1,0 +1,172 @@
+"""A tuned design and a front as rows and records, each number with its unit in the name."""
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fields import get, unit
+from ..fields.record import record
+from ..tuning.evaluation import Evaluation
+from ..tuning.message import headline
+from ..tuning.pareto import Front, point_status
+from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
+from ..version import version
+from .records import Table, limits_record, number
+
+
+def tuned_record(tuned: Tuned) -> dict[str, Any]:
+    """The result: problem, objective, floor, evidence, and every scenario before and after at tight tolerance."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    scenarios = zip(problem.cases, _cases(tuned, tuned.before), _cases(tuned, tuned.after), strict=True)
+    floors = _floors(tuned)
+    return {
+        "kind": problem.mechanism.name,
+        "message": tuned.message,
+        "converged": tuned.converged,
+        "ended": tuned.ended,
+        "borne_out": tuned.borne_out,
+        "feasible": tuned.feasible,
+        "why": tuned.why,
+        "broken": tuned.goal.broken(tuned.after),
+        "outside_validity": tuned_warnings(tuned),
+        "objective": problem.worded(problem.objective),
+        "objective_unit": problem.objective.unit(problem.catalogue),
+        "objective_before": number(start),
+        "objective_after": number(end),
+        "first_order_residual [-]": number(tuned.residual),
+        "gradient_error [-]": number(tuned.gradient_error),
+        "rtol_of_check [-]": tuned.tight,
+        "above_floor [-]": number(tuned.above_floor),
+        "lowest_first_impact_within_bounds [N]": None if tuned.floor is None else number(tuned.floor.lowest),
+        "captures": tuned.captures,
+        "settings": dataclasses.asdict(tuned.settings),
+        "variables": [
+            {
+                "path": v.path,
+                "low": v.low,
+                "high": v.high,
+                "scale": v.scale,
+                "before": get(problem.design, v.path),
+                "value": get(tuned.design, v.path),
+                "shown_in": problem.shown(v.path, 0.0)[1],  # the numbers beside it are in SI units
+            }
+            for v in problem.variables
+        ],
+        **limits_record(problem.limits, problem.quantities),
+        "scenarios": [
+            {
+                **record(case.scenario),
+                "factors": dict(case.factors),
+                **floor,
+                "before": before,
+                "after": after,
+            }
+            for (case, before, after), floor in zip(scenarios, floors, strict=True)
+        ],
+        **_scattered(tuned),
+        "design": record(tuned.design),
+        "jaxbuffer": version(),
+    }
+
+
+def _scattered(tuned: Tuned) -> dict[str, Any]:
+    """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
+    scatter, found = tuned.problem.scatter, tuned.corners
+    if scatter is None or found is None:
+        return {}
+    corners = zip(found.cases, found.values, found.broken, strict=True)
+    return {
+        "sample": {
+            "count": scatter.count,
+            "seed": scatter.seed,
+            "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
+        },
+        "corners": {
+            "said": found.lines(tuned.problem),
+            "run": len(found.cases),
+            "all": found.whole,
+            "holding": found.holding,
+            "largest_objective": number(found.largest),
+            "objective_in_the_middle": number(found.middle),
+            "each": [
+                {**record(case.scenario), "factors": dict(case.factors), "objective": number(value), "broken": broken}
+                for case, value, broken in corners
+            ],
+        },
+    }
+
+
+def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
+    """What is known of each case's first impact."""
+    floor = tuned.floor
+    if floor is None:
+        return [{} for _ in tuned.problem.cases]
+    names = ("floor [N]", "closed_form_first_peak [N]", "T_c [J]")
+    rows = zip(floor.simulated, floor.closed_form, floor.energy, strict=True)
+    return [dict(zip(names, map(number, row), strict=True)) for row in rows]
+
+
+def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
+    problem = tuned.problem
+    units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
+    return [
+        {
+            "outcome": problem.mechanism.outcomes(int(code)).name,
+            "impacts": int(impacts),
+            "first_peak [N]": number(first),
+            **{f"{name} [{symbol}]": number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
+            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": number(room)}),
+        }
+        for code, impacts, first, row, room in zip(
+            point.code, point.impacts, point.first, point.quantities, point.margin, strict=True
+        )
+    ]
+
+
+def tuned_comment(tuned: Tuned) -> str:
+    """What the tuned design's file says of its origin."""
+    problem, (start, end) = tuned.problem, tuned.objective
+    limits = problem.limits.lines(problem.catalogue)
+    before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
+    lines = [
+        f"{headline(tuned.message, tuned.feasible)}.",
+        f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",
+        f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
+        f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
+    ]
+    for k, scenario in enumerate(problem.scenarios_met[:SHOWN]):
+        peaks = f"{tuned.before.peak_force[k]:.6g} N, {tuned.after.peak_force[k]:.6g} N"
+        lines.append(f"  peak at {problem.mechanism.view.label(scenario, problem.scenarios_met)}: {peaks}")
+    return "\n".join(lines)
+
+
+def front_record(front: Front) -> dict[str, Any]:
+    """Return the front's points, as in pareto.csv."""
+    header, rows = front_rows(front)
+    return {
+        "kind": front.problem.mechanism.name,
+        "objectives": list(front.objectives),
+        "scenarios": len(front.problem.cases),
+        "samples": front.problem.samples,
+        "points": [dict(zip(header, row, strict=True)) for row in rows],
+        "design": record(front.problem.design),
+        "jaxbuffer": version(),
+    }
+
+
+def front_rows(front: Front) -> Table:
+    """Return a row for each point."""
+    problem, catalogue = front.problem, front.problem.catalogue
+    header = ["point", *(f"worst {name} [{catalogue[name].unit}]" for name in front.objectives)]
+    header += [f"limit of {name} [{catalogue[name].unit}]" for name in front.objectives[1:]]
+    header += ["first_order_residual [-]", "gradient_error [-]", "converged", "standing"]
+    header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
+    rows: list[Sequence[Any]] = []
+    for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
+        finite = [None if np.isinf(limit) else float(limit) for limit in limits]
+        status = [float(point.residual), float(point.gradient_error), point.converged, point_status(front, k)]
+        variables = [float(get(point.design, v.path)) for v in problem.variables]
+        rows.append([k + 1, *map(float, values), *finite, *status, *variables])
+    return header, rows

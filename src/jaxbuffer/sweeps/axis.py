@@ -1,0 +1,216 @@
+"""The values of one field to sweep, as TOML and the command line write them."""
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..fields import (
+    Part,
+    as_typed,
+    check_address,
+    check_alone,
+    check_units_agree,
+    errors_in_typed_units,
+    in_unit,
+    in_words,
+    metadata,
+    no_number,
+    paths,
+    typed_unit,
+    unit_at,
+    value_at,
+    with_values,
+)
+
+SPAN = ("from", "to", "count", "scale")
+SCALES = ("linear", "log")
+FEW = 5  # values that are listed in words
+MOST = 10**15  # values of a field, and runs of a grid
+EXAMPLE = "[0.1, 0.2] or {from = 0.1, to = 0.2, count = 5}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Span:
+    """``count`` values from ``start`` to ``stop``, both included, in equal steps or (``scale`` "log") equal ratios."""
+
+    start: float
+    stop: float
+    count: int
+    scale: str = "linear"
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        spaced = np.geomspace if self.scale == "log" else np.linspace
+        return spaced(self.start, self.stop, self.count, dtype=dtype)
+
+
+@dataclasses.dataclass(frozen=True)
+class Varied:
+    """A field that differs between runs: its dotted ``path`` and ``unit``, "" of a choice."""
+
+    path: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """The field without its section: "approach_speed"."""
+        return self.path.rsplit(".", 1)[-1]
+
+    @property
+    def heading(self) -> str:
+        """The path with its unit: "scenario.approach_speed [m/s]"."""
+        return f"{self.path} [{self.unit}]" if self.unit else self.path
+
+
+@dataclasses.dataclass(frozen=True)
+class Axis(Varied):
+    """One field's values: the ``listed`` ones [unit], or a span; ``typed``: the unit that they were typed in, "" where
+    none was."""
+
+    listed: Span | tuple[Any, ...]
+    scale: str = SCALES[0]  # on which it is drawn
+    typed: str = dataclasses.field(default="", compare=False)
+
+    def __len__(self) -> int:
+        return len(self.listed)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The values, shape (len,): numbers in the axis' unit, or a choice's words, truths or whole numbers."""
+        return np.asarray(self.listed, float) if self.unit else np.asarray(self.listed)
+
+    def words(self, value: Any, digits: int = 6) -> str:
+        """One of the values in words: "0.1 m/s", "hertz", "true"."""
+        if not self.unit:
+            return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
+        degrees = f" ({np.degrees(value):+.3g}°)" if self.unit == "rad" and not self.typed else ""
+        return in_words(value, self.unit, self.typed, digits) + degrees
+
+    def spanned(self) -> str:
+        """All values in a few words: "5 to 30 cm/s, 6 values, linear"."""
+        if not self.unit:
+            return ", ".join(map(self.words, self.values))
+        shown = [as_typed(value, self.unit, self.typed)[0] for value in self.values.tolist()]
+        symbol = as_typed(0.0, self.unit, self.typed)[1]
+        if len(shown) <= FEW:
+            return f"{', '.join(f'{value:g}' for value in shown)} {symbol}".rstrip(" -")
+        return f"{shown[0]:g} to {shown[-1]:g} {symbol}".rstrip(" -") + f", {len(shown)} values, {self.scale}"
+
+
+def axis_of(path: str, given: Any, design: Part, scenario: Part) -> Axis:
+    """One axis, checked against the field's range."""
+    check_address(design, scenario, path, "sweep: ")
+    symbol = unit_at(design, scenario, path)
+    if not symbol:
+        return Axis(path, "", _chosen(path, given, design, scenario))
+    values = span(f"sweep.{path}", given, symbol) if isinstance(given, Mapping) else _listed(path, given, symbol)
+    ends = (values.start, values.stop) if isinstance(values, Span) else values
+    made = Axis(path, symbol, values, values.scale if isinstance(values, Span) else SCALES[0], typed_unit(given))
+    with errors_in_typed_units({path: made.typed}):
+        with_values(design, scenario, {path: np.asarray(ends, float)})  # checks the range
+    return made
+
+
+def typed(text: str) -> tuple[str, Any]:
+    """A path and its values as typed on a command line: PATH=FROM:TO:COUNT[:log] or PATH=VALUE,VALUE,…"""
+    path, equals, values = text.partition("=")
+    if not equals or not values or not path:
+        raise InputError(f"--over {text}: expected FIELD=FROM:TO:COUNT[:log] or FIELD=VALUE,VALUE,…")
+    if ":" not in values:
+        listed = [literal(value) for value in values.split(",")]
+        check_units_agree(f"--over {text}", listed, lambda *each: f'--over "{path}={",".join(each)}"')
+        return path, listed
+    words = values.split(":")
+    if len(words) not in (3, 4):
+        raise InputError(f"--over {text}: expected {path}=FROM:TO:COUNT or {path}=FROM:TO:COUNT:log")
+    ends, rest = [literal(word) for word in words[:2]], ":".join(words[2:])
+    check_units_agree(f"--over {text}", ends, lambda low, high: f'--over "{path}={low}:{high}:{rest}"')
+    return path, {name: literal(word) for name, word in zip(SPAN, words, strict=False)}
+
+
+def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> Span:
+    """A span from {from, to, count, scale}, its ends in ``unit`` or with their own.
+
+    ``where``: its name in messages, as in "sweep.scenario.approach_speed"; ``most``: values at most.
+    """
+    for name in table:
+        if name not in SPAN:
+            raise InputError(f"{where}: {name} is unknown{suggest(name, SPAN)}; expected {EXAMPLE}")
+    for name in SPAN[:3]:
+        if name not in table:
+            raise InputError(f"{where}: {name} is missing; expected {EXAMPLE}")
+    count, scale = table["count"], table.get("scale", SCALES[0])
+    count = int(count) if isinstance(count, float) and count.is_integer() else count  # as typed on a command line
+    check_whole(f"{where}: count", count, 1)
+    if count > most:
+        raise InputError(f"{where}: count = {count:.4g} is out of range; allowed: [1, {most:.0e}]")
+    check_choice(f"{where}: scale", scale, SCALES)
+    ends = [table[name] for name in SPAN[:2]]
+    check_units_agree(where, ends, lambda low, high: f'{{from = "{low}", to = "{high}", count = {count}}}')
+    start, stop = (_number(f"{where}: {name}", end, unit) for name, end in zip(SPAN, ends, strict=False))
+    if count == 1 and start != stop:
+        raise InputError(f"{where}: one value cannot reach from {start:g} to {stop:g}; count must be at least 2")
+    if scale == "log" and not (start > 0.0 and stop > 0.0):
+        raise InputError(f"{where}: a logarithmic scale needs positive ends; found {start:g} and {stop:g}")
+    return Span(start, stop, count, scale)
+
+
+def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
+    values = _as_list(given)
+    if not values:
+        raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
+    check_units_agree(f"sweep.{path}", values)
+    return tuple(_number(f"sweep.{path}", value, unit) for value in values)
+
+
+def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, ...]:
+    """Values of a choice, each checked by itself: whether they go with others, `Grid.batches` checks."""
+    if path in paths(design) and "curve" in metadata(design, path):
+        raise InputError(f"sweep.{path} is {no_number(design, path)}; sweep one of these")
+    now = value_at(design, scenario, path)
+    remedy = f"list its values, as in [{shown(now)}]"
+    if isinstance(given, Mapping):
+        raise InputError(f"sweep.{path} is a choice; {remedy}")
+    values = tuple(_as_choice(value, now) for value in _as_list(given))
+    if not values:
+        raise InputError(f"sweep.{path} is empty; {remedy}")
+    for value in values:
+        check_alone(design, scenario, path, value)
+        if values.count(value) > 1:
+            raise InputError(f"sweep.{path} names {str(value).lower()} twice; keep one")
+    return values
+
+
+def _as_list(given: Any) -> list[Any]:
+    """What was given as a list, a single value as the only one."""
+    given = given.tolist() if isinstance(given, np.ndarray) else given
+    return list(given) if isinstance(given, Sequence) and not isinstance(given, str | bytes) else [given]
+
+
+def _as_choice(value: Any, now: Any) -> Any:
+    """A value as typed on a command line in the type of the field's present one; what does not fit, as it is."""
+    if isinstance(now, bool) and value in ("true", "false"):
+        return value == "true"
+    whole = isinstance(value, float) and not isinstance(now, bool) and isinstance(now, int) and value.is_integer()
+    return int(value) if whole else value
+
+
+def _number(path: str, value: Any, unit: str) -> float:
+    number = as_number(in_unit(path, value, unit))
+    if type(number) is not float:
+        raise InputError(f"{path}: {shown(value)} is not a number; expected {EXAMPLE}")
+    check_number(path, number, "-")
+    return number
+
+
+def literal(text: str) -> float | str:
+    """A word of the command line as a number, or as it is."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

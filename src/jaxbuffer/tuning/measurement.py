@@ -1,0 +1,107 @@
+"""One run of a tuning: its numbers and their first derivatives."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from ..fields import Part, get
+from ..hybrid import Solver, solver_named
+from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.run import Run
+from ..run.simulate import simulate
+from ..sensitivities.gradients import gradients
+from .problem import PEAK_FORCE, Problem
+
+# How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
+PEAKS = 24
+
+
+class Measurement(NamedTuple):
+    """The numbers of one run (see `Evaluation`), with slopes by the variables' own values.
+
+    ``rest`` has the problem's measured quantities, without the own ones that are made of them.
+    """
+
+    code: int
+    impacts: int
+    peaks: Float[np.ndarray, " peaks"]
+    slots: Int[np.ndarray, " peaks"]
+    rest: Float[np.ndarray, " rest"]
+    margin: float
+    first: float
+    peaks_slope: Float[np.ndarray, "peaks paths"]
+    rest_slope: Float[np.ndarray, "rest paths"]
+    margin_slope: Float[np.ndarray, " paths"]
+
+    @staticmethod
+    def lost(problem: Problem) -> "Measurement":
+        """Return that of a load case whose design and scenario do not fit each other."""
+        rest, paths = len(problem.measured) - 1, len(problem.paths)
+        slopes = {"peaks_slope": (PEAKS, paths), "rest_slope": (rest, paths), "margin_slope": (paths,)}
+        shapes = {"peaks": (PEAKS,), "rest": (rest,), "margin": (), "first": ()} | slopes
+        numbers: dict[str, Any] = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        code = int(problem.mechanism.outcomes["failed_input"])
+        return Measurement(code=code, impacts=0, slots=np.arange(PEAKS), **numbers)
+
+
+def measure(
+    built: tuple[Part, Part],
+    *,
+    mechanism: Mechanism,
+    measured: Sequence[str],
+    paths: Sequence[str],
+    duration: Any,
+    rtol: float,
+    solver: Solver | str | None = None,
+    slopes: bool = True,
+) -> Measurement:
+    """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
+
+    **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
+    quantities to read off; ``paths``: by which they are differentiated; ``solver``: as for `simulate`.
+    """
+    (design, scenario), solver = built, None if solver is None else solver_named(solver)
+    rest = [name for name in measured if name != PEAK_FORCE]
+    catalogue = mechanism.quantities
+    margin = [] if mechanism.tuning.margin is None else [mechanism.tuning.margin]
+    if slopes:
+        at = [float(get(design, p)) for p in paths]
+        result = gradients(mechanism, design, scenario, paths, at, duration, rtol=rtol, solver=solver)
+        run = result.run
+        of_peaks = np.asarray(result.by_impact[PEAK_FORCE])
+        top_slope, *others = (result.of(name) for name in (PEAK_FORCE, *rest, *margin))
+    else:
+        run = simulate(design, scenario, duration, rtol=rtol, solver=solver)
+        none = np.zeros(len(paths))
+        of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
+        top_slope, others = none, [none] * (len(rest) + len(margin))
+    values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
+    peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
+    slots = np.argsort(-peaks, kind="stable")[:PEAKS]
+    of_rest = np.array(others[: len(rest)]).reshape(len(rest), len(paths))
+    return Measurement(
+        code=int(run.code),
+        impacts=int(run.impact_count),
+        peaks=peaks[slots],
+        slots=slots,
+        rest=values[: len(rest)],
+        margin=float(values[-1]) if margin else 1.0,
+        first=float(peaks[0]),
+        peaks_slope=of_peaks[slots],
+        rest_slope=of_rest,
+        margin_slope=others[-1] if margin else np.zeros(len(paths)),
+    )
+
+
+def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return every impact's peak [N] and its slopes, at least `PEAKS` of them, the rest zero.
+
+    The last slot is free: of a run with more impacts than are listed it takes the largest, if that is not listed.
+    """
+    more = max(PEAKS - len(slopes), 0)
+    peaks, slopes = np.pad(run.impacts.peak_force, (0, more)), np.pad(slopes, ((0, more), (0, 0)))
+    unlisted = int(run.peak_impact) < 0
+    peaks[-1], slopes[-1] = (float(run.peak_force), top_slope) if unlisted else (0.0, 0.0)
+    return peaks, slopes

@@ -1,0 +1,77 @@
+"""Quantities that a user makes of the mechanism's, in every load case of a tuning.
+
+They follow by the chain rule from those of the mechanism. The largest contact force is a maximum over impacts,
+max p_i, and another impact may take over within a step d. So the slope at a fixed largest force and the derivative by
+that force are separate numbers, and h(max p_i, x) becomes h + ∂h/∂p (max (p_i + ∇p_i d) - max p_i) + ∂h/∂x ∇x d, with
+the linear model of every impact inside (a composite function; Fletcher, *Practical Methods of Optimization*,
+chapter 14).
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import InputError
+from .problem import PEAK_FORCE, Problem
+
+
+class OwnQuantities(NamedTuple):
+    """The own quantities of every load case.
+
+    ``values`` in their units; ``slopes`` by the scaled variables at a fixed largest contact force; ``by_peak``: their
+    derivatives by that force [unit/N].
+    """
+
+    values: Float[np.ndarray, "cases own"]
+    slopes: Float[np.ndarray, "cases own variables"]
+    by_peak: Float[np.ndarray, "cases own"]
+
+
+def compose(
+    problem: Problem,
+    peak: Float[np.ndarray, " cases"],
+    rest: Float[np.ndarray, "cases measured-1"],
+    rest_slope: Float[np.ndarray, "cases measured-1 variables"],
+) -> OwnQuantities:
+    """Compute the own quantities from the measured ones by the chain rule.
+
+    **Arguments:** ``peak``: the largest contact force [N]; ``rest``: the others of ``problem.measured``, with their
+    slopes by the scaled variables.
+    """
+    count, variables = len(peak), rest_slope.shape[2]
+    own = len(problem.quantities)
+    result = OwnQuantities(np.zeros((count, own)), np.zeros((count, own, variables)), np.zeros((count, own)))
+    known = np.column_stack([peak, rest])
+    for k, derived in enumerate(problem.quantities.values()):
+        columns = [problem.measured.index(name) for name in derived.parameters]
+        values, partials = map(np.asarray, derived.linearised(jnp.asarray(known[:, columns])))
+        result.values[:, k] = values
+        for name, column, partial in zip(derived.parameters, columns, partials.T, strict=True):
+            if name == PEAK_FORCE:
+                result.by_peak[:, k] = partial
+            else:
+                result.slopes[:, k] += partial[:, None] * rest_slope[:, column - 1]
+    return result
+
+
+def check_start(
+    problem: Problem, peak: Float[np.ndarray, " cases"], rest: Float[np.ndarray, "cases measured-1"], case: int
+) -> None:
+    """Raise `InputError` with the own quantity that has no number, or no derivative, in a load case of the start."""
+    known = dict(zip(problem.measured, [float(peak[case]), *map(float, rest[case])], strict=True))
+    for name, derived in problem.quantities.items():
+        values = [known[parameter] for parameter in derived.parameters]
+        value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
+        units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
+        at = ", ".join(
+            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, values, units, strict=True)
+        )
+        where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
+        if not np.isfinite(value):
+            raise InputError(f"quantities.{name}: {derived.label} is {float(value):g} {where}")
+        for parameter, partial in zip(derived.parameters, partials, strict=True):
+            if not np.isfinite(partial):
+                what = f"its derivative by {parameter} is {float(partial):g}"
+                raise InputError(f"quantities.{name}: {derived.label}: {what} {where}")
