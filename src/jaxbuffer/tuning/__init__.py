@@ -1,7 +1,7 @@
 """Tuning: the design problem as data, and the search for the best design (docs/tuning.md).
 
-Of these modules each imports from those before it: cases, derived, objective, problem, evaluation, goal,
-model_step, search, store, message, checks, tuned, rounds, descent, tune, pareto.
+Of these modules each imports from those before it: cases, derived, objective, problem, own_quantities, measurement,
+evaluation, goal, model_step, search, store, message, checks, tuned, rounds, descent, tune, pareto.
 """
 
 from .cases import Case as Case
