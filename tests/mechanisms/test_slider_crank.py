@@ -176,9 +176,10 @@ def test_a_motor_from_rest():
     [
         "johnson",
         "liu",
+        pytest.param("pereira", marks=pytest.mark.slow),
         *(
-            pytest.param(name, marks=pytest.mark.slow)
-            for name in ("radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035", "pereira")
+            pytest.param(name, marks=pytest.mark.long)
+            for name in ("radzimovsky", "goldsmith", "dubowsky-freudenstein", "esdu-78035")
         ),
     ],
 )
