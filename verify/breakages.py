@@ -68,15 +68,15 @@ CHAINED = "tests/tuning/test_derived.py::test_slopes_are_those_of_the_function"
 
 
 def _lose_force_in_chain() -> None:
-    from jaxbuffer.tuning import evaluation
+    from jaxbuffer.tuning import evaluation, own_quantities
 
-    chained = evaluation.compose
+    chained = own_quantities.compose
 
     def broken(*given):
         force = chained(*given)
         return force._replace(by_peak=0.0 * force.by_peak)
 
-    evaluation.compose = broken
+    own_quantities.compose = evaluation.compose = broken
 
 
 def _lose_modal_force() -> None:
