@@ -235,6 +235,10 @@ class Run(Portable, Saved):
         >>> f"{float(data.peak_force):.1f} {data.peak_force.units}, {data.sizes['impact']} impact, {data.outcome}"
         '1831.5 N, 1 impact, finished'
         """
+        if self._many:
+            raise InputError(
+                "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
+            )
         return run_dataset(self)
 
     def to_pandas(self) -> DataFrame:

@@ -62,11 +62,7 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
 
 
 def run_dataset(run: Any) -> Dataset:
-    """See `Run.to_xarray`."""
-    if np.ndim(run.code) or isinstance(run.code, jax.core.Tracer):
-        raise InputError(
-            "to_xarray takes one run that is solved, not a batch or a traced one; sweep many with jb.sweep"
-        )
+    """A run that is solved, as `Run.to_xarray` says."""
     mechanism, names = run.mechanism, run.mechanism.view.names(run.design)
     variables = {**_quantities(run, names), **_impacts(run, names)}
     energies = tuple(run.energy.names)

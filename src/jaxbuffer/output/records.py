@@ -30,42 +30,42 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
     return {
         "kind": mechanism.name,
         "outcome": run.outcome.name,
-        **{f"{name} [{catalogue[name].unit}]": number(catalogue[name].of(run)) for name in mechanism.swept},
+        **{f"{name} [{catalogue[name].unit}]": json_number(catalogue[name].of(run)) for name in mechanism.swept},
         **limits_record(limits, own),
-        "limited": {n: number(x) for n, x in ({} if constraints is None else constraints.values(run)).items()},
+        "limited": {n: json_number(x) for n, x in ({} if constraints is None else constraints.values(run)).items()},
         "trust": None
         if trust is None
         else {
             "verdict": trust.verdict,
             "reason": str(trust),
-            "errors": {name: number(error) for name, error in trust.errors.items()},
+            "errors": {name: json_number(error) for name, error in trust.errors.items()},
         },
         "outside_validity": mechanism.view.warnings(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
         f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)] if hits.count else None,
-        "maximum_times": {f"{name} [s]": number(time) for name, time in run.maximum_times.items()},
+        "maximum_times": {f"{name} [s]": json_number(time) for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [
             {
                 "number": k + 1,
                 mechanism.view.contact: names.contacts[int(hits.contact[k])],
-                "time [s]": number(hits.time[k]),
-                "approach_speed [m/s]": number(hits.approach_speed[k]),
-                "peak_force [N]": number(hits.peak_force[k]),
-                "release_time [s]": number(hits.release_time[k]),
-                "effective_energy [J]": number(energies[k]),
+                "time [s]": json_number(hits.time[k]),
+                "approach_speed [m/s]": json_number(hits.approach_speed[k]),
+                "peak_force [N]": json_number(hits.peak_force[k]),
+                "release_time [s]": json_number(hits.release_time[k]),
+                "effective_energy [J]": json_number(energies[k]),
             }
             for k in range(int(hits.count))
         ],
-        "energy_at_end": {f"{name} [J]": number(getattr(energy, name)) for name in energy.names},
+        "energy_at_end": {f"{name} [J]": json_number(getattr(energy, name)) for name in energy.names},
         "numerical_balance": {
-            "energy [-]": number(balance.energy),
-            "linear_momentum [-]": number(balance.linear_momentum),
-            "angular_momentum [-]": number(balance.angular_momentum),
-            "constraint_drift [m]": number(balance.drift),
+            "energy [-]": json_number(balance.energy),
+            "linear_momentum [-]": json_number(balance.linear_momentum),
+            "angular_momentum [-]": json_number(balance.angular_momentum),
+            "constraint_drift [m]": json_number(balance.drift),
         },
         **{
-            name: {inner: number(value) for inner, value in values.items()}
+            name: {inner: json_number(value) for inner, value in values.items()}
             for name, values in mechanism.view.record(run).items()
         },
         "steps_accepted": int(run.accepted),
@@ -102,7 +102,7 @@ def sensitivity_record(result: Sensitivity) -> dict[str, Any]:
     return {
         "kind": run.mechanism.name,
         "outcome": run.outcome.name,
-        **{f"{n} [{u}]": number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
+        **{f"{n} [{u}]": json_number(x) for n, u, x in zip(result.quantities, units, result.results, strict=True)},
         "derivatives": [dict(zip(header, row, strict=True)) for row in rows],
         "certificate": None if result.certificate is None else certificate_record(result),
         "advice": [" ".join(line.split()) for line in advice(result)],
@@ -119,7 +119,7 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
     names = mechanism.view.names(result.run.design)
     evidence = {
         name: {
-            quantity: dict(zip(result.paths, map(number, getattr(certificate, field)[k]), strict=True))
+            quantity: dict(zip(result.paths, map(json_number, getattr(certificate, field)[k]), strict=True))
             for k, quantity in enumerate(result.quantities)
         }
         for name, field in (
@@ -151,12 +151,12 @@ def certificate_record(result: Sensitivity) -> dict[str, Any]:
             "impact": peaks.runner_up_impact + 1,
             "margin [-]": peaks.margin,
             "swapped_by": peaks.swap_path or None,
-            "swapped_by_change [-]": number(peaks.swap_change),
+            "swapped_by_change [-]": json_number(peaks.swap_change),
         },
     }
 
 
-def number(value: Any) -> float | None:
+def json_number(value: Any) -> float | None:
     """A number as JSON has it; None where there is none or it is not finite."""
     if value is None:
         return None

@@ -29,20 +29,20 @@ def _field(axis: Any) -> dict[str, str]:
     return {"path": axis.path, "unit": axis.unit, "shown_in": axis.typed or axis.unit}
 
 
-def _envelope(found: SafeRectangle) -> dict[str, Any]:
+def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
     """What is asked of a safe run, how many there are, and the largest rectangle of them."""
-    ranges = zip(found.axes, (found.first, found.second), strict=True)
+    ranges = zip(rectangle.axes, (rectangle.first, rectangle.second), strict=True)
     return {
-        "asked": found.asked,
-        "safe_runs": int(found.safe.sum()),
-        "runs": int(found.safe.size),
-        "runs_in_rectangle": int(found.runs),
+        "asked": rectangle.asked,
+        "safe_runs": int(rectangle.safe.sum()),
+        "runs": int(rectangle.safe.size),
+        "runs_in_rectangle": int(rectangle.runs),
         "rectangle": [
             {**_field(axis), "low": float(part[0]), "high": float(part[1])} for axis, part in ranges if part is not None
         ],
-        "reasons": dict(Counter(str(reason) for reason in found.reasons[~found.safe])),
+        "reasons": dict(Counter(str(reason) for reason in rectangle.reasons[~rectangle.safe])),
         "between": None
-        if (between := found.between) is None
+        if (between := rectangle.between) is None
         else {"runs": between.runs, "unsafe_runs": between.unsafe, "words": between.words},
     }
 

@@ -13,7 +13,7 @@ from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
 from ..version import version
-from .records import Table, limits_record, number
+from .records import Table, json_number, limits_record
 
 
 def tuned_record(tuned: Tuned) -> dict[str, Any]:
@@ -33,13 +33,13 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
         "outside_validity": tuned_warnings(tuned),
         "objective": problem.worded(problem.objective),
         "objective_unit": problem.objective.unit(problem.catalogue),
-        "objective_before": number(start),
-        "objective_after": number(end),
-        "first_order_residual [-]": number(tuned.residual),
-        "gradient_error [-]": number(tuned.gradient_error),
+        "objective_before": json_number(start),
+        "objective_after": json_number(end),
+        "first_order_residual [-]": json_number(tuned.residual),
+        "gradient_error [-]": json_number(tuned.gradient_error),
         "rtol_of_check [-]": tuned.tight,
-        "above_floor [-]": number(tuned.above_floor),
-        "lowest_first_impact_within_bounds [N]": None if tuned.floor is None else number(tuned.floor.lowest),
+        "above_floor [-]": json_number(tuned.above_floor),
+        "lowest_first_impact_within_bounds [N]": None if tuned.floor is None else json_number(tuned.floor.lowest),
         "captures": tuned.captures,
         "settings": dataclasses.asdict(tuned.settings),
         "variables": [
@@ -73,10 +73,10 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
 
 def _scattered(tuned: Tuned) -> dict[str, Any]:
     """What the cases of a tuning are samples of, and the result in the corners of the ranges."""
-    scatter, found = tuned.problem.scatter, tuned.corners
-    if scatter is None or found is None:
+    scatter, corners = tuned.problem.scatter, tuned.corners
+    if scatter is None or corners is None:
         return {}
-    corners = zip(found.cases, found.values, found.broken, strict=True)
+    each = zip(corners.cases, corners.values, corners.broken, strict=True)
     return {
         "sample": {
             "count": scatter.count,
@@ -84,15 +84,20 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "ranges": {name: [given.kind, *given.range] for name, given in scatter.distributions.items()},
         },
         "corners": {
-            "said": found.lines(tuned.problem),
-            "run": len(found.cases),
-            "all": found.whole,
-            "holding": found.holding,
-            "largest_objective": number(found.largest),
-            "objective_in_the_middle": number(found.middle),
+            "said": corners.lines(tuned.problem),
+            "run": len(corners.cases),
+            "all": corners.whole,
+            "holding": corners.holding,
+            "largest_objective": json_number(corners.largest),
+            "objective_in_the_middle": json_number(corners.middle),
             "each": [
-                {**record(case.scenario), "factors": dict(case.factors), "objective": number(value), "broken": broken}
-                for case, value, broken in corners
+                {
+                    **record(case.scenario),
+                    "factors": dict(case.factors),
+                    "objective": json_number(value),
+                    "broken": broken,
+                }
+                for case, value, broken in each
             ],
         },
     }
@@ -105,7 +110,7 @@ def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
         return [{} for _ in tuned.problem.cases]
     names = ("floor [N]", "closed_form_first_peak [N]", "T_c [J]")
     rows = zip(floor.simulated, floor.closed_form, floor.energy, strict=True)
-    return [dict(zip(names, map(number, row), strict=True)) for row in rows]
+    return [dict(zip(names, map(json_number, row), strict=True)) for row in rows]
 
 
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
@@ -115,9 +120,9 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
             "impacts": int(impacts),
-            "first_peak [N]": number(first),
-            **{f"{name} [{symbol}]": number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
-            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": number(room)}),
+            "first_peak [N]": json_number(first),
+            **{f"{name} [{symbol}]": json_number(x) for (name, symbol), x in zip(units.items(), row, strict=True)},
+            **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
             point.code, point.impacts, point.first, point.quantities, point.margin, strict=True

@@ -1,4 +1,4 @@
-"""The parts of the probe-cone mechanism: every number of its design, checked when a part is made.
+"""The parts of the probe-cone mechanism but its buffer: every number, checked when a part is made.
 
 Each number is a scalar, or an array where many designs are handled together; its unit stands in its declaration. The
 table "symbols and fields" of docs/model.md has them all, with symbols and where the defaults come from.

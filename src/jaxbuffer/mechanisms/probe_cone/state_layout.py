@@ -121,8 +121,6 @@ class StateLayout(eqx.Module):
         """Whether the contact of a name is closed, 1, or open, 0."""
         return active[self.contact_names.index(name)]
 
-    # --- the state's layout -------------------------------------------------------------------------------------------
-
     @property
     def spins(self) -> int:
         """Number of tip spins in the state."""
