@@ -9,10 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.linalg import eigh
+from scipy.spatial import KDTree
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshTri
 
+from jaxbuffer.multibody import FlexibleBody, System
 from jaxbuffer.multibody.flexible import Attachment, Bar, free_bar, planar_modes
 from jaxbuffer.multibody.flexible.planar import _elasticity
+from multibody.particles import Particles, dense_mass
 
 TOPIC = "Modes of bars and shapes"
 STEEL = {"thickness": 0.01, "density": 7850.0, "youngs_modulus": 2.07e11}
@@ -152,14 +155,43 @@ def test_reduced_frequencies_tend_to_those_of_the_mesh(evidence):
     evidence(TOPIC, "an L, 30 modes: eigenvalues, relative", errors[-1].max(), 0.02, "the whole mesh")
 
 
-def test_momentum_of_the_modes(evidence):
-    """Of a free point of the markers' motion: a rigid motion of the whole body does no work on the modes."""
-    mesh, attachments = l_shape()
-    found = planar_modes(mesh, attachments, 4, 0.3)
-    modes, markers = found.body(0.01, 7850.0, 2.07e11)
+def test_attachments_lie_where_they_were_put():
+    found = planar_modes(*l_shape(), 4, 0.3)
+    modes, markers = found.body(**STEEL)
     arms = np.array([[m.x, m.y] for m in markers], float)
     np.testing.assert_allclose(arms, np.array([[0.3, 0.03], [0.03, 0.26]]) - found.centre, atol=1e-12)
     assert modes.size == 7 and float(modes.frequencies()[0]) > 100.0
+
+
+def gauss_points(mesh, shape):
+    """The quadrature's points of an L of steel as particles: quadratic elements, each node known by its place."""
+    basis = Basis(mesh, ElementQuad2(), intorder=8)
+    distance, node = KDTree((shape.nodes + shape.centre[:, None]).T).query(basis.doflocs.T)
+    assert distance.max() < 1e-12
+    values = shape.shapes[:, node].transpose(0, 2, 1)
+    shapes = np.array([[np.asarray(basis.interpolate(mode)).ravel() for mode in part] for part in values])
+    place = np.asarray(basis.global_coordinates()).reshape(2, -1) - shape.centre[:, None]
+    return Particles(STEEL["density"] * STEEL["thickness"] * basis.dx.ravel(), place, shapes.transpose(0, 2, 1))
+
+
+def test_energy_and_momenta_of_an_l_that_moves_and_bends(evidence):
+    """Kinetic energy, mass matrix and both momenta by quadrature of the velocity over the shape."""
+    mesh, attachments = l_shape(0.7, (1.0, -2.0))
+    shape = planar_modes(mesh, attachments, 4, 0.3)
+    particles, system = gauss_points(mesh, shape), System((FlexibleBody(shape.body(**STEEL)[0]),))
+    rng = np.random.default_rng(11)
+    q = jnp.asarray(np.append(rng.normal(size=3), 0.05 * rng.normal(size=7)))
+    v = jnp.asarray(rng.normal(size=10))
+    kin = system.kinematics(q, v)
+    pairs = {
+        "kinetic energy": (system.kinetic_energy(kin), particles.kinetic_energy(q, v)),
+        "mass matrix": (dense_mass(system, kin), jax.hessian(particles.kinetic_energy, 1)(q, v)),
+        "linear momentum": (system.linear_momentum(kin), particles.momenta(q, v)[0]),
+        "angular momentum": (system.angular_momentum(kin), particles.momenta(q, v)[1]),
+    }
+    for name, (found, expected) in pairs.items():
+        off = np.max(np.abs(np.asarray(found) - np.asarray(expected))) / np.max(np.abs(np.asarray(expected)))
+        evidence(TOPIC, f"an L in motion, {name}, relative", off, 1e-11, "quadrature over the shape")
 
 
 def test_scales_flow_through(evidence):
