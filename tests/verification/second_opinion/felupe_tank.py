@@ -78,6 +78,19 @@ def section_of(design, fine, level=None):
     return Section(fem.Mesh(points, np.concatenate(cells), "quad9"), node, ends)
 
 
+def yielding(young, poisson, yield_stress, hardening):
+    """A material of von Mises with isotropic hardening, for small strains."""
+    shear = 0.5 * young / (1.0 + poisson)
+    numbers = {"λ": 2.0 * shear * poisson / (1.0 - 2.0 * poisson), "μ": shear, "σy": yield_stress, "K": hardening}
+    return fem.MaterialStrain(fem.linear_elastic_plastic_isotropic_hardening, statevars=(1, (3, 3)), **numbers)
+
+
+def plastic_work(body, yield_stress, hardening):
+    """Taken so far by the flow of a body of such a material [J per m]."""
+    flowed = body.results.statevars[0]
+    return float(np.sum((yield_stress + 0.5 * hardening * flowed) * flowed * body.field.region.dV))
+
+
 def bent(design, load, fine):
     """As `bent_tank.bent` of one load, with ``fine`` elements across the wall."""
     material, (mesh, node, ends) = design.material, section_of(design, fine)

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 
 from jaxbuffer.structures import Plane, Plastic, Quads
 
-from .felupe_tank import cells_of
+from .felupe_tank import cells_of, plastic_work, yielding
 
 HOLE, SIDE = 0.1, 0.3  # m: radius, and half of the plate
 YOUNG, POISSON, YIELD, HARDENING = 1e9, 0.4, 1e5, 5e7
@@ -97,15 +97,10 @@ def pulled_by_felupe(fine):
     points, node = grid.reshape(-1, 2), np.arange(grid.shape[0] * grid.shape[1]).reshape(grid.shape[:2])
     mesh = fem.Mesh(points, cells_of(node), "quad9")
     field = fem.FieldContainer([fem.FieldPlaneStrain(fem.RegionBiQuadraticQuad(mesh), dim=2)])
-    shear = 0.5 * YOUNG / (1.0 + POISSON)
-    numbers = {"λ": 2.0 * shear * POISSON / (1.0 - 2.0 * POISSON), "μ": shear, "σy": YIELD, "K": HARDENING}
-    law = fem.MaterialStrain(fem.linear_elastic_plastic_isotropic_hardening, statevars=(1, (3, 3)), **numbers)
-    body = fem.SolidBody(law, field)
+    body = fem.SolidBody(yielding(YOUNG, POISSON, YIELD, HARDENING), field)
     with np.errstate(divide="ignore", invalid="ignore"):  # of felupe's return where no stress is
         force, narrowed = np.array(_followed(body, field, *sides(points))).T
-    flowed = body.results.statevars[0]
-    work = (YIELD + 0.5 * HARDENING * flowed) * flowed
-    return Pulled(force, narrowed, float(np.sum(work * field.region.dV)))
+    return Pulled(force, narrowed, plastic_work(body, YIELD, HARDENING))
 
 
 def _followed(body, field, free, upper, middle):
