@@ -13,7 +13,7 @@ from jaxbuffer.fields import with_values
 from jaxbuffer.output.folder import Results
 from jaxbuffer.output.tuned_records import tuned_record
 from jaxbuffer.pages.abstract import abstract
-from jaxbuffer.pages.designs import asked
+from jaxbuffer.pages.designs import requirements
 from jaxbuffer.pages.runs import search
 from jaxbuffer.study.config import loads
 from jaxbuffer.study.explained import explained
@@ -64,7 +64,7 @@ def test_the_page_of_a_tuning(tuned, tmp_path):
         ["buffer.free_length", "mm", "100", "200", "136.5"],
         ["cone.half_angle", "deg", "40", "50", "44"],
     ]
-    listed = {row[1]: row[2] for row in asked(found, []).tables[0].rows if row[0] == "variable"}
+    listed = {row[1]: row[2] for row in requirements(found, []).tables[0].rows if row[0] == "variable"}
     assert listed["cone.half_angle"] == "40 to 50 deg" and listed["buffer.free_length"] == "100 to 200 mm"
     assert "cone.half_angle from 44 to 42 deg" in abstract([found])[0]
 

@@ -9,7 +9,7 @@ from ..fields import as_typed, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, swept_fields
-from .limits import Standing, judged, standing
+from .limits import LimitCounts, limit_check, limit_counts
 from .page import Cell, shown
 from .records import by_name, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
@@ -25,129 +25,129 @@ STOPPED = {
 MANY = 4  # variables that are named
 
 
-def badges(every: Sequence[Results], lenders: Sequence[Results] = ()) -> list[Cell]:
-    """What one asks first. ``lenders``: folders that lend their limits to those that have none."""
-    told = [(*_of_tuning(found, lenders), *_of_run(found, lenders), *_of_many(found)) for found in every]
-    return [badge for badges in told for badge in badges]
+def badges(every: Sequence[Results], others: Sequence[Results] = ()) -> list[Cell]:
+    """What one asks first. ``others``: folders of which the first with limits lends them to those that have none."""
+    groups = [(*_of_tuning(results, others), *_of_run(results, others), *_of_many(results)) for results in every]
+    return [badge for badges in groups for badge in badges]
 
 
-def _of_tuning(found: Results, lenders: Sequence[Results]) -> list[Cell]:
-    tuned = found.tuned
+def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
+    tuned = results.tuned
     if tuned is None:
         return []
-    held = standing(found, lenders)
-    kept = tuned["feasible"] and (held is None or not held.faults)
-    force = _of_objective(found, lenders, kept)
+    counts = limit_counts(results, others)
+    feasible = tuned["feasible"] and (counts is None or not counts.faults)
+    force = _of_objective(results, others, feasible)
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
-    limits = [] if held is None or not (held.faults or tuned["feasible"]) else [_of_limits(found, held)]
+    limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
     return [*first, *limits, force, *_of_search(tuned)]
 
 
-def _of_objective(found: Results, lenders: Sequence[Results], kept: bool) -> Cell:
+def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -> Cell:
     """The objective before and after. A higher one is no fault: limits that the start breaks may cost that much."""
-    tuned = found.tuned or {}
+    tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
-    told = f"{words(tuned['objective'])}: {shown(before)} → {shown(after)} {unit}"
+    text = f"{words(tuned['objective'])}: {shown(before)} → {shown(after)} {unit}"
     if before is None or after is None:
-        return Cell(told)
-    start = judged(found, lenders, "before")
+        return Cell(text)
+    start = limit_check(results, others, "before")
     allowed = start is None or all(start.keeping)
-    told += f" ({100 * (after / before - 1):+.2g} %)" if before else ""
-    told += "" if allowed else ", from a start that breaks limits"
-    return Cell(told, "" if not kept else "good" if after <= before or not allowed else "unsure")
+    text += f" ({100 * (after / before - 1):+.2g} %)" if before else ""
+    text += "" if allowed else ", from a start that breaks limits"
+    return Cell(text, "" if not feasible else "good" if after <= before or not allowed else "unsure")
 
 
-def _of_limits(found: Results, held: Standing) -> Cell:
+def _of_limits(results: Results, counts: LimitCounts) -> Cell:
     """Which limits are broken, or how sure it is that all are kept."""
-    missed = [f"{held.missed} of {held.runs} not {words(found.success or '')}"] if held.missed else []
-    if held.faults:
-        return Cell(", ".join([*_broken(held), *missed]), "bad")
-    return Cell(", ".join(["all limits kept", *_nearly(held)]), "unsure" if _nearly(held) else "good")
+    missed = [f"{counts.missed} of {counts.runs} not {words(results.success or '')}"] if counts.missed else []
+    if counts.faults:
+        return Cell(", ".join([*_broken(counts), *missed]), "bad")
+    return Cell(", ".join(["all limits kept", *_nearly(counts)]), "unsure" if _nearly(counts) else "good")
 
 
-def _broken(held: Standing) -> list[str]:
-    return [f"{held.broken} limit{'s' if held.broken > 1 else ''} broken"] if held.broken else []
+def _broken(counts: LimitCounts) -> list[str]:
+    return [f"{counts.broken} limit{'s' if counts.broken > 1 else ''} broken"] if counts.broken else []
 
 
-def _nearly(held: Standing) -> list[str]:
+def _nearly(counts: LimitCounts) -> list[str]:
     """What is kept, but not for certain."""
-    counts = {"at the limit": held.at_limit, "not known": held.unknown}
-    return [f"{count} {what}" for what, count in counts.items() if count]
+    by_verdict = {"at the limit": counts.at_limit, "not known": counts.unknown}
+    return [f"{count} {what}" for what, count in by_verdict.items() if count]
 
 
 def _of_search(tuned: Record) -> list[Cell]:
     """Whether a search converged, and whether another one found the same (``borne_out``, where it is recorded)."""
     if not tuned["feasible"]:
         return []
-    told = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
-    told += [] if tuned.get("borne_out", True) else [UNCONFIRMED]
-    return [Cell(text, "unsure") for text in told]
+    texts = [] if tuned.get("converged", True) else [STOPPED.get(tuned.get("ended", ""), "the search did not converge")]
+    texts += [] if tuned.get("borne_out", True) else [UNCONFIRMED]
+    return [Cell(text, "unsure") for text in texts]
 
 
-def _of_run(found: Results, lenders: Sequence[Results]) -> list[Cell]:
-    record, derived, told = found.records.get("run"), found.sensitivity, []
+def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
+    record, derived, cells = results.records.get("run"), results.sensitivity, []
     if record is not None:
-        held = standing(found, lenders) if found.tuned is None else None
-        end = ended(found.mechanism, record["outcome"])
-        kept, mark = _with_limits(held, end.mark)
-        text = ", ".join([words(record["outcome"]), *kept, f"peak force {record['peak_force [N]']:.4g} N"])
-        told.append(Cell(text, mark))
+        counts = limit_counts(results, others) if results.tuned is None else None
+        end = ended(results.mechanism, record["outcome"])
+        phrases, mark = _with_limits(counts, end.mark)
+        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force [N]']:.4g} N"])
+        cells.append(Cell(text, mark))
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
-        told += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
+        cells += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
     if derived is not None and derived["certificate"] is not None:
         verdict = derived["certificate"]["verdict"]
-        told.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
-    return told
+        cells.append(Cell(f"gradients: {verdict}", MARKS.get(verdict, "")))
+    return cells
 
 
-def _with_limits(held: Standing | None, mark: str) -> tuple[list[str], str]:
+def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]:
     """What to say of a run's limits, and how to mark a run that ended as ``mark`` says."""
-    if held is None:
+    if counts is None:
         return [], mark
-    if held.faults:
-        return _broken(held), "bad"
-    return ["limits kept", *_nearly(held)], "unsure" if mark == "good" and _nearly(held) else mark
+    if counts.faults:
+        return _broken(counts), "bad"
+    return ["limits kept", *_nearly(counts)], "unsure" if mark == "good" and _nearly(counts) else mark
 
 
-def _of_many(found: Results) -> list[Cell]:
-    told, points = [], found.records.get("front", {}).get("points")
-    if envelope := found.records.get("sweep", {}).get("envelope"):
+def _of_many(results: Results) -> list[Cell]:
+    cells, points = [], results.records.get("front", {}).get("points")
+    if envelope := results.records.get("sweep", {}).get("envelope"):
         safe, runs = envelope["safe_runs"], envelope["runs"]
-        told.append(Cell(f"{safe} of {runs} runs of the sweep are safe", "good" if safe == runs else "unsure"))
+        cells.append(Cell(f"{safe} of {runs} runs of the sweep are safe", "good" if safe == runs else "unsure"))
         if (between := envelope.get("between")) and between["unsafe_runs"]:
             count = f"{between['unsafe_runs']} of {between['runs']} runs"
-            told.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
-    for surface in found.records.get("sample", {}).get("surfaces", ()):
+            cells.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
+    for surface in results.records.get("sample", {}).get("surfaces", ()):
         error = surface["cross_validated"][surface["kind"]]["relative"]
         text = f"surface of {words(surface['quantity'])}: misses {100 * error:.2g} %"
-        told.append(Cell(text, "good" if surface["trusted"] else "bad"))
+        cells.append(Cell(text, "good" if surface["trusted"] else "bad"))
     if points:
         marks = [STANDING[point["standing"]] for point in points if point["standing"] in ON_FRONT]
         unsure = f", {marks.count('unsure')} not converged" if "unsure" in marks else ""
         mark = "unsure" if unsure else "good" if marks else "bad"
-        told.append(Cell(f"front of {len(marks)} point{'' if len(marks) == 1 else 's'}{unsure}", mark))
-    return told
+        cells.append(Cell(f"front of {len(marks)} point{'' if len(marks) == 1 else 's'}{unsure}", mark))
+    return cells
 
 
 def abstract(every: Sequence[Results]) -> list[str]:
     """A few sentences on each result, the folder's name before them where several have results of its kind."""
     kinds = (_tuning, _run, _sensitivity, _sweep, _sample, _front)
-    by_kind = [[(found, text) for found in every if (text := kind(found, every))] for kind in kinds]
-    return [f"{found.folder}: {text}" if len(some) > 1 else text for some in by_kind for found, text in some]
+    by_kind = [[(results, text) for results in every if (text := kind(results, every))] for kind in kinds]
+    return [f"{results.folder}: {text}" if len(some) > 1 else text for some in by_kind for results, text in some]
 
 
-def _tuning(found: Results, every: Sequence[Results]) -> str:
+def _tuning(results: Results, every: Sequence[Results]) -> str:
     """From where to where the objective went, whether limits are kept, by which numbers, and how the search ended."""
-    tuned, mechanism = found.tuned, found.mechanism
+    tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
         return ""
     if not tuned["feasible"]:
         return f"No design was found that keeps every limit: {'; '.join(tuned.get('why') or [tuned['message']])}."
     count = len(tuned["scenarios"])
-    limits = standing(found, every)
-    kept = " keeps every limit" if limits is None or not limits.faults else " does not keep every limit"
+    counts = limit_counts(results, every)
+    verdict = " keeps every limit" if counts is None or not counts.faults else " does not keep every limit"
     where = "its scenario" if count == 1 else f"the {count} scenarios"
-    text = f"{_objective(mechanism, tuned)}; the design{kept} in {where}."
+    text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}."
     ended = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
@@ -185,8 +185,8 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
     return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
 
 
-def _run(found: Results, every: Sequence[Results]) -> str:
-    record, mechanism = found.records.get("run"), found.mechanism
+def _run(results: Results, every: Sequence[Results]) -> str:
+    record, mechanism = results.records.get("run"), results.mechanism
     if record is None:
         return ""
     values, label = by_name(record), mechanism.view.label(scenario_of(mechanism, record["scenario"]))
@@ -194,17 +194,17 @@ def _run(found: Results, every: Sequence[Results]) -> str:
     text = f"At {label} the {mechanism.view.run_name} ends after {values['end_time']:.4g} s: {reason}."
     if values.get("peak_force") is not None:
         text += f" Its largest contact force is {values['peak_force']:.4g} N."
-    limits = standing(found, every) if found.tuned is None else None
-    if limits is None:
+    counts = limit_counts(results, every) if results.tuned is None else None
+    if counts is None:
         return text
-    faults = [f"{limits.broken} limit{'s are' if limits.broken > 1 else ' is'} broken."] if limits.broken else []
-    faults += [f"It does not end {words(found.success or '')}, as it must."] if limits.missed else []
+    faults = [f"{counts.broken} limit{'s are' if counts.broken > 1 else ' is'} broken."] if counts.broken else []
+    faults += [f"It does not end {words(results.success or '')}, as it must."] if counts.missed else []
     return " ".join([text, *(faults or ["It keeps every limit."])])
 
 
-def _sensitivity(found: Results, every: Sequence[Results]) -> str:
+def _sensitivity(results: Results, every: Sequence[Results]) -> str:
     """Which number moves the first quantity most."""
-    record, mechanism = found.sensitivity, found.mechanism
+    record, mechanism = results.sensitivity, results.mechanism
     if record is None or not record["derivatives"]:
         return ""
     name = record["derivatives"][0]["quantity"]
@@ -217,24 +217,24 @@ def _sensitivity(found: Results, every: Sequence[Results]) -> str:
     return f"Of {len(rows)} numbers {moved}: 1 % more of it changes it by {change}."
 
 
-def _sweep(found: Results, every: Sequence[Results]) -> str:
+def _sweep(results: Results, every: Sequence[Results]) -> str:
     """How the runs ended, how far the largest force goes, and how many runs are safe."""
-    if found.sweep is None:
+    if results.sweep is None:
         return ""
-    over = " and ".join(swept_fields(found))
+    over = " and ".join(swept_fields(results))
     over = f"over {over}" if over else "of runs given one by one"
-    text = f"{_ended(found.mechanism, outcome_counts(found))} in a sweep {over}."
-    force = np.asarray(found.sweep["peak_force"].values, float) if "peak_force" in found.sweep else np.zeros(0)
+    text = f"{_ended(results.mechanism, outcome_counts(results))} in a sweep {over}."
+    force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
-    envelope = found.records.get("sweep", {}).get("envelope")
+    envelope = results.records.get("sweep", {}).get("envelope")
     safe = "" if envelope is None else f" {envelope['safe_runs']} of {envelope['runs']} keep every limit."
     return text + safe
 
 
-def _sample(found: Results, every: Sequence[Results]) -> str:
+def _sample(results: Results, every: Sequence[Results]) -> str:
     """How the runs ended, and whose scatter matters most for each quantity."""
-    record, mechanism = found.records.get("sample"), found.mechanism
+    record, mechanism = results.records.get("sample"), results.mechanism
     if record is None:
         return ""
     text = f"{_ended(mechanism, record['outcomes'])} in a sample of {len(record['ranges'])} numbers."
@@ -248,9 +248,9 @@ def _sample(found: Results, every: Sequence[Results]) -> str:
     return text
 
 
-def _front(found: Results, every: Sequence[Results]) -> str:
+def _front(results: Results, every: Sequence[Results]) -> str:
     """How many designs are on a front, and between which ends it trades."""
-    record, mechanism = found.records.get("front"), found.mechanism
+    record, mechanism = results.records.get("front"), results.mechanism
     if record is None:
         return ""
     points = [point for point in record["points"] if point["standing"] in ON_FRONT]

@@ -9,14 +9,14 @@ from ..fields import get, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .abstract import abstract, badges
-from .limits import Limit, asked_limits, case_labels, judged, limits
+from .limits import Limit, case_labels, limit_check, limits, limits_of
 from .origin import origin
 from .page import Cell, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
 
-HELD = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
+CONTENTS = {"run": "a run", "tuned": "a tuning", "sensitivity": "derivatives", "sample": "a sample", "front": "a front"}
 NO_MERIT = ("peak_time",)  # neither more nor less of it is better
 MULTIPLE = 10.0  # from which a ratio is told instead of a percentage
 Known = tuple[float | None, bool, bool]  # a value, whether it breaks its limit, whether its run keeps all limits
@@ -27,15 +27,17 @@ COLOURS = "Red: a limit is broken. Green: the lowest of a scenario, where its ru
 def comparison(every: Sequence[Results]) -> Page:
     """A page with a column for each folder. **Raises:** `InputError` for folders of different mechanisms, or where
     there is nothing to compare."""
-    kinds = {found.mechanism.name for found in every}
+    kinds = {results.mechanism.name for results in every}
     if len(kinds) > 1:
         raise InputError(f"the folders hold results of different mechanisms: {', '.join(sorted(kinds))}")
     _check_comparable(every)
     tables = compared(every)
-    names = ", ".join(str(found.folder) for found in every)
-    told = [Cell(f"{found.folder}: {badge.text}", badge.mark) for found in every for badge in badges([found], every)]
+    names = ", ".join(str(results.folder) for results in every)
+    pills = [
+        Cell(f"{results.folder}: {badge.text}", badge.mark) for results in every for badge in badges([results], every)
+    ]
     parts = [Section(table.caption, tables=[table]) for table in tables]
-    if all(found.tuned is not None for found in every):
+    if all(results.tuned is not None for results in every):
         every_limit = [tables[-1], *limited_by_scenario(every)]
         parts[-1] = dataclasses.replace(parts[-1], text=[COLOURS], tables=every_limit)
     parts += _with_differences(distinct(_limits(every)), every)
@@ -43,77 +45,77 @@ def comparison(every: Sequence[Results]) -> Page:
         caption = "Contact force over time, each curve by its folder"
         parts.append(Section("Forces", curves=[{"caption": caption, "axis": FORCE, "curves": curves}]))
     run = every[0].mechanism.view.run_name
-    drawn = [(found, stem, words) for found in every for stem, words in ((run, run), ("tune", "the search"))]
-    if figures := [it for found, stem, words in drawn for it in figure(found, stem, f"{found.folder}: {words}")]:
+    drawn = [(results, stem, words) for results in every for stem, words in ((run, run), ("tune", "the search"))]
+    if figures := [it for results, stem, words in drawn for it in figure(results, stem, f"{results.folder}: {words}")]:
         parts.append(Section("Figures", figures=figures))
     return Page(
-        f"{every[0].mechanism.view.title}: designs compared", names, told, [*parts, origin(every)], abstract(every)
+        f"{every[0].mechanism.view.title}: designs compared", names, pills, [*parts, origin(every)], abstract(every)
     )
 
 
 def _check_comparable(every: Sequence[Results]) -> None:
     """Raise `InputError` unless all folders hold a run, or all a tuning; it says what each holds, and what to run."""
-    if any(all(name in found.records for found in every) for name in ("run", "tuned")):
+    if any(all(name in results.records for results in every) for name in ("run", "tuned")):
         return
-    held = ", ".join(f"{found.folder} holds {_held(found)}" for found in every)
+    contents = ", ".join(f"{results.folder} holds {_contents(results)}" for results in every)
     runs = [
-        f"jaxbuffer simulate {found.folder / 'design.toml' if found.tuned else 'STUDY.toml'} --output FOLDER"
-        for found in every
-        if "run" not in found.records
+        f"jaxbuffer simulate {results.folder / 'design.toml' if results.tuned else 'STUDY.toml'} --output FOLDER"
+        for results in every
+        if "run" not in results.records
     ]
     raise InputError(
-        f"nothing to compare: {held}; compare runs with runs or tunings with tunings;"
+        f"nothing to compare: {contents}; compare runs with runs or tunings with tunings;"
         f" a run is made by {' and '.join(dict.fromkeys(runs))}"
     )
 
 
-def _held(found: Results) -> str:
-    held = [words for name, words in HELD.items() if name in found.records]
-    held += ["a sweep"] if found.sweep is not None else []
-    return " and ".join(held) or "a design alone"
+def _contents(results: Results) -> str:
+    contents = [words for name, words in CONTENTS.items() if name in results.records]
+    contents += ["a sweep"] if results.sweep is not None else []
+    return " and ".join(contents) or "a design alone"
 
 
 def _limits(every: Sequence[Results]) -> list[tuple[Results, Section]]:
     """Which limits each folder keeps; one without limits is held against those of the first that has some."""
-    return [(found, section) for found in every if (section := limits(found, every, named=True)) is not None]
+    return [(results, section) for results in every if (section := limits(results, every, named=True)) is not None]
 
 
 def _with_differences(sections: list[Section], every: Sequence[Results]) -> list[Section]:
     """The sections, the first of which says on what the folders are held against different limits."""
-    told = differing(every)
-    if not told or not sections:
+    differences = differing(every)
+    if not differences or not sections:
         return sections
     first = sections[0]
-    said = f"The folders are held against different limits: {'; '.join(told)}."
+    said = f"The folders are held against different limits: {'; '.join(differences)}."
     return [dataclasses.replace(first, warnings=[said, *first.warnings]), *sections[1:]]
 
 
-def kept(every: Sequence[Results]) -> list[Table]:
+def limit_tables(every: Sequence[Results]) -> list[Table]:
     """Tables of which limits each folder keeps."""
     return [table for _, section in _limits(every) for table in section.tables if not table.folded]
 
 
 def _forces(every: Sequence[Results]) -> list[dict[str, Any]]:
     """The force of each folder's run, or of its tuning's worst scenario with the tuned design."""
-    records = [(found, found.records["force"]) for found in every if "force" in found.records]
-    named = [(found, record["scenario"], record["curves"][-1]) for found, record in records]
-    return [{**curve, "name": f"{found.folder} ({scenario})"} for found, scenario, curve in named]
+    records = [(results, results.records["force"]) for results in every if "force" in results.records]
+    named = [(results, record["scenario"], record["curves"][-1]) for results, record in records]
+    return [{**curve, "name": f"{results.folder} ({scenario})"} for results, scenario, curve in named]
 
 
 def compared(every: Sequence[Results]) -> list[Table]:
     """Where the designs differ, and what their runs or tunings found, with a column for each folder."""
-    folders = [str(found.folder) for found in every]
-    tables = [_designs(every, folders)] if all(found.design is not None for found in every) else []
-    if all("run" in found.records for found in every):
+    folders = [str(results.folder) for results in every]
+    tables = [_designs(every, folders)] if all(results.design is not None for results in every) else []
+    if all("run" in results.records for results in every):
         tables += _runs(every, folders)
-    if all(found.tuned is not None for found in every):
+    if all(results.tuned is not None for results in every):
         tables.append(by_scenario(every, folders, "peak_force"))
     return tables[1:] and tables
 
 
 def _designs(every: Sequence[Results], folders: Sequence[str]) -> Table:
     usual = every[0].mechanism.design()
-    designs = [found.design for found in every if found.design is not None]
+    designs = [results.design for results in every if results.design is not None]
     first = designs[0]
     differ = [path for path in paths(usual) if any(not same(get(d, path), get(first, path)) for d in designs[1:])]
     rows: list[list[str | Cell]] = [
@@ -124,7 +126,7 @@ def _designs(every: Sequence[Results], folders: Sequence[str]) -> Table:
 
 def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     mechanism = every[0].mechanism
-    records = [found.records["run"] for found in every]
+    records = [results.records["run"] for results in every]
     met = [scenario_of(mechanism, record["scenario"]) for record in records]
     alike = all(scenario == met[0] for scenario in met)
     labels = [mechanism.view.label(scenario, met) for scenario in met]
@@ -154,8 +156,8 @@ def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
             cells.append(Cell(shown(value)))
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
-        told = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
-        cells.append(Cell(f"{shown(value)}{told}", "changed"))
+        change = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
+        cells.append(Cell(f"{shown(value)}{change}", "changed"))
     return cells
 
 
@@ -167,38 +169,38 @@ def _change(first: float, value: float) -> str:
 
 def differing(every: Sequence[Results]) -> list[str]:
     """A text for each quantity on which the folders' limits differ: "buffer stroke: before ≤ 30 mm, after ≤ 25 mm"."""
-    limits = [_asked_of(found, every) for found in every]
-    told = []
-    for key in dict.fromkeys(key for known in limits for key in known):
-        if len({known.get(key) for known in limits}) > 1:
+    by_folder = [_limits_of(results, every) for results in every]
+    texts = []
+    for key in dict.fromkeys(key for known in by_folder for key in known):
+        if len({known.get(key) for known in by_folder}) > 1:
             title, symbol, factor = _shown(every, key[0])
-            asked = [known.get(key) for known in limits]
-            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in asked]
-            sides = ", ".join(f"{found.folder} {text}" for found, text in zip(every, said, strict=True))
-            told.append(f"{title}: {sides}")
-    return told
+            limited = [known.get(key) for known in by_folder]
+            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in limited]
+            sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
+            texts.append(f"{title}: {sides}")
+    return texts
 
 
-def _asked_of(found: Results, every: Sequence[Results]) -> dict[tuple[str, bool], Limit]:
+def _limits_of(results: Results, every: Sequence[Results]) -> dict[tuple[str, bool], Limit]:
     """What a folder is held against, by the quantity's name and whether it is a lower limit."""
-    held = judged(found, every)
-    if held is None:
+    check = limit_check(results, every)
+    if check is None:
         return {}
-    return {(it.name, it.lowest): it for it in asked_limits(found.mechanism, held.asked)}
+    return {(it.name, it.lowest): it for it in limits_of(results.mechanism, check.source)}
 
 
 def _shown(every: Sequence[Results], name: str) -> tuple[str, str, float]:
     """A quantity's title, unit in figures and factor; one that a study has made may be known to one folder only."""
     own: dict[str, Any] = {}
-    for found in every:
-        own |= (found.tuned or found.records.get("run") or {}).get("quantities", {})
+    for results in every:
+        own |= (results.tuned or results.records.get("run") or {}).get("quantities", {})
     return in_figures(every[0].mechanism, name, own)
 
 
 def limited_by_scenario(every: Sequence[Results]) -> list[Table]:
     """A folded table for each quantity that any of the folders limits, the peak force apart."""
-    names = dict.fromkeys(name for found in every for name, _ in _asked_of(found, every))
-    folders = [str(found.folder) for found in every]
+    names = dict.fromkeys(name for results in every for name, _ in _limits_of(results, every))
+    folders = [str(results.folder) for results in every]
     return [by_scenario(every, folders, name, folded=True) for name in names if name != "peak_force"]
 
 
@@ -206,7 +208,7 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     """A quantity in each scenario that any folder has met: red where it breaks its limit; the lowest one of a row in
     green, if its run keeps all limits."""
     mechanism = every[0].mechanism
-    found = [_cells(it, every, name) for it in every]
+    columns = [_cells(it, every, name) for it in every]
     # The labels tell all folders' scenarios apart.
     among = [scenario_of(it.mechanism, record) for it in every for record in _cases(it)]
     met = {
@@ -217,34 +219,34 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
     title, symbol, factor = _shown(every, name)
     rows: list[list[str | Cell]] = []
     for case, label in met.items():
-        known = [value for values in found if (value := values.get(case, UNKNOWN)[0]) is not None]
+        known = [value for values in columns if (value := values.get(case, UNKNOWN)[0]) is not None]
         least = min(known) if len(known) > 1 else None
-        rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in found)])
+        rows.append([label, *(_cell(values.get(case, UNKNOWN), least, factor) for values in columns)])
     caption = f"{title[:1].upper()}{title[1:]} [{symbol}] after tuning, by scenario"
     return Table(caption, ("scenario", *folders), rows, folded)
 
 
 def _cell(known: Known, least: float | None, factor: float) -> Cell:
-    value, beyond, kept = known
+    value, beyond, safe = known
     if value is None:
         return Cell(shown(None))
-    return Cell(shown(factor * value), "bad" if beyond else "good" if kept and value == least else "")
+    return Cell(shown(factor * value), "bad" if beyond else "good" if safe and value == least else "")
 
 
-def _cells(found: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
+def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
     """By scenario: the value, whether it breaks its limit, whether the run keeps all limits."""
-    held, limits = judged(found, every), _asked_of(found, every)
-    cases = _cases(found)
-    kept = [True] * len(cases) if held is None else held.keeping
+    check, limits = limit_check(results, every), _limits_of(results, every)
+    cases = _cases(results)
+    safe = [True] * len(cases) if check is None else check.keeping
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
     values = [by_name(case["after"]).get(name) for case in cases]
     beyond = [any(it.broken_by(value) for it in sides) for value in values]
-    names = [_case(found.mechanism, case) for case in cases]
-    return dict(zip(names, zip(values, beyond, kept, strict=True), strict=True))
+    names = [_case(results.mechanism, case) for case in cases]
+    return dict(zip(names, zip(values, beyond, safe, strict=True), strict=True))
 
 
-def _cases(found: Results) -> list[Record]:
-    return [] if found.tuned is None else list(found.tuned["scenarios"])
+def _cases(results: Results) -> list[Record]:
+    return [] if results.tuned is None else list(results.tuned["scenarios"])
 
 
 def _case(mechanism: Mechanism, record: Record) -> str:

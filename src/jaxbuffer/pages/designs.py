@@ -7,7 +7,7 @@ from ..fields import Part, as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
-from .limits import asked_limits, lender_of
+from .limits import limits_of, source_of_limits
 from .page import Cell, Section, Table, shown
 from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
 
@@ -15,11 +15,11 @@ TITLE = "What is asked"
 Rows = list[list[str]]
 
 
-def asked(first: Results, every: Sequence[Results]) -> Section | None:
+def requirements(first: Results, every: Sequence[Results]) -> Section | None:
     """Of the page's tuning, or else of its run; limits from the first folder that has some."""
     mechanism, tuned = first.mechanism, first.tuned
     run = first.records.get("run")
-    rows = _limits(first, lender_of([first, *every]))
+    rows = _limits(first, source_of_limits([first, *every]))
     if tuned is not None:
         rows = [["objective", words(tuned["objective"]), "as small as possible"], *rows]
         rows += _scenarios(mechanism, tuned["scenarios"], units_of(first))
@@ -32,16 +32,16 @@ def asked(first: Results, every: Sequence[Results]) -> Section | None:
     return Section(TITLE, text, tables=[Table(TITLE, ("what", "of", "asked"), rows)] if rows else [])
 
 
-def _limits(first: Results, asked: Record | None) -> Rows:
+def _limits(first: Results, source: Record | None) -> Rows:
     """How runs must end, and what is limited."""
-    if asked is None:
+    if source is None:
         return []
     mechanism, success = first.mechanism, first.success
     rows = [] if success is None else [["end", f"each {mechanism.view.run_name}", words(success)]]
-    for limit in asked_limits(mechanism, asked):
-        title, symbol, factor = in_figures(mechanism, limit.name, asked.get("quantities", {}))
+    for limit in limits_of(mechanism, source):
+        title, symbol, factor = in_figures(mechanism, limit.name, source.get("quantities", {}))
         rows.append(["limit", title, limit.text(factor, symbol)])
-    if (most := asked.get("most_impacts")) is not None:
+    if (most := source.get("most_impacts")) is not None:
         rows.append(["limit", "impacts", f"≤ {most}"])
     return rows
 
@@ -77,40 +77,42 @@ def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
     return rows
 
 
-def design(found: Results) -> Section | None:
+def design(results: Results) -> Section | None:
     """Every number of the design: tuned and given ones first, those at their defaults folded away."""
-    if found.design is None:
+    if results.design is None:
         return None
-    default = found.mechanism.design()
-    tuned = {variable["path"] for variable in (found.tuned or {}).get("variables", ())}
-    typed = units_of(found)
+    default = results.mechanism.design()
+    tuned = {variable["path"] for variable in (results.tuned or {}).get("variables", ())}
+    typed = units_of(results)
     special: list[list[str | Cell]] = []
     usual: list[list[str | Cell]] = []
     for path in paths(default):
         before = get(default, path)
-        value = get(found.design, path)
+        value = get(results.design, path)
         source = "tuned" if path in tuned else "default" if same(value, before) else "given"
         symbol, as_shown = unit(default, path), typed.get(path, "")
-        (number, told), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
-        row = [path, meaning(default, path), shown(number), told, shown(usually), source]
+        (number, symbol_shown), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
+        row = [path, meaning(default, path), shown(number), symbol_shown, shown(usually), source]
         (usual if source == "default" else special).append(list(row))
     headings = ("field", "meaning", "value", "unit", "default", "source")
     tables = [Table("What is tuned or given", headings, special)] if special else []
     tables.append(Table(f"{len(usual)} fields at their defaults", headings, usual, folded=True))
-    return Section("Design", figures=figure(found, "motion", "The mechanism at telling times, to scale"), tables=tables)
+    return Section(
+        "Design", figures=figure(results, "motion", "The mechanism at telling times, to scale"), tables=tables
+    )
 
 
-def other_design(found: Results, first: Results, record: Record) -> list[str]:
+def other_design(results: Results, first: Results, record: Record) -> list[str]:
     """In what a record's design differs from the page's, as a sentence; nothing where it is the same."""
     if first.design is None:
         return []
-    usual, one = found.mechanism.design(), by_name(record["design"])
+    usual, one = results.mechanism.design(), by_name(record["design"])
     differ = [path for path in paths(usual) if path in one and not same(one[path], get(first.design, path))]
     if not differ:
         return []
-    typed = units_of(found)
-    told = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
-    said = ", ".join(f"{path} = {shown(value)} {symbol}".rstrip(" -") for path, value, symbol in told)
+    typed = units_of(results)
+    values = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
+    said = ", ".join(f"{path} = {shown(value)} {symbol}".rstrip(" -") for path, value, symbol in values)
     return [f"Of another design than the one above: {said}."]
 
 

@@ -17,20 +17,20 @@ ON_FRONT = ("front", "front, not converged")
 STANDING = {"front": "good", "front, not converged": "unsure", "dominated": "", "limits broken": "bad"}
 
 
-def sweep(found: Results) -> Section | None:
+def sweep(results: Results) -> Section | None:
     """What a sweep covers, how its runs ended, its maps, and where it is safe."""
-    if found.sweep is None:
+    if results.sweep is None:
         return None
     sizes = (
-        " × ".join(f"{count} values of {field}" for field, count in swept_fields(found).items()) or "given one by one"
+        " × ".join(f"{count} values of {field}" for field, count in swept_fields(results).items()) or "given one by one"
     )
-    outcomes = outcome_counts(found)
-    record = found.records.get("sweep", {})
+    outcomes = outcome_counts(results)
+    record = results.records.get("sweep", {})
     envelope = record.get("envelope")
     text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
-    figures = figure(found, "envelope", "Which runs are safe, and the largest rectangle of them")
-    figures += figure(found, "sweep", "The sweep's quantities over the swept numbers")
-    title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(found.mechanism, outcomes)]
+    figures = figure(results, "envelope", "Which runs are safe, and the largest rectangle of them")
+    figures += figure(results, "sweep", "The sweep's quantities over the swept numbers")
+    title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(results.mechanism, outcomes)]
     if envelope is None:
         return Section(title, text, figures, tables)
     between = envelope.get("between")
@@ -39,35 +39,35 @@ def sweep(found: Results) -> Section | None:
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
 
 
-def outcome_counts(found: Results) -> dict[str, int]:
+def outcome_counts(results: Results) -> dict[str, int]:
     """Return how many runs of a sweep ended how; of a store alone, from the numbers of the outcomes."""
-    assert found.sweep is not None
-    if "outcome" in found.sweep:
-        names, counts = np.unique(found.sweep.outcome.values.astype(str), return_counts=True)
+    assert results.sweep is not None
+    if "outcome" in results.sweep:
+        names, counts = np.unique(results.sweep.outcome.values.astype(str), return_counts=True)
         return dict(zip(map(str, names), map(int, counts), strict=True))
-    codes, counts = np.unique(found.sweep.code.values, return_counts=True)
-    words = [found.mechanism.outcomes(int(code)).name if code >= 0 else OPEN for code in codes]
+    codes, counts = np.unique(results.sweep.code.values, return_counts=True)
+    words = [results.mechanism.outcomes(int(code)).name if code >= 0 else OPEN for code in codes]
     return dict(zip(words, map(int, counts), strict=True))
 
 
-def swept_fields(found: Results) -> dict[str, int]:
+def swept_fields(results: Results) -> dict[str, int]:
     """Return how many values each swept field has; of runs that were given one by one, nothing."""
-    sizes = {} if found.sweep is None else found.sweep.sizes
+    sizes = {} if results.sweep is None else results.sweep.sizes
     return {field_name(str(path)): count for path, count in sizes.items() if path != "run"}
 
 
 def envelope_in_words(envelope: Record) -> list[str]:
     """How many runs are safe, and the ranges of the largest rectangle of them."""
-    told = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
+    texts = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
     if not envelope["rectangle"]:
-        return [*told, "No run is safe, so there is no safe rectangle."]
+        return [*texts, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
-    told.append(
+    texts.append(
         f"Every run of the largest safe rectangle, {envelope['runs_in_rectangle']} of them, is safe: {ranges}."
         " Between the runs nothing was computed."
     )
     reasons = ", ".join(f"{reason} ({count})" for reason, count in envelope["reasons"].items())
-    return [*told, f"Why the others are not: {reasons}."] if reasons else told
+    return [*texts, f"Why the others are not: {reasons}."] if reasons else texts
 
 
 def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
@@ -96,9 +96,9 @@ def _ends(field: Record) -> str:
     return f"{low if low.endswith('°') else low.partition(' ')[0]} to {high}"
 
 
-def sample(found: Results) -> Section | None:
+def sample(results: Results) -> Section | None:
     """Ranges, how the runs ended, whose scatter matters most, and how far a fitted surface can be trusted."""
-    record = found.records.get("sample")
+    record = results.records.get("sample")
     if record is None:
         return None
     ranges = []
@@ -106,11 +106,11 @@ def sample(found: Results) -> Section | None:
         (low, symbol), (high, _) = (as_typed(r[end], r["unit"], r.get("shown_in", "")) for end in ("low", "high"))
         ranges.append([r["path"], symbol, shown(low), shown(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
-    tables.append(_outcomes(found.mechanism, record["outcomes"]))
+    tables.append(_outcomes(results.mechanism, record["outcomes"]))
     indices = by_quantity(sorted(record["indices"], key=lambda row: -row["total [-]"]))
-    tables += [_indices(found.mechanism, name, rows) for name, rows in indices.items()]
+    tables += [_indices(results.mechanism, name, rows) for name, rows in indices.items()]
     if record["surfaces"]:
-        tables.append(_surfaces(found.mechanism, record))
+        tables.append(_surfaces(results.mechanism, record))
     warnings = [
         f"Do not trust the surface of {words(it['quantity'])}: it explains less than 90 % of the variance of runs it"
         " has not seen."
@@ -118,9 +118,9 @@ def sample(found: Results) -> Section | None:
         if not it["trusted"]
     ]
     text = [f"{record['done']} of {record['runs']} runs, {words(record['method'])}, seed {record['seed']}."]
-    figures = figure(found, "indices", "First-order and total index of each number, with intervals")
-    figures += figure(found, "surface", "What a surface says of runs it has not seen, against what was computed")
-    figures += figure(found, "sample", "The quantities over each sampled number")
+    figures = figure(results, "indices", "First-order and total index of each number, with intervals")
+    figures += figure(results, "surface", "What a surface says of runs it has not seen, against what was computed")
+    figures += figure(results, "sample", "The quantities over each sampled number")
     return Section("Sample", text, figures, tables, warnings=warnings)
 
 
@@ -145,24 +145,24 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
         for kind, error in surface["cross_validated"].items():
             taken = kind == surface["kind"]
             mark = ("good" if surface["trusted"] else "bad") if taken else ""
-            told = [f"{shown(error['rms'])} {surface['unit']}".rstrip(" -"), f"{100 * error['relative']:.3g} %"]
-            told.append(f"{100 * error['explained']:.4g} %")
+            errors = [f"{shown(error['rms'])} {surface['unit']}".rstrip(" -"), f"{100 * error['relative']:.3g} %"]
+            errors.append(f"{100 * error['explained']:.4g} %")
             verdict = ("trusted" if surface["trusted"] else "not to be trusted") if taken else "not taken"
-            rows.append([in_figures(mechanism, surface["quantity"])[0], words(kind), *told, Cell(verdict, mark)])
+            rows.append([in_figures(mechanism, surface["quantity"])[0], words(kind), *errors, Cell(verdict, mark)])
     caption = "Response surfaces: their errors at runs they were not fitted to (cross-validated)"
     return Table(caption, ("quantity", "kind", "error, rms", "of a value", "variance explained", "verdict"), rows)
 
 
-def front(found: Results) -> Section | None:
+def front(results: Results) -> Section | None:
     """The points of a front: objectives, how sure they are, and their designs."""
-    record = found.records.get("front")
+    record = results.records.get("front")
     if record is None:
         return None
     points = record["points"]
-    kept = sum(point["standing"] in ON_FRONT for point in points)
+    on_front = sum(point["standing"] in ON_FRONT for point in points)
     rows: list[list[str | Cell]] = []
     names = [name for name in points[0] if name not in ("point", "standing", "converged")]
-    headings, factors = zip(*(_front_column(found, name) for name in names), strict=True)
+    headings, factors = zip(*(_front_column(results, name) for name in names), strict=True)
     for point in points:
         mark = STANDING.get(point["standing"], "")
         numbers = zip((point[name] for name in names), factors, strict=True)
@@ -173,24 +173,24 @@ def front(found: Results) -> Section | None:
         f"{sampled}, no bound" if (sampled := record.get("samples")) else f"{count} scenario{'s' if count > 1 else ''}"
     )
     text = [
-        f"{kept} of {len(points)} points are on the front of {objectives}, the worst of {over}:"
+        f"{on_front} of {len(points)} points are on the front of {objectives}, the worst of {over}:"
         " none of them is better than another in every objective.",
         "Each point is a tuning of its own; its design is the file design-N.toml of that number.",
     ]
     table = Table("Points of the front", ("point", *headings, "standing"), rows)
     caption = "The front; hollow: not converged; crosses: another point is better"
-    return Section("Front", text, figure(found, "pareto", caption), [table])
+    return Section("Front", text, figure(results, "pareto", caption), [table])
 
 
-def _front_column(found: Results, name: str) -> tuple[str, float]:
+def _front_column(results: Results, name: str) -> tuple[str, float]:
     """A column's heading with the unit that people are shown, and how many of those its own unit is: of an objective
     or its limit, or of a variable."""
     start, symbol = without_unit(name)
-    quantity = found.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
+    quantity = results.mechanism.quantities.get(start.removeprefix("worst ").removeprefix("limit of "))
     shown_in, factor = symbol, 1.0
     if quantity is not None:
         shown_in, factor = quantity.in_figures
-    elif typed := units_of(found).get(start):
+    elif typed := units_of(results).get(start):
         factor, shown_in = as_typed(1.0, symbol, typed)
     return (f"{words(start)} [{shown_in}]" if symbol else words(name)), factor
 

@@ -53,14 +53,17 @@ class Limit(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Judged:
-    """What is held against limits: ``asked``, the record that has the limits; ``lender``: the folder of that record
-    where it is another one's, "" otherwise; ``labels`` of the scenarios, and for each its ``values`` by name, the
-    number of impacts among them, and how it ended (``outcomes``); ``success``: how it should end, in a word."""
+class LimitCheck:
+    """Runs and the limits that they must keep.
+
+    ``source``: the record that has the limits; ``source_folder``: its folder where it is another one's, "" otherwise;
+    ``labels`` of the scenarios, and for each its ``values`` by name, the number of impacts among them, and how it
+    ended (``outcomes``); ``success``: how it should end, in a word.
+    """
 
     mechanism: Mechanism
-    asked: Record
-    lender: str
+    source: Record
+    source_folder: str
     labels: Sequence[str]
     values: Sequence[Mapping[str, Any]]
     outcomes: Sequence[str]
@@ -70,8 +73,8 @@ class Judged:
     def limits(self) -> list[Limit]:
         """Upper limits, those that always hold first, lower ones, and that of the impacts."""
         always = [name for name in self.mechanism.tuning.always if name in self.values[0]]
-        most = self.asked.get("most_impacts")
-        named = asked_limits(self.mechanism, self.asked, [*always, *limited(self.asked)])
+        most = self.source.get("most_impacts")
+        named = limits_of(self.mechanism, self.source, [*always, *limited(self.source)])
         return named if most is None else [*named, Limit(IMPACTS, most)]
 
     @property
@@ -91,35 +94,37 @@ class Judged:
         """A quantity's title, its unit in figures, and how many of those its own unit is."""
         if name == IMPACTS:
             return name, "-", 1
-        title, symbol, factor = in_figures(self.mechanism, name, self.asked.get("quantities", {}))
-        return (title if name in limited(self.asked) else f"{title} (always)"), symbol, factor
+        title, symbol, factor = in_figures(self.mechanism, name, self.source.get("quantities", {}))
+        return (title if name in limited(self.source) else f"{title} (always)"), symbol, factor
 
 
-def judged(found: Results, every: Sequence[Results] = (), side: str = "after") -> Judged | None:
+def limit_check(results: Results, every: Sequence[Results] = (), side: str = "after") -> LimitCheck | None:
     """A folder's tuning, or else its run, with the limits it is held against; None where there are none.
 
     **Arguments:** ``every``: folders of which the first with limits lends them to a folder that has none; ``side`` of
     a tuning: "after", or "before" for the design it began with.
     """
-    record, mechanism = _limiting(found), found.mechanism
-    lender = next((it for it in (found, *every) if _has_limits(it)), found)
-    asked = _limiting(lender)
-    if record is None or asked is None or (found.tuned is None and not _has_limits(lender)):
+    record, mechanism = _limiting(results), results.mechanism
+    limiting = next((it for it in (results, *every) if _has_limits(it)), results)
+    source = _limiting(limiting)
+    if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
-    name = "" if lender is found else str(lender.folder)
-    if found.tuned is None:
+    name = "" if limiting is results else str(limiting.folder)
+    if results.tuned is None:
         values = by_name(record) | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])}
         said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
-        return Judged(mechanism, asked, name, [said], [values], [record["outcome"]], found.success)
+        return LimitCheck(mechanism, source, name, [said], [values], [record["outcome"]], results.success)
     cases = [by_name(case[side]) for case in record["scenarios"]]
-    return Judged(mechanism, asked, name, case_labels(found), cases, [case["outcome"] for case in cases], found.success)
+    return LimitCheck(
+        mechanism, source, name, case_labels(results), cases, [case["outcome"] for case in cases], results.success
+    )
 
 
-def told_already(found: Results, every: Sequence[Results]) -> bool:
+def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
     """Whether a folder's run is one of the scenarios of a tuning among ``every``, of the tuned design and held against
     the same limits: what is said of the tuning's limits holds for it."""
-    run = found.records.get("run")
-    if run is None or found.tuned is not None:
+    run = results.records.get("run")
+    if run is None or results.tuned is not None:
         return False
     return any(other.tuned is not None and _is_a_case(run, other.tuned) for other in every)
 
@@ -137,73 +142,75 @@ def _is_a_case(run: Record, tuned: Record) -> bool:
     )
 
 
-def lender_of(every: Sequence[Results]) -> Record | None:
+def source_of_limits(every: Sequence[Results]) -> Record | None:
     """The record of the first folder that has limits of its own."""
-    return next((_limiting(found) for found in every if _has_limits(found)), None)
+    return next((_limiting(results) for results in every if _has_limits(results)), None)
 
 
-def _limiting(found: Results) -> Record | None:
+def _limiting(results: Results) -> Record | None:
     """The record of a folder's tuning, or else of its run."""
-    return found.tuned if found.tuned is not None else found.records.get("run")
+    return results.tuned if results.tuned is not None else results.records.get("run")
 
 
-def _has_limits(found: Results) -> bool:
-    return any((_limiting(found) or {}).get(name) for name in LIMITS)
+def _has_limits(results: Results) -> bool:
+    return any((_limiting(results) or {}).get(name) for name in LIMITS)
 
 
-def elsewhere(found: Results, scenario: Record) -> list[str]:
+def elsewhere(results: Results, scenario: Record) -> list[str]:
     """A line that says in which scenarios of a tuning its limited quantities and the peak force are largest, where a
     run of another ``scenario`` is shown; no line where it is one of those."""
-    if found.tuned is None:
+    if results.tuned is None:
         return []
-    mechanism, cases = found.mechanism, [by_name(case["after"]) for case in found.tuned["scenarios"]]
-    met, labels = [scenario_of(mechanism, case) for case in found.tuned["scenarios"]], case_labels(found)
-    names = dict.fromkeys(["peak_force", *found.tuned["limits"]])
-    own = found.tuned.get("quantities", {})
+    mechanism, cases = results.mechanism, [by_name(case["after"]) for case in results.tuned["scenarios"]]
+    met, labels = [scenario_of(mechanism, case) for case in results.tuned["scenarios"]], case_labels(results)
+    names = dict.fromkeys(["peak_force", *results.tuned["limits"]])
+    own = results.tuned.get("quantities", {})
     largest = {name: max(range(len(cases)), key=lambda k: cases[k][name] or 0.0) for name in names}
     if scenario_of(mechanism, scenario) in [met[k] for k in largest.values()]:
         return []
-    told = ", ".join(f"{in_figures(mechanism, name, own)[0]} at {labels[k]}" for name, k in largest.items())
-    return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {told}."]
+    places = ", ".join(f"{in_figures(mechanism, name, own)[0]} at {labels[k]}" for name, k in largest.items())
+    return [f"This is not the scenario that decides: over all scenarios of the tuning the largest are {places}."]
 
 
-def case_labels(found: Results, among: Sequence[Any] = ()) -> list[str]:
+def case_labels(results: Results, among: Sequence[Any] = ()) -> list[str]:
     """A tuning's scenarios in words, told apart from those ``among`` which they stand (default: its own), with where
     the built mechanism differs from the drawn one."""
-    cases = [] if found.tuned is None else found.tuned["scenarios"]
-    met = [scenario_of(found.mechanism, case) for case in cases]
+    cases = [] if results.tuned is None else results.tuned["scenarios"]
+    met = [scenario_of(results.mechanism, case) for case in cases]
     others = list(among) or met
     return [
-        found.mechanism.view.label(scenario, others)
+        results.mechanism.view.label(scenario, others)
         + "".join(f", {factor:.4g} {path}" for path, factor in case.get("factors", {}).items())
         for case, scenario in zip(cases, met, strict=True)
     ]
 
 
-def limits(found: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
+def limits(results: Results, every: Sequence[Results] = (), named: bool = False) -> Section | None:
     """What the study limits, of the tuning or of the run; None where nothing is limited.
 
-    **Arguments:** ``every``: as of `judged`; ``named``: whether the table's caption names the folder.
+    **Arguments:** ``every``: as of `limit_check`; ``named``: whether the table's caption names the folder.
     """
-    held = judged(found, every)
-    if held is None:
+    check = limit_check(results, every)
+    if check is None:
         return None
-    of = "The run" if found.tuned is None else "The worst over all scenarios"
-    caption = f"{of} against {f'the limits of {held.lender}' if held.lender else 'the limits of its study'}"
-    where = f"{found.folder}: " if named else ""
-    tables = [Table(f"{where}{caption}", HEADINGS, _rows(held))]
-    if found.tuned is None:
+    of = "The run" if results.tuned is None else "The worst over all scenarios"
+    caption = (
+        f"{of} against {f'the limits of {check.source_folder}' if check.source_folder else 'the limits of its study'}"
+    )
+    where = f"{results.folder}: " if named else ""
+    tables = [Table(f"{where}{caption}", HEADINGS, _rows(check))]
+    if results.tuned is None:
         return Section("Limits", tables=tables)
-    said = [f"{line[:1].upper()}{line[1:]}." for line in found.tuned["outside_validity"]]
-    said = [*(f"Limit {line}." for line in found.tuned.get("why", [])), *said]
-    if beyond := _beyond(held):
-        told = f"{where}{len(beyond)} times a limit is broken, the worst first"
-        tables.append(Table(told, BEYOND, beyond, folded=len(beyond) > MANY))
-        said = [_summed(held, beyond), *said]
+    said = [f"{line[:1].upper()}{line[1:]}." for line in results.tuned["outside_validity"]]
+    said = [*(f"Limit {line}." for line in results.tuned.get("why", [])), *said]
+    if beyond := _beyond(check):
+        heading = f"{where}{len(beyond)} times a limit is broken, the worst first"
+        tables.append(Table(heading, BEYOND, beyond, folded=len(beyond) > MANY))
+        said = [_summed(check, beyond), *said]
     return Section("Limits", warnings=said, tables=tables)
 
 
-class Standing(NamedTuple):
+class LimitCounts(NamedTuple):
     """How many limits are ``broken``, kept ``at_limit``, and ``unknown``; how many ``runs`` there are, and of these
     ``missed``: ended otherwise than they must."""
 
@@ -219,79 +226,79 @@ class Standing(NamedTuple):
         return self.broken + self.missed
 
 
-def standing(found: Results, every: Sequence[Results] = ()) -> Standing | None:
-    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `judged`."""
-    held = judged(found, every)
-    if held is None:
+def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts | None:
+    """How a folder stands to its limits; None where nothing is limited. ``every``: as of `limit_check`."""
+    check = limit_check(results, every)
+    if check is None:
         return None
-    verdicts = [_row(held, limit)[-1] for limit in held.limits]
+    verdicts = [_row(check, limit)[-1] for limit in check.limits]
     broken, at_limit, unknown = map(verdicts.count, (BROKEN, AT_LIMIT, UNKNOWN))
-    return Standing(broken, at_limit, unknown, len(held.missed), len(held.outcomes))
+    return LimitCounts(broken, at_limit, unknown, len(check.missed), len(check.outcomes))
 
 
 def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
     return limit.name in case and limit.broken_by(case[limit.name])
 
 
-def _rows(held: Judged) -> list[Row]:
+def _rows(check: LimitCheck) -> list[Row]:
     """A row for each limit, and how runs must end."""
-    rows, success = [_row(held, limit) for limit in held.limits], held.success
+    rows, success = [_row(check, limit) for limit in check.limits], check.success
     if success is not None:
-        missed, every = held.missed, len(held.outcomes)
-        where = held.labels[missed[0]] if missed else "–"
+        missed, every = check.missed, len(check.outcomes)
+        where = check.labels[missed[0]] if missed else "–"
         verdict = BROKEN if missed else KEPT
         rows.append([words(success), "-", str(every - len(missed)), where, f"of {every}", "–", verdict])
     return rows
 
 
-def limited(asked: Record) -> list[str]:
+def limited(source: Record) -> list[str]:
     """Return the quantities that a study limits."""
-    return [*asked["limits"], *asked.get("lower_limits", {})]
+    return [*source["limits"], *source.get("lower_limits", {})]
 
 
-def asked_limits(mechanism: Mechanism, asked: Record, among: Container[str] | None = None) -> list[Limit]:
+def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None = None) -> list[Limit]:
     """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
     those that the study limits."""
-    among = limited(asked) if among is None else among
-    upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **asked["limits"]}.items()]
-    lower = [Limit(name, limit, True) for name, limit in asked.get("lower_limits", {}).items()]
+    among = limited(source) if among is None else among
+    upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **source["limits"]}.items()]
+    lower = [Limit(name, limit, True) for name, limit in source.get("lower_limits", {}).items()]
     return [limit for limit in (*upper, *lower) if limit.name in among]
 
 
-def _row(held: Judged, limit: Limit) -> Row:
-    name, symbol, factor = held.title(limit.name)
-    told = limit.text(factor)
-    if limit.name not in held.values[0]:  # a limit of another folder on what this one does not know
-        return [name, symbol, "–", "–", told, "–", UNKNOWN]
-    values = [case[limit.name] for case in held.values]
+def _row(check: LimitCheck, limit: Limit) -> Row:
+    name, symbol, factor = check.title(limit.name)
+    bound = limit.text(factor)
+    if limit.name not in check.values[0]:  # a limit of another folder on what this one does not know
+        return [name, symbol, "–", "–", bound, "–", UNKNOWN]
+    values = [case[limit.name] for case in check.values]
     value = limit.worst(values)
-    where, of = held.labels[values.index(value)], None if value is None else factor * value
+    where, of = check.labels[values.index(value)], None if value is None else factor * value
     share = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
     margin = "–" if share is None else f"{100 * share:.3g} %"
     close = share is not None and share < CLOSE
     verdict = BROKEN if limit.broken_by(value) else AT_LIMIT if close else KEPT
-    return [name, symbol, shown(of), where, told, margin, verdict]
+    return [name, symbol, shown(of), where, bound, margin, verdict]
 
 
-def _beyond(held: Judged) -> list[Row]:
+def _beyond(check: LimitCheck) -> list[Row]:
     """Every broken limit of every scenario: first runs that end otherwise than they must, then the farthest beyond."""
-    success = words(held.success or "")
-    missed: list[Row] = [[held.labels[k], "end", "-", words(held.outcomes[k]), success, "–"] for k in held.missed]
-    found: list[tuple[float, Row]] = []
-    for limit in held.limits:
-        name, symbol, factor = held.title(limit.name)
-        for where, case in zip(held.labels, held.values, strict=True):
+    success = words(check.success or "")
+    missed: list[Row] = [[check.labels[k], "end", "-", words(check.outcomes[k]), success, "–"] for k in check.missed]
+    excesses: list[tuple[float, Row]] = []
+    for limit in check.limits:
+        name, symbol, factor = check.title(limit.name)
+        for where, case in zip(check.labels, check.values, strict=True):
             if _breaks(case, limit):
                 value = case[limit.name]
                 share, of = limit.margin(value), None if value is None else factor * value
                 by = "–" if share is None else f"{-100 * share:.3g} %"
                 row: Row = [where, name, symbol, shown(of), limit.text(factor), by]
-                found.append((share or 0.0, row))
-    return [*missed, *(row for _, row in sorted(found, key=lambda it: it[0]))]
+                excesses.append((share or 0.0, row))
+    return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]
 
 
-def _summed(held: Judged, beyond: Sequence[Row]) -> str:
+def _summed(check: LimitCheck, beyond: Sequence[Row]) -> str:
     """In one sentence, how many scenarios break which limit."""
-    counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(held.success or '')}" for row in beyond)
-    told = "; ".join(f"{name} in {count}" for name, count in counts.items())
-    return f"Limits are broken, of {len(held.labels)} scenarios: {told}. The table below names them, the worst first."
+    counts = Counter(str(row[1]) if row[1] != "end" else f"not {words(check.success or '')}" for row in beyond)
+    text = "; ".join(f"{name} in {count}" for name, count in counts.items())
+    return f"Limits are broken, of {len(check.labels)} scenarios: {text}. The table below names them, the worst first."

@@ -16,46 +16,48 @@ MINUTE = 120.0  # s from which a time is told in minutes
 
 def origin(every: Sequence[Results]) -> Section:
     """How each result came about, and how exact the runs were."""
-    results = [  # every record that says which version made it
-        (str(found.folder / (f"{found.mechanism.view.run_name}.json" if name == "run" else FILES[name])), record)
-        for found in every
-        for name, record in found.records.items()
+    records = [  # every record that says which version made it
+        (str(results.folder / (f"{results.mechanism.view.run_name}.json" if name == "run" else FILES[name])), record)
+        for results in every
+        for name, record in results.records.items()
         if "jaxbuffer" in record or MADE in record
     ]
-    typed: list[list[str | Cell]] = [[name, Cell(_made(it).get("command", UNRECORDED), "code")] for name, it in results]
+    typed: list[list[str | Cell]] = [[name, Cell(_made(it).get("command", UNRECORDED), "code")] for name, it in records]
     commands = Table("Commands, as typed", ("result", "command"), typed)
-    tables = [commands, _settings(results), _computers(results)]
-    if errors := _errors(results):
+    tables = [commands, _settings(records), _computers(records)]
+    if errors := _errors(records):
         tables.append(errors)
-    missing = [name for name, record in results if not record.get(MADE)]
-    warnings = differing(results)
+    missing = [name for name, record in records if not record.get(MADE)]
+    warnings = differing(records)
     if missing:
         warnings.append(f"Nothing is recorded of how these came about: {', '.join(missing)}.")
-    return Section(TITLE, tables=tables, warnings=warnings, listings=_studies(results))
+    return Section(TITLE, tables=tables, warnings=warnings, listings=_studies(records))
 
 
 def verification() -> Section:
     """What is known of the program's own correctness."""
-    found = verified()
-    told = lines(found)
-    return Section("Verification", [] if found is None else told, warnings=told if found is None else [])
+    counted = verified()
+    text = lines(counted)
+    return Section("Verification", [] if counted is None else text, warnings=text if counted is None else [])
 
 
-def differing(results: Sequence[tuple[str, Record]]) -> list[str]:
+def differing(records: Sequence[tuple[str, Record]]) -> list[str]:
     """A warning for each program of which not all results were made by the same version."""
-    found: dict[str, dict[str, list[str]]] = {}
-    for name, record in results:
+    makers: dict[str, dict[str, list[str]]] = {}
+    for name, record in records:
         versions = {"jaxbuffer": record.get("jaxbuffer", UNRECORDED), **record.get(MADE, {}).get("versions", {})}
         for program, version in versions.items():
-            found.setdefault(program, {}).setdefault(version, []).append(name)
-    told = lambda of: "; ".join(f"{version} ({', '.join(names)})" for version, names in of.items())  # noqa: E731
-    return [f"Made by different versions of {program}: {told(of)}." for program, of in found.items() if len(of) > 1]
+            makers.setdefault(program, {}).setdefault(version, []).append(name)
+    versions_of = lambda of: "; ".join(f"{version} ({', '.join(names)})" for version, names in of.items())  # noqa: E731
+    return [
+        f"Made by different versions of {program}: {versions_of(of)}." for program, of in makers.items() if len(of) > 1
+    ]
 
 
-def _settings(results: Sequence[tuple[str, Record]]) -> Table:
-    names = list(dict.fromkeys(name for _, record in results for name in _made(record).get("settings", {})))
+def _settings(records: Sequence[tuple[str, Record]]) -> Table:
+    names = list(dict.fromkeys(name for _, record in records for name in _made(record).get("settings", {})))
     rows: list[list[str | Cell]] = []
-    for result, record in results:
+    for result, record in records:
         made = _made(record)
         settings = made.get("settings", {})
         time = _time(made["wall_time [s]"]) if "wall_time [s]" in made else UNRECORDED
@@ -69,27 +71,27 @@ def _time(seconds: float) -> str:
     return f"{seconds:.1f} s" if seconds < MINUTE else f"{seconds / 60.0:.1f} min"
 
 
-def _computers(results: Sequence[tuple[str, Record]]) -> Table:
+def _computers(records: Sequence[tuple[str, Record]]) -> Table:
     """Each set of versions on each machine once, with the results it has made."""
-    found: dict[tuple[str, ...], list[str]] = {}
-    for name, record in results:
+    computers: dict[tuple[str, ...], list[str]] = {}
+    for name, record in records:
         made = _made(record)
         versions, machine = made.get("versions", {}), made.get("machine", {})
-        told = (
+        computer = (
             versions.get("jaxbuffer", record.get("jaxbuffer", UNRECORDED)),
             *(versions.get(program, UNRECORDED) for program in ("Python", "JAX")),
             machine.get("processor", UNRECORDED),
             shown(machine.get("cores")),
             machine.get("system", UNRECORDED),
         )
-        found.setdefault(told, []).append(name)
-    rows = [[", ".join(names), *told] for told, names in found.items()]
+        computers.setdefault(computer, []).append(name)
+    rows = [[", ".join(names), *computer] for computer, names in computers.items()]
     headings = ("results", "jaxbuffer", "Python", "JAX", "processor", "cores", "system")
     return Table("Versions and machines", headings, rows)
 
 
-def _errors(results: Sequence[tuple[str, Record]]) -> Table | None:
-    balances = [(name, record["numerical_balance"]) for name, record in results if "numerical_balance" in record]
+def _errors(records: Sequence[tuple[str, Record]]) -> Table | None:
+    balances = [(name, record["numerical_balance"]) for name, record in records if "numerical_balance" in record]
     if not balances:
         return None
     names = list(balances[0][1])
@@ -100,13 +102,13 @@ def _errors(results: Sequence[tuple[str, Record]]) -> Table | None:
     return Table("Numerical errors of what is conserved", ("result", *map(words, names)), rows)
 
 
-def _studies(results: Sequence[tuple[str, Record]]) -> dict[str, str]:
+def _studies(records: Sequence[tuple[str, Record]]) -> dict[str, str]:
     """The text of each study once, by the results it belongs to."""
-    found: dict[str, list[str]] = {}
-    for name, record in results:
+    studies: dict[str, list[str]] = {}
+    for name, record in records:
         if text := _made(record).get("study"):
-            found.setdefault(text, []).append(name)
-    return {f"The study of {', '.join(names)}": text for text, names in found.items()}
+            studies.setdefault(text, []).append(name)
+    return {f"The study of {', '.join(names)}": text for text, names in studies.items()}
 
 
 def _made(record: Record) -> Mapping:

@@ -37,9 +37,9 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def units_of(found: Results) -> Mapping[str, str]:
+def units_of(results: Results) -> Mapping[str, str]:
     """The units that a folder's numbers were typed with, by path, in which people are shown them."""
-    return next((it[MADE]["units"] for it in found.records.values() if "units" in it.get(MADE, {})), NONE)
+    return next((it[MADE]["units"] for it in results.records.values() if "units" in it.get(MADE, {})), NONE)
 
 
 def field_name(path: str) -> str:
@@ -86,17 +86,17 @@ def title(mechanism: Mechanism, name: str) -> str:
 
 def by_quantity(rows: Iterable[Record]) -> dict[str, list[Record]]:
     """Rows of a record by the quantity that they are of."""
-    found: dict[str, list[Record]] = {}
+    groups: dict[str, list[Record]] = {}
     for row in rows:
-        found.setdefault(row["quantity"], []).append(row)
-    return found
+        groups.setdefault(row["quantity"], []).append(row)
+    return groups
 
 
-def figure(found: Results, stem: str, caption: str) -> list[Figure]:
+def figure(results: Results, stem: str, caption: str) -> list[Figure]:
     """The figure of that name, if the folder has it: an SVG rather than a PNG."""
-    svg, png = found.folder / f"{stem}.svg", found.folder / f"{stem}.png"
+    svg, png = results.folder / f"{stem}.svg", results.folder / f"{stem}.png"
     if svg.is_file() and not ACTIVE.search(text := svg.read_text(encoding="utf-8")):
-        return [Figure(caption, svg=_inline(text, re.sub(r"\W+", "-", f"{found.folder}-{stem}").strip("-")))]
+        return [Figure(caption, svg=_inline(text, re.sub(r"\W+", "-", f"{results.folder}-{stem}").strip("-")))]
     if png.is_file():
         return [Figure(caption, png=base64.b64encode(png.read_bytes()).decode())]
     return []

@@ -8,9 +8,9 @@ from pathlib import Path
 from ..errors import InputError
 from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
-from .designs import asked, design
+from .designs import design, requirements
 from .experiments import front, sample, sweep
-from .limits import limits, told_already
+from .limits import limits, repeats_tuning
 from .origin import origin, verification
 from .page import Page, Section, write_page
 from .runs import diagnosis, run, scenarios, search
@@ -54,16 +54,16 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
 
 def review(every: Sequence[Results], title: str = "") -> Page:
     """One page of all folders together: the first one's design, then what each of them holds."""
-    first = next((found for found in every if found.tuned), next((f for f in every if f.records), every[0]))
-    made = [(first, asked(first, every)), (first, design(first))]
-    made += [(found, limits(found, every)) for found in every if not told_already(found, every)]
-    made += [(found, scenarios(found)) for found in every]
-    for found in every:
-        made += [(found, run(found, first)), (found, diagnosis(found, every))]
-    made += [(found, sensitivity(found, first, every)) for found in every]
-    made += [(found, make(found)) for make in (search, sweep, sample, front) for found in every]
-    parts = distinct([(found, section) for found, section in made if section is not None])
-    subtitle = f"{first.mechanism.view.title} · {', '.join(str(found.folder) for found in every)}"
+    first = next((results for results in every if results.tuned), next((f for f in every if f.records), every[0]))
+    made = [(first, requirements(first, every)), (first, design(first))]
+    made += [(results, limits(results, every)) for results in every if not repeats_tuning(results, every)]
+    made += [(results, scenarios(results)) for results in every]
+    for results in every:
+        made += [(results, run(results, first)), (results, diagnosis(results, every))]
+    made += [(results, sensitivity(results, first, every)) for results in every]
+    made += [(results, make(results)) for make in (search, sweep, sample, front) for results in every]
+    parts = distinct([(results, section) for results, section in made if section is not None])
+    subtitle = f"{first.mechanism.view.title} · {', '.join(str(results.folder) for results in every)}"
     if first.tuned is None or first.tuned["feasible"]:
         title = title or f"{first.mechanism.view.title}: design review"
     else:
@@ -74,10 +74,10 @@ def review(every: Sequence[Results], title: str = "") -> Page:
 def distinct(parts: Parts) -> list[Section]:
     """The sections; those of equal titles get their folder's name added."""
     titles = Counter(section.title for _, section in parts)
-    folders = {found.folder for found, _ in parts}
+    folders = {results.folder for results, _ in parts}
     short = len({folder.name for folder in folders}) == len(folders)
     named = lambda folder: folder.name if short else str(folder)  # noqa: E731
     return [
-        dataclasses.replace(part, title=f"{part.title}: {named(found.folder)}") if titles[part.title] > 1 else part
-        for found, part in parts
+        dataclasses.replace(part, title=f"{part.title}: {named(results.folder)}") if titles[part.title] > 1 else part
+        for results, part in parts
     ]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
 from .designs import other_design
-from .limits import Limit, asked_limits, elsewhere, lender_of
+from .limits import Limit, elsewhere, limits_of, source_of_limits
 from .page import Cell, Section, Table, shown
 from .records import by_name, by_quantity, in_figures, scenario_of, title, words
 
@@ -15,30 +15,30 @@ FAR = 0.5  # relative change beyond which first order says little
 Rows = Mapping[str, Sequence[Record]]  # derivatives by quantity
 
 
-def sensitivity(found: Results, first: Results, every: Sequence[Results] = ()) -> Section | None:
+def sensitivity(results: Results, first: Results, every: Sequence[Results] = ()) -> Section | None:
     """Elasticities with their verdicts, at one scenario.
 
     **Arguments:** ``first``: the page's folder; ``every``: all of them, of which the first with limits says what is
     limited.
     """
-    record = found.sensitivity
+    record = results.sensitivity
     if record is None:
         return None
     derivatives = by_quantity(record["derivatives"])
     # What can change sign has no elasticities.
     signed = {name: rows for name, rows in derivatives.items() if all(row["elasticity [-]"] is None for row in rows)}
     relative = {name: rows for name, rows in derivatives.items() if name not in signed}
-    tables = [_elasticities(found, relative)] if relative else []
-    tables += _slopes({title(found.mechanism, name): rows for name, rows in signed.items()})
-    tables += _until_broken(found, relative, lender_of([found, first, *every]))
-    return Section("Sensitivity", _text(found, first, record), tables=tables)
+    tables = [_elasticities(results, relative)] if relative else []
+    tables += _slopes({title(results.mechanism, name): rows for name, rows in signed.items()})
+    tables += _until_broken(results, relative, source_of_limits([results, first, *every]))
+    return Section("Sensitivity", _text(results, first, record), tables=tables)
 
 
-def _text(found: Results, first: Results, record: Record) -> list[str]:
+def _text(results: Results, first: Results, record: Record) -> list[str]:
     """Where they were computed, how sure they are, and which other impact may become the peak."""
-    mechanism, certificate = found.mechanism, record["certificate"]
+    mechanism, certificate = results.mechanism, record["certificate"]
     text = [f"At {mechanism.view.label(scenario_of(mechanism, record['scenario']))}; {words(record['outcome'])}."]
-    text += [*other_design(found, first, record), *elsewhere(first, record["scenario"])]
+    text += [*other_design(results, first, record), *elsewhere(first, record["scenario"])]
     if certificate is None:
         return text
     text.append(
@@ -52,43 +52,43 @@ def _runner_up(other: Record | None) -> list[str]:
     """Which impact would be the peak if the largest were not, and what would make it so."""
     if other is None:
         return []
-    told = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
-    told += f" {100 * other['margin [-]']:.3g} % below the peak"
+    text = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
+    text += f" {100 * other['margin [-]']:.3g} % below the peak"
     path, change = other["swapped_by"], other["swapped_by_change [-]"]
     if path is None or change is None:
-        return [f"{told}."]
+        return [f"{text}."]
     beyond = "; so far that only the direction counts" if abs(change) > FAR else ""
     return [
-        f"{told}; to first order {path} {100 * change:+.3g} % would make it the peak, whose elasticities are"
+        f"{text}; to first order {path} {100 * change:+.3g} % would make it the peak, whose elasticities are"
         f" others{beyond}."
     ]
 
 
-def _elasticities(found: Results, of_quantity: Rows) -> Table:
+def _elasticities(results: Results, of_quantity: Rows) -> Table:
     rows: list[list[str | Cell]] = []
     for name, derivatives in of_quantity.items():
         verdict = derivatives[0]["verdict"] or "not certified"
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
         values = [shown(row["elasticity [-]"]) for row in derivatives]
-        rows.append([title(found.mechanism, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
+        rows.append([title(results.mechanism, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
     parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
     caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
     return Table(caption, ("quantity", *parameters, "error at most", "verdict"), rows)
 
 
-def _until_broken(found: Results, of_quantity: Rows, asked: Record | None) -> list[Table]:
+def _until_broken(results: Results, of_quantity: Rows, source: Record | None) -> list[Table]:
     """Of each limited quantity, the number whose smallest relative change breaks the limit, to first order."""
-    if asked is None or found.sensitivity is None:
+    if source is None or results.sensitivity is None:
         return []
-    values = by_name(found.sensitivity)
+    values = by_name(results.sensitivity)
     rows: list[list[str | Cell]] = []
-    for limit in asked_limits(found.mechanism, asked, of_quantity):
-        title, symbol, factor = in_figures(found.mechanism, limit.name)
+    for limit in limits_of(results.mechanism, source, of_quantity):
+        title, symbol, factor = in_figures(results.mechanism, limit.name)
         value = values[limit.name]
-        told = Cell("broken here", "bad") if limit.broken_by(value) else None
-        told = told or _smallest(value, limit, of_quantity[limit.name])
-        rows.append([title, symbol, shown(factor * value), limit.text(factor), told])
+        verdict = Cell("broken here", "bad") if limit.broken_by(value) else None
+        verdict = verdict or _smallest(value, limit, of_quantity[limit.name])
+        rows.append([title, symbol, shown(factor * value), limit.text(factor), verdict])
     headings = ("quantity", "unit", "here", "limit", "what breaks it")
     caption = "What smallest change of a number breaks a limit in this scenario, to first order"
     return [Table(caption, headings, rows)] if rows else []

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...output.folder import Results, load_finished, unfinished
-from ...pages.compare import compared, comparison, kept
+from ...pages.compare import compared, comparison, limit_tables
 from ...pages.page import Page, write_page
 from ...pages.review import review
 from ..exits import OK
@@ -31,7 +31,7 @@ def compare(folders: list[Path], html: Path | None) -> int:
     every = [loaded(folder) for folder in folders]
     page = comparison(every)
     file = _saved(html or folders[0] / "compare.html", page)
-    for one in [*compared(every), *kept(every)]:
+    for one in [*compared(every), *limit_tables(every)]:
         show(one.as_text())
     show(f"wrote {file}")
     return OK
