@@ -127,15 +127,15 @@ def fields_like(option: str) -> list[str]:
     exact = ([path for path in known if path.rpartition(".")[2] == name] for known in every)
     partly = ([path for path in known if name in path.rpartition(".")[2]] for known in every if len(name) > 2)
     near = ([path] for known in every if (path := nearest(name, known)))
-    found = next((paths for group in (exact, partly, near) for paths in group if paths), [])
-    return [f"--{path}" for path in found]
+    matches = next((paths for group in (exact, partly, near) for paths in group if paths), [])
+    return [f"--{path}" for path in matches]
 
 
 def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
     """Raise `InputError` for an option given twice that is not ``repeatable``, and for an empty word."""
-    seen = [word.partition("=")[0] for word in words if word.startswith("--")]
-    for name in seen:
-        if name not in repeatable and seen.count(name) > 1:
+    options = [word.partition("=")[0] for word in words if word.startswith("--")]
+    for name in options:
+        if name not in repeatable and options.count(name) > 1:
             raise InputError(f"{name} is given twice; keep one")
     for before, word in zip(["an argument", *words], words, strict=False):
         if not word or (word.startswith("--") and word.endswith("=")):

@@ -120,8 +120,8 @@ class Stepper(Protocol):
     difference_tolerance: float
     tight: float
 
-    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Any:
-        """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``wanted``; it then fails
+    def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Any:
+        """Step a run. ``unchecked``: whether its numbers may be out of range, or the run not ``enabled``; it then fails
         without a step, and need have derivatives backwards only."""
 
     def step_with_tangents(self, make: Callable[[list[Array], Any], Request], values: list[Array], others: Any) -> Any:
@@ -130,7 +130,7 @@ class Stepper(Protocol):
 
     def differentiable(self, request: Request, result: Any, values: list[Array]) -> Any:
         """Return the result of `step_with_tangents`, with derivatives by the values; without one, step the run."""
-        return self.step(request, unchecked=False, wanted=True)
+        return self.step(request, unchecked=False, enabled=True)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:
         """Return the function ``one`` of a run's numbers as a function of arrays of them."""

@@ -21,13 +21,13 @@ MARGIN = 0.04  # of what is seen, about it
 
 def field_files(run: Run) -> Contents:
     """fields.png and fields.svg; with meshio a .vtu of each instant. None of a mechanism without meshes."""
-    seen = [] if run.history is None else run.mechanism.view.meshes(run)
-    if not seen:
+    snapshots = [] if run.history is None else run.mechanism.view.meshes(run)
+    if not snapshots:
         return {}
-    drawn = both("fields", lambda: fields_figure(seen))
+    drawn = both("fields", lambda: fields_figure(snapshots))
     if not _meshio():
         return drawn
-    return {**drawn, **{f"{mesh.name}.vtu": functools.partial(vtu, mesh) for mesh in seen}}
+    return {**drawn, **{f"{mesh.name}.vtu": functools.partial(vtu, mesh) for mesh in snapshots}}
 
 
 def left_out(contents: Contents) -> str:
@@ -42,17 +42,17 @@ def _meshio() -> bool:
 
 
 @styled
-def fields_figure(seen: Sequence[Meshed]) -> Figure:
+def fields_figure(snapshots: Sequence[Meshed]) -> Figure:
     """A row for each instant, a column for each value that is not the same everywhere; a column's colours mean the same
     in all rows."""
     varies = lambda values: np.nanmax(values) > np.nanmin(values)  # noqa: E731
-    names = [name for name in seen[0].values if any(varies(mesh.values[name]) for mesh in seen)]
-    figure, grid = panels(WIDTH * len(names), HEIGHT * len(seen), len(seen), len(names))
-    everything = np.concatenate([mesh.nodes for mesh in seen])
+    names = [name for name in snapshots[0].values if any(varies(mesh.values[name]) for mesh in snapshots)]
+    figure, grid = panels(WIDTH * len(names), HEIGHT * len(snapshots), len(snapshots), len(names))
+    everything = np.concatenate([mesh.nodes for mesh in snapshots])
     for column, name in enumerate(names):
-        values = np.concatenate([mesh.values[name] for mesh in seen])
+        values = np.concatenate([mesh.values[name] for mesh in snapshots])
         ends = float(np.nanmin(values)), float(np.nanmax(values))
-        for axes, mesh in zip(grid[:, column], seen, strict=True):
+        for axes, mesh in zip(grid[:, column], snapshots, strict=True):
             drawn = coloured(axes, mesh, name, ends)
             axes.figure.colorbar(drawn, ax=axes, label=name, orientation="horizontal", shrink=0.7, aspect=40)
             axes.set_title(mesh.title)

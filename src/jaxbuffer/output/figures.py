@@ -93,13 +93,13 @@ def in_words(time: float) -> str:
 
 def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
     """The contact force over the run, and around its peak if there is one."""
-    seen, names = _history(run), run.mechanism.view.names(run.design)
+    history, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
-    (unit, factor), time = FORCES[peak >= 1e4], np.asarray(seen.time)
+    (unit, factor), time = FORCES[peak >= 1e4], np.asarray(history.time)
     shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
         name = run.mechanism.view.contact_in_words(contact)
-        force.plot(window.factor * time[shown], factor * seen.contact_force[shown, k], color=COLOURS[k], label=name)
+        force.plot(window.factor * time[shown], factor * history.contact_force[shown, k], color=COLOURS[k], label=name)
     force.locator_params(axis="x", nbins=6)
     if zoom is None:
         label(force, "Contact force: nothing touches", f"time [{window.unit}]", f"contact force [{unit}]")
@@ -115,12 +115,12 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
 
 def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
     """One panel of the mechanism's own; paths are drawn whole."""
-    seen = window.inside(time)
-    over = window.factor * time[seen]
+    inside = window.inside(time)
+    over = window.factor * time[inside]
     if panel.stacked:
         names, parts = (
             [curve.label for curve in panel.curves],
-            [np.asarray(curve.values)[seen] for curve in panel.curves],
+            [np.asarray(curve.values)[inside] for curve in panel.curves],
         )
         axes.stackplot(over, *parts, colors=COLOURS, labels=names)
         room = 1.0 + 0.15 * math.ceil(len(parts) / COLUMNS)  # for the legend
@@ -129,7 +129,7 @@ def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
         for k, curve in enumerate(panel.curves):
             dashes = "--" if curve.dashed else "-"
             values = np.asarray(curve.values)
-            along, values = (over, values[seen]) if curve.along is None else (curve.along, values)
+            along, values = (over, values[inside]) if curve.along is None else (curve.along, values)
             axes.plot(along, values, color=COLOURS[k], linestyle=dashes, label=curve.label or None)
     for level in panel.levels:
         _level(axes, level)
@@ -158,10 +158,10 @@ def _level(axes: Axes, level: Level) -> None:
 def _pulse(axes: Axes, run: Run, factor: float) -> None:
     """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
     which they are drawn a newton has so many."""
-    seen, at = _history(run), float(run.peak_time)
-    pulse = pulse_around(np.asarray(seen.time), np.asarray(seen.contact_force)[:, int(run.peak_contact)], at)
+    history, at = _history(run), float(run.peak_time)
+    pulse = pulse_around(np.asarray(history.time), np.asarray(history.contact_force)[:, int(run.peak_contact)], at)
     room = 0.25 * (pulse.end - pulse.start)
-    first, last = max(pulse.start - room, float(seen.time[0])), min(pulse.end + room, float(seen.time[-1]))
+    first, last = max(pulse.start - room, float(history.time[0])), min(pulse.end + room, float(history.time[-1]))
     time = np.union1d(np.linspace(first, last, DENSE), [at])
     force = np.asarray(at_times(run, time).contact_force)
     unit, many = scale_of(last - first, (("ms", 1e3), ("µs", 1e6)))

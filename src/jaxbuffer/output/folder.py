@@ -76,7 +76,7 @@ class Results:
     def mechanism(self) -> Mechanism:
         """Whose results they are."""
         kinds = [record["kind"] for record in self.records.values() if "kind" in record]
-        kinds += [found.attrs["kind"] for found in (self.run, self.sweep) if found is not None]
+        kinds += [data.attrs["kind"] for data in (self.run, self.sweep) if data is not None]
         return mechanism_named(kinds[0]) if kinds else mechanism_of(self.design)
 
     @property
@@ -86,33 +86,33 @@ class Results:
 
     def __repr__(self) -> str:
         return "\n".join(
-            [f"Results in {self.folder}:", *(f"  {name:12} {told}" for name, told in self._told().items())]
+            [f"Results in {self.folder}:", *(f"  {name:12} {text}" for name, text in self._lines().items())]
         )
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))
 
-    def _told(self) -> dict[str, str]:
+    def _lines(self) -> dict[str, str]:
         """A line for each thing there is."""
-        told = {}
+        lines = {}
         if self.run is not None:
             steps = f"history of {self.run.sizes['step']} steps" if "step" in self.run.sizes else "no history"
-            told["run"] = f"{self.run.title}: {self.run.outcome}; {self.run.sizes['impact']} impacts listed, {steps}"
+            lines["run"] = f"{self.run.title}: {self.run.outcome}; {self.run.sizes['impact']} impacts listed, {steps}"
         if self.sweep is not None:
             sizes = " × ".join(f"{n} {'runs' if name == 'run' else name}" for name, n in self.sweep.sizes.items())
-            told["sweep"] = f"{self.sweep.title}: {sizes}"
+            lines["sweep"] = f"{self.sweep.title}: {sizes}"
         if self.tuned is not None:
-            told["tuned"] = str(self.tuned.get("message", ""))
+            lines["tuned"] = str(self.tuned.get("message", ""))
         if self.sensitivity is not None:
             pairs = self.sensitivity.get("derivatives", ())
-            told["sensitivity"] = f"{len(pairs)} derivatives"
+            lines["sensitivity"] = f"{len(pairs)} derivatives"
         for name, what in (("sample", "runs"), ("front", "points")):
             if (record := self.records.get(name)) is not None:
                 count = record[what] if isinstance(record[what], int) else len(record[what])
-                told[name] = f"{count} {what}"
+                lines[name] = f"{count} {what}"
         if self.design is not None:
-            told["design"] = f"{type(self.design).__name__} with {len(list(paths(self.design)))} fields"
-        return told
+            lines["design"] = f"{type(self.design).__name__} with {len(list(paths(self.design)))} fields"
+        return lines
 
 
 def load(folder: str | Path) -> Results:
@@ -146,9 +146,9 @@ def load(folder: str | Path) -> Results:
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
         nothing = f"{folder} holds no results of {', '.join(COMMANDS[:-1])} or {COMMANDS[-1]}; {MAKE}"
         raise InputError(unfinished(folder) or nothing)
-    for found in (run, sweep):
-        if design is None and found is not None and "design" in found.attrs:
-            design = _design(folder, found.attrs["kind"], found.attrs["design"])
+    for data in (run, sweep):
+        if design is None and data is not None and "design" in data.attrs:
+            design = _design(folder, data.attrs["kind"], data.attrs["design"])
     for name in ("tuned", "run", "sensitivity", "sample", "front"):
         if design is None and "design" in records.get(name, {}):
             design = _design(folder, records[name]["kind"], json.dumps(records[name]["design"]))
@@ -171,8 +171,8 @@ def load_finished(folder: str | Path) -> Results:
 
 def unfinished(folder: Path) -> str:
     """Return what is begun in a folder and not finished, and how it goes on; "" where nothing is."""
-    for what, (kept, results) in BEGUN.items():
-        begun = is_unfinished(folder / STORE) if kept == STORE else any(folder.glob(kept))
+    for what, (log, results) in BEGUN.items():
+        begun = is_unfinished(folder / STORE) if log == STORE else any(folder.glob(log))
         if begun and not any((folder / name).exists() for name in results):
             return f"{folder} holds an unfinished {what}: the command that began it, with --resume, goes on"
     return ""
@@ -198,12 +198,12 @@ def _two_sweeps(folder: Path) -> str:
 
 def _records(folder: Path) -> dict[str, Record]:
     """Every JSON record there is; a run's is named after what its mechanism calls it."""
-    found = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
+    records = {name: _record(folder / file) for name, file in {**RECORDS, **BESIDE}.items()}
     for mechanism in all_mechanisms():
         run = _record(folder / f"{mechanism.view.run_name}.json")
         if run is not None and run.get("kind") == mechanism.name:
-            found["run"] = run
-    return {name: record for name, record in found.items() if record is not None}
+            records["run"] = run
+    return {name: record for name, record in records.items() if record is not None}
 
 
 def _run(folder: Path) -> Dataset | None:
@@ -226,10 +226,10 @@ def _sweep(folder: Path) -> Dataset | None:
 
 
 def _dataset(file: Path) -> Dataset:
-    found = read(file)
-    if "kind" not in found.attrs or "outcome" not in {**found, **found.attrs}:
+    data = read(file)
+    if "kind" not in data.attrs or "outcome" not in {**data, **data.attrs}:
         raise InputError(f"{file} is damaged or no result of jaxbuffer: it names no mechanism and no outcome")
-    return found
+    return data
 
 
 def _writer(arrays: Path) -> str:

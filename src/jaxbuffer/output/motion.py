@@ -49,8 +49,8 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
     mechanism = run.mechanism
     drawing = mechanism.view.drawing(run.design, mechanism.view.names(run.design).bodies)
     frames = drawing.frames(instants)
-    seen = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
-    peak = float(np.max(np.hypot(seen, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
+    force = np.asarray(run.history.contact_force)  # type: ignore[union-attr]
+    peak = float(np.max(np.hypot(force, np.asarray(run.history.friction_force)), initial=0.0))  # type: ignore[union-attr]
     views = _views(drawing, frames)
     larger = magnifications(run, drawing, float(views[0, 1, 0] - views[0, 0, 0]))
     views = _views(drawing, frames, larger)
@@ -60,13 +60,13 @@ def scene(run: Run, times: Sequence[float] | np.ndarray) -> Scene:
 def magnifications(run: Run, drawing: Drawing, wide: float) -> list[tuple[Band, float]]:
     """The parts whose bending would not be seen in a picture ``wide`` [m], and a round factor by which it would."""
     bands = [shape for shape in drawing.shapes if isinstance(shape, Band)]
-    found = []
+    factors = []
     for band in bands:
         off = [np.max(np.hypot(*(band.bent(at) - band.straight(at)).T)) for at in drawing.frames(run.history)]
         largest = float(np.max(off))
         if ROUNDING * wide < largest < SEEN * wide:
-            found.append((band, _round(LARGER * wide / largest)))
-    return found
+            factors.append((band, _round(LARGER * wide / largest)))
+    return factors
 
 
 def _round(factor: float) -> float:

@@ -35,14 +35,14 @@ def _to_end(name: str, run: Run) -> list[dict[str, Any]]:
         return []
     end = float(np.asarray(run.history.time)[-1])  # type: ignore[union-attr]
     time = np.union1d(np.linspace(0.0, end, TIMES), np.linspace(0.0, last_contact(run), TIMES))
-    seen = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
+    whole = eqx.tree_at(lambda it: it.history, run, at_times(run, time))
     return [
         {
             "caption": f"{panel.title}, to the end of the run",
             "axis": panel.axis,
             "curves": [{"name": name, "time [s]": _rounded(time), panel.axis: _significant(panel.curves[0].values)}],
         }
-        for panel in panels(seen)
+        for panel in panels(whole)
         if panel.to_end and not panel.stacked
     ]
 
@@ -88,12 +88,12 @@ def motion_record(run: Run) -> dict[str, Any]:
 
 def _forces(at: Scene, k: int) -> list[list[float]]:
     """Where each contact force acts [m], and its components [N]."""
-    found = []
+    arrows = []
     normal, friction = (np.asarray(x)[k] for x in (at.instants.contact_force, at.instants.friction_force))
     for touch, along, across in zip(at.drawing.touches, normal, friction, strict=False):
         point, outward, tangent = touch.at(at.frames[k])
-        found.append(_rounded([*point, *(along * outward + across * tangent)]))
-    return found
+        arrows.append(_rounded([*point, *(along * outward + across * tangent)]))
+    return arrows
 
 
 def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:

@@ -260,23 +260,23 @@ def _title(swept: Sweep) -> str:
 
 
 @styled
-def envelope_figure(found: SafeRectangle) -> Figure:
+def envelope_figure(rectangle: SafeRectangle) -> Figure:
     """A cell a run: safe ones blue, the others marked with what they break; angles in degrees."""
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
-    (first, second), (x, y) = found.axes, found.values
-    (across, over), (up, above) = (in_figures(axis.unit) for axis in found.axes)
+    (first, second), (x, y) = rectangle.axes, rectangle.values
+    (across, over), (up, above) = (in_figures(axis.unit) for axis in rectangle.axes)
     right, top = edges(x, first.scale) * over, edges(y, second.scale) * above
     from matplotlib.colors import ListedColormap
 
-    axes.pcolormesh(right, top, found.safe.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
-    _border(axes, found.safe, right, top)
-    _reasons(axes, found, x * over, y * above)
-    rows, columns = np.nonzero(found.safe)
+    axes.pcolormesh(right, top, rectangle.safe.T.astype(float), cmap=ListedColormap([UNSAFE, SAFE]), vmin=0, vmax=1)
+    _border(axes, rectangle.safe, right, top)
+    _reasons(axes, rectangle, x * over, y * above)
+    rows, columns = np.nonzero(rectangle.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
-    runs = f"{found.swept.mechanism.view.run_name}s"
-    title = f"{int(found.safe.sum())} of {found.safe.size} {runs} are safe: {found.asked}"
-    if found.first is not None and found.second is not None:
-        low, high = (np.array(part) * factor for part, factor in ((found.first, over), (found.second, above)))
+    runs = f"{rectangle.swept.mechanism.view.run_name}s"
+    title = f"{int(rectangle.safe.sum())} of {rectangle.safe.size} {runs} are safe: {rectangle.asked}"
+    if rectangle.first is not None and rectangle.second is not None:
+        low, high = (np.array(part) * factor for part, factor in ((rectangle.first, over), (rectangle.second, above)))
         corners = np.array([[low[0], high[0]], [low[1], high[0]], [low[1], high[1]], [low[0], high[1]]])
         closed = np.vstack([corners, corners[:1]])
         axes.plot(*closed.T, color=BLUE, linewidth=2.5, marker=".", label="largest rectangle of safe runs")
@@ -284,7 +284,7 @@ def envelope_figure(found: SafeRectangle) -> Figure:
     axes.grid(False)
     scaled(axes, "x", first.scale, x[0] * over, x[-1] * over)
     scaled(axes, "y", second.scale, y[0] * above, y[-1] * above)
-    across_named, up_named = (field_axis(axis.name, axis.unit) for axis in found.axes)
+    across_named, up_named = (field_axis(axis.name, axis.unit) for axis in rectangle.axes)
     label(axes, title, across_named, up_named, legend=False)
     legend_below(figure, *axes.get_legend_handles_labels())
     return figure
@@ -305,9 +305,9 @@ def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) ->
                 name = ""
 
 
-def _reasons(axes: Axes, found: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
+def _reasons(axes: Axes, rectangle: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
-    reasons, marks = found.reasons, outcome_marks(found.swept.mechanism)
+    reasons, marks = rectangle.reasons, outcome_marks(rectangle.swept.mechanism)
     free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]
     free = free or [*MARKERS]
     others = sorted(set(reasons[reasons != ""]) - set(marks))

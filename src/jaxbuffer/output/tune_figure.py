@@ -55,11 +55,11 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
     before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
-    figure.suptitle(f"{_asked(problem, problem.objective)}: {before} before, {after} after")
+    figure.suptitle(f"{_objective_text(problem, problem.objective)}: {before} before, {after} after")
     return figure
 
 
-def _asked(problem: Any, objective: Any) -> str:
+def _objective_text(problem: Any, objective: Any) -> str:
     """An objective in words."""
     return str(problem.worded(objective)).replace("_", " ").replace("cases", "scenarios")
 
@@ -161,10 +161,10 @@ def _rows(tuned: Tuned) -> list[Row]:
         before, after = (float(worst(point.quantities[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
         symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        told = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
+        text = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
         if limit is not None:
-            told += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
-        rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{told}"))
+            text += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
+        rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"))
     return rows
 
 
@@ -200,8 +200,8 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
         ("infeasible", "x", RED, lambda it: not it["feasible"]),
     ]
     problem = tuned.problem
-    asked = problem.then.objective if stage and problem.then is not None else problem.objective
-    unit, factor = asked.in_figures(problem.catalogue)
+    objective = problem.then.objective if stage and problem.then is not None else problem.objective
+    unit, factor = objective.in_figures(problem.catalogue)
     for name, marker, colour, chosen in kinds:
         some = [it for it in records if chosen(it)]
         if some:
@@ -214,7 +214,13 @@ def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
         axes.step(numbers[known], best[known], where="post", color=BLUE, label="best so far")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     value = f"objective [{unit}]"
-    label(axes, f"Every design tried for:\n{_asked(tuned.problem, asked)}", "evaluation [-]", value, columns=2)
+    label(
+        axes,
+        f"Every design tried for:\n{_objective_text(tuned.problem, objective)}",
+        "evaluation [-]",
+        value,
+        columns=2,
+    )
 
 
 @styled

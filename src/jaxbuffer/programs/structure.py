@@ -43,9 +43,9 @@ def nodes(structure: PyTreeDef) -> Iterable[tuple[type, Any]]:
 def changeable(tree: Any) -> Hashable:
     """What may change between two calls with arguments of one structure: contact laws, and code that is not known by
     the version of its package."""
-    found = laws(tree)
-    things = [*_own(tree), *(law for law in found if not identity.lasts(law))]
-    return (found, identity.fingerprint(*things)) if things else found
+    contact_laws = laws(tree)
+    things = [*_own(tree), *(law for law in contact_laws if not identity.lasts(law))]
+    return (contact_laws, identity.fingerprint(*things)) if things else contact_laws
 
 
 def laws(tree: Any) -> tuple[type, ...]:

@@ -34,9 +34,9 @@ class Events:
     difference_tolerance = 1e-11
     tight = 1e-9
 
-    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Result:
+    def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Result:
         """See `Stepper`."""
-        allowed = wanted & request.allowed if unchecked else None
+        allowed = enabled & request.allowed if unchecked else None
         build, options = request.mechanism.system, with_tolerances(request)
         return solve_at_fixed_times(build, request.parameters, request.duration, options, allowed)
 
@@ -77,9 +77,9 @@ def stepper_of(mechanism: Mechanism) -> Stepper:
     return mechanism.stepper or EVENTS
 
 
-def stepped(request: Request, unchecked: Static = UNCHECKED, wanted: Bool[Array, ""] | bool = True) -> Any:
+def stepped(request: Request, unchecked: Static = UNCHECKED, enabled: Bool[Array, ""] | bool = True) -> Any:
     """Step a run through time, with arguments as of `Stepper.step`: a program's first part; `run_of` is the second."""
-    return stepper_of(request.mechanism).step(request, unchecked.value, wanted)
+    return stepper_of(request.mechanism).step(request, unchecked.value, enabled)
 
 
 def run_of(request: Request, result: Any) -> Run:

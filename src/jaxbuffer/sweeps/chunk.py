@@ -58,17 +58,17 @@ class Runs(NamedTuple):
     room: int
 
     def call(self, first: int) -> tuple[Any, np.ndarray]:
-        """The runs from ``first`` on as arrays (room,), and which of them are wanted: filled up, a call with few runs
+        """The runs from ``first`` on as arrays (room,), and which of them are enabled: filled up, a call with few runs
         needs no program of its own."""
         room = np.arange(self.room)
-        wanted = room < min(self.chunk, self.places.size - first)
+        enabled = room < min(self.chunk, self.places.size - first)
         batch = [np.broadcast_to(x, self.places.shape).take(first + room, mode="clip") for x in self.arrays]
-        return jax.tree.unflatten(self.structure, batch), wanted
+        return jax.tree.unflatten(self.structure, batch), enabled
 
 
 def runs(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> Runs:
     """``most``: runs of a call; ``filled``: whether each call has room for so many. On an accelerator, whose calls are
-    large, runs that are not wanted would take memory."""
+    large, runs that are not enabled would take memory."""
     leaves, structure = jax.tree.flatten((batch.design, batch.scenarios, as_number(duration)))
     arrays = [np.asarray(leaf, float) for leaf in leaves]
     count = _common_length(structure, arrays)
@@ -78,7 +78,7 @@ def runs(batch: Batch, duration: Any, most: int, workers: int, filled: bool) -> 
 
 
 Chunk = tuple[Any, Any, Any]  # design, scenario and duration [s], each number an array with an entry for each run
-Wanted = Bool[Array, " runs"]  # which of them are wanted: the others fill up the chunk
+Enabled = Bool[Array, " runs"]  # which of them are stepped: the others fill up the chunk
 
 
 def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, solver: Solver | None) -> Request:
@@ -86,21 +86,21 @@ def _request(mechanism: Mechanism, chunk: Chunk, rtol: Any, stabilisation: Any, 
 
 
 def _stepped(
-    mechanism: Mechanism, chunk: Chunk, wanted: Wanted, rtol: Any, stabilisation: Any, solver: Solver | None
+    mechanism: Mechanism, chunk: Chunk, enabled: Enabled, rtol: Any, stabilisation: Any, solver: Solver | None
 ) -> Any:
     """What time stepping finds of each run."""
 
-    def one(chunk: Chunk, wanted: Array) -> Any:
-        return stepped(_request(mechanism, chunk, rtol, stabilisation, solver), wanted=wanted)
+    def one(chunk: Chunk, enabled: Array) -> Any:
+        return stepped(_request(mechanism, chunk, rtol, stabilisation, solver), enabled=enabled)
 
-    return stepper_of(mechanism).many(one)(chunk, wanted)
+    return stepper_of(mechanism).many(one)(chunk, enabled)
 
 
 @after(_stepped)
 def solve_chunk(
     mechanism: Mechanism,
     chunk: Chunk,
-    wanted: Wanted,
+    enabled: Enabled,
     rtol: Any,
     stabilisation: Any,
     solver: Solver | None,
@@ -117,18 +117,18 @@ def solve_chunk(
     return jax.vmap(numbers)(chunk, result)
 
 
-def columns_of_chunk(chunk: Chunk, wanted: Any, settings: Settings) -> list[np.ndarray]:
-    """The columns of a sweep (`column_names`), each with an entry for each run of the chunk; ``wanted`` (runs,):
+def columns_of_chunk(chunk: Chunk, enabled: Any, settings: Settings) -> list[np.ndarray]:
+    """The columns of a sweep (`column_names`), each with an entry for each run of the chunk; ``enabled`` (runs,):
     which of them are."""
     mechanism = mechanism_of(chunk[0])
 
     def at(rtol: Any) -> dict[str, np.ndarray]:
-        values = map(np.asarray, solve_chunk(mechanism, chunk, wanted, rtol, settings.stabilisation, settings.solver))
+        values = map(np.asarray, solve_chunk(mechanism, chunk, enabled, rtol, settings.stabilisation, settings.solver))
         return dict(zip(column_names(mechanism), values, strict=False))
 
     columns = at(settings.rtol)
     if not settings.trust:
-        return [*columns.values(), np.full(len(wanted), NO_VERDICT)]
+        return [*columns.values(), np.full(len(enabled), NO_VERDICT)]
     closer = tenth(float(settings.rtol))
     return [*columns.values(), _verdicts(mechanism, columns, None if closer is None else at(np.asarray(closer)))]
 

@@ -31,7 +31,7 @@ def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
     tables = [f"{study.name}.csv" for study in chosen.studies if chosen.part_of(study).table is not None]
     files = Output(output, ["claims.md", "studies.csv", "studies.json", *tables, *figures], force)
     studied = counting(runs(chosen.studies), lambda done: run_paper(chosen, done))
-    rows = [row for found in studied for row in found.rows]
+    rows = [row for result in studied for row in result.rows]
     failed = [row for row in rows if str(row["outcome"]).startswith("failed")]
     if failed:
         return fail("; ".join(f"{row['study']}, {row['case']}: {row['outcome']}" for row in failed))
@@ -43,12 +43,12 @@ def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
         "studies.csv": lambda: csv_text(heads, ([row.get(name, "") for name in columns] for row in rows)),
         "studies.json": lambda: json_text({"units": columns, "captures": rows, "claims": verdicts}),
     }
-    for found in studied:
-        part = chosen.part_of(found.study)
+    for result in studied:
+        part = chosen.part_of(result.study)
         if part.table is not None:
-            own = part.table(found)
+            own = part.table(result)
             cells = [list(one.values()) for one in own]
-            contents[f"{found.study.name}.csv"] = functools.partial(csv_text, list(own[0]), cells)
-        contents |= style.both(found.study.name, functools.partial(part.figure, found))
+            contents[f"{result.study.name}.csv"] = functools.partial(csv_text, list(own[0]), cells)
+        contents |= style.both(result.study.name, functools.partial(part.figure, result))
     files.save_and_show(lambda: contents, claims_table(verdicts))
     return OK

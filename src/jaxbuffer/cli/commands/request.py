@@ -94,12 +94,12 @@ def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str
 def each_once(over: Sequence[str], typed: Callable[[str], tuple[str, Any]], instead: str) -> dict[str, Any]:
     """Return what several --over say, by field, each read by ``typed``. **Raises:** `InputError` for a field that is
     given twice, with what to do ``instead``."""
-    asked = dict[str, Any]()
+    by_field = dict[str, Any]()
     for path, values in map(typed, over):
-        if path in asked:
+        if path in by_field:
             raise InputError(f"--over {path} is given more than once; {instead}")
-        asked[path] = values
-    return asked
+        by_field[path] = values
+    return by_field
 
 
 def given(**options: Any) -> dict[str, Any]:

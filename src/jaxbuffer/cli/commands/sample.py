@@ -46,29 +46,29 @@ def sample(
     for name in names:
         if name not in study.mechanism.swept:
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
-    wanted = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
-    wanted += [f"{name}.{kind}" for name, asked in parts.items() if asked for kind in ("csv", "png")]
-    files = request.files(*wanted, resumable=(STORE,), resume=resume)
+    names_of_files = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
+    names_of_files += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
+    files = request.files(*names_of_files, resumable=(STORE,), resume=resume)
     options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
-    found, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
-    if found is None:
+    result, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
+    if result is None:
         return INTERRUPTED
     made = request.made(study, resume)
     if interrupted:
-        files.save_and_show(lambda: sample_files(found, made), found, lambda: swept_json(found))
+        files.save_and_show(lambda: sample_files(result, made), result, lambda: swept_json(result))
         return INTERRUPTED
-    return _told(found, names, (indices, surface), files, made)
+    return _finish(result, names, (indices, surface), files, made)
 
 
 def _points(
     study: Config, over: list[str], count: str | None, method: str | None, seed: str | None, indices: bool
 ) -> Points:
     section = dict(study.sample)
-    asked = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
+    bounds = {**section.pop("ranges", {}), **each_once(over, typed, "keep one")}
     chosen = method or section.get("method") or ("saltelli" if indices else METHODS[0])
     number = _whole("count", count) if count is not None else section.get("count", 256)
     start = _whole("seed", seed) if seed is not None else section.get("seed", 0)
-    axes = ranges(asked or study.mechanism.variables(study.design), study.design, study.scenario)
+    axes = ranges(bounds or study.mechanism.variables(study.design), study.design, study.scenario)
     return points(axes, number, chosen, start)
 
 
@@ -82,36 +82,38 @@ def _whole(name: str, text: str) -> int:
 def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tuple[Sample | None, bool]:
     """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
     options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
-    asked = (points, study.design, study.scenario, study.options.duration)
+    task = (points, study.design, study.scenario, study.options.duration)
     try:
-        return sweeping(len(points), lambda report: sample_at(*asked, progress=report, **options)), False
+        return sweeping(len(points), lambda report: sample_at(*task, progress=report, **options)), False
     except SweepInterrupted as stop:
-        found = resumable(stop, folder)
-        return (found if stop.done.any() else None), True
+        partial = resumable(stop, folder)
+        return (partial if stop.done.any() else None), True
 
 
-def _told(
-    found: Sample, names: tuple[str, ...], asked: tuple[bool, bool], files: Output, made: Mapping[str, Any]
+def _finish(
+    result: Sample, names: tuple[str, ...], chosen: tuple[bool, bool], files: Output, made: Mapping[str, Any]
 ) -> int:
     """Indices and surfaces, if ``asked`` for, saved and printed; where one cannot be had, the sample is saved and it is
     said why."""
-    (indices, surface), refused = asked, None
-    found_indices, surfaces, varying = None, list[Any](), list[str]()
+    (indices, surface), refused = chosen, None
+    sobol, surfaces, varying = None, list[Any](), list[str]()
     for name in names if indices or surface else ():
         try:
-            found.check_varies(name, "indices and response surface")
+            result.check_varies(name, "indices and response surface")
             varying.append(name)
         except InputError as error:  # a quantity that is the same everywhere takes nothing from the others
             refused = error
     try:
         if surface:
-            surfaces = working("fitting response surfaces", lambda: [response_surface(found, name) for name in varying])
+            surfaces = working(
+                "fitting response surfaces", lambda: [response_surface(result, name) for name in varying]
+            )
         if indices and varying:
-            found_indices = working("resampling", lambda: sobol_indices(found, varying))
+            sobol = working("resampling", lambda: sobol_indices(result, varying))
     except InputError as error:
         refused = error
-    shown = sample_text(found, found_indices, surfaces)
-    files.save_and_show(lambda: sample_files(found, made, found_indices, surfaces), shown, lambda: swept_json(found))
+    shown = sample_text(result, sobol, surfaces)
+    files.save_and_show(lambda: sample_files(result, made, sobol, surfaces), shown, lambda: swept_json(result))
     if refused is not None:
         raise refused
-    return any_solved(found)
+    return any_solved(result)

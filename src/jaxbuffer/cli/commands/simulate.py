@@ -36,8 +36,8 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
         note(str(horizon(run)))
     if run.history is not None and run.history.time.size == HISTORY_STEPS < int(run.accepted):
         note(f"the history holds the first {HISTORY_STEPS} steps only")
-    told = trusted(run, closer) if asked_for(trust) else None
-    contents = run_files(run, request.made(study), limits, told)
+    verdict = trusted(run, closer) if asked_for(trust) else None
+    contents = run_files(run, request.made(study), limits, verdict)
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))
@@ -75,8 +75,8 @@ def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | Non
     options = study.options
 
     def at(rtol: float) -> Run:
-        asked = (study.design, study.scenario, options.duration)
-        return compute(*asked, solver=options.stepper(), rtol=rtol, history=history)
+        task = (study.design, study.scenario, options.duration)
+        return compute(*task, solver=options.stepper(), rtol=rtol, history=history)
 
     closer = tenth(options.rtol) if again else None
     return working("simulating", lambda: (at(options.rtol), None if closer is None else at(closer)))
@@ -85,12 +85,12 @@ def simulated(study: Config, history: bool, again: bool) -> tuple[Run, Run | Non
 def trusted(run: Run, closer: Run | None) -> Trust:
     """How far the run's numbers can be trusted, said; ``closer``: at a tenth of the tolerance, None where there is no
     such run."""
-    found = Trust({}, "", NO_TENTH) if closer is None else trust(run, closer)
-    if found.verdict == "trusted":
-        print(found, file=sys.stderr, flush=True)
+    verdict = Trust({}, "", NO_TENTH) if closer is None else trust(run, closer)
+    if verdict.verdict == "trusted":
+        print(verdict, file=sys.stderr, flush=True)
     else:
-        note(found)
-    return found
+        note(verdict)
+    return verdict
 
 
 def study_constraints(study: Config) -> Constraints | None:

@@ -54,9 +54,9 @@ def keep_best(problem: Problem, settings: Mapping[str, Any], files: Output) -> i
         note(f"no step was finished; the same command with --resume goes on in {files.folder}")
         return INTERRUPTED
     which = "the problem's then" if best.stage else "the objective"
-    kept = "within all limits" if best.feasible else "limits broken"
+    verdict = "within all limits" if best.feasible else "limits broken"
     value = objective_in_words(best.objective, best.unit, 6)
-    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {kept}"
+    words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {verdict}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
     note(f"the same command with --resume goes on in {files.folder}")
     return INTERRUPTED

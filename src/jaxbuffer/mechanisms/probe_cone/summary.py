@@ -208,11 +208,11 @@ def _predicted(capture: Capture) -> str:
 
 def first_impact_line(capture: Capture) -> str:
     """The simulated first peak beside its closed form."""
-    first, seen = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
+    first, force = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     if capture.scenario.start == "free":
-        return f"First impact: {seen:.6g} N" if int(capture.impact_count) else "First impact: none"
+        return f"First impact: {force:.6g} N" if int(capture.impact_count) else "First impact: none"
     return (
-        f"First impact: {seen:.6g} N; closed form {_predicted(capture)}, "
+        f"First impact: {force:.6g} N; closed form {_predicted(capture)}, "
         f"{float(first.elastic_peak):.6g} N without loss (effective energy T_c {float(first.effective_energy):.5g} J)"
     )
 

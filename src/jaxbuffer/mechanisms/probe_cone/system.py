@@ -275,7 +275,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
     def snapshot_at(self, at: Posture, active: Float[Array, " contacts"]) -> Snapshot:
         motion, forces, _ = self.dynamics(at, active)
         rate = jnp.concatenate([at.kin.v, motion.acceleration])
-        seen = dict(zip(self.observed, self.observables_at(at, rate, active), strict=True))
+        values = dict(zip(self.observed, self.observables_at(at, rate, active), strict=True))
         approach = at.approach
         return Snapshot(
             gap=approach.gap,
@@ -286,17 +286,17 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
             multipliers=motion.multipliers,
             others={
                 "tip_spin": at.tip.spin,
-                "hinge_force": seen["hinge_force"],
-                "buffer_force": jnp.copysign(seen["buffer_force"], self.axial.tension(at.kin)),
+                "hinge_force": values["hinge_force"],
+                "buffer_force": jnp.copysign(values["buffer_force"], self.axial.tension(at.kin)),
                 "stop_force": jnp.asarray(self.stop_force(at, active)),
-                "stroke": seen["stroke"],
-                "hinge_angle": jnp.copysign(seen["hinge_angle"], at.kin.q[5] - at.kin.q[2]),
+                "stroke": values["stroke"],
+                "hinge_angle": jnp.copysign(values["hinge_angle"], at.kin.q[5] - at.kin.q[2]),
                 "throat_distance": self.throat(at.kin, at.tip)[0],
                 **({} if at.pin is None else {"hinge_gap": at.pin.approach.gap[0]}),
                 "bending": self.bending(at.kin),
                 "relative_energy": self.relative_energy(at, active),
-                **{name: seen[name] for name in ("latch_force", "passive_force") if name in seen},
-                **{name: seen[name] for name in self.design.shock.frequencies},
+                **{name: values[name] for name in ("latch_force", "passive_force") if name in values},
+                **{name: values[name] for name in self.design.shock.frequencies},
                 **({} if at.latch is None else {"latch_closed": self.acting_latch(at, active).share}),
             },
         )

@@ -45,7 +45,7 @@ def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[Limit
     return [too_few(name, modes, highest, time) for name, modes, highest in parts]
 
 
-def told(run: Run, penetration: float) -> list[str]:
+def mode_lines(run: Run, penetration: float) -> list[str]:
     """Number of modes of each part that bends, and the highest's period beside the time the force took."""
     lines = [modes_line(name, str(modes), highest) for name, modes, highest in bending_parts(run.design)]
     if lines and int(run.impact_count):

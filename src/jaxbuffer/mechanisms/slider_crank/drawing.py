@@ -142,10 +142,10 @@ def closer(pin: Pin, touch: Touch, motion: Motion, magnified: int) -> tuple[Deta
     title = f"{name} in its bush, play × {times:.3g}" if times > 1.0 else f"{name} in its bush"
 
     def frames(history: Any) -> Float[np.ndarray, "steps frames 3"]:
-        found = motion(history)
-        pin_at, bush_at = (_track(spot, found) for spot in (touch.ball, touch.carrier))
-        larger = np.column_stack([bush_at + times * (pin_at - bush_at), found[:, touch.ball.body, 2]])
-        return np.concatenate([found, larger[:, None]], axis=1)
+        bodies = motion(history)
+        pin_at, bush_at = (_track(spot, bodies) for spot in (touch.ball, touch.carrier))
+        larger = np.column_stack([bush_at + times * (pin_at - bush_at), bodies[:, touch.ball.body, 2]])
+        return np.concatenate([bodies, larger[:, None]], axis=1)
 
     return Detail(title, hole, 1.6 * bush, (wall, journal), true=False), frames
 

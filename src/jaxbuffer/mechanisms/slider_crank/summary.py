@@ -8,7 +8,7 @@ from ..plain_summary import plain_summary
 from ..run import Run
 from ..validity import BEYOND_LAW, Limit
 from .bending import limits as bending_limits
-from .bending import told
+from .bending import mode_lines
 from .design import SliderCrank, SliderCrankScenario
 from .pins import ADAMS, Pin
 from .quantities import deepest
@@ -80,4 +80,4 @@ def with_modes(run: Run, text: str) -> str:
         return text
     lines = text.splitlines()
     below = next((k + 1 for k, line in enumerate(lines) if line.startswith("  time of the peak")), len(lines))
-    return "\n".join([*lines[:below], *told(run, float(np.asarray(deepest(run)))), *lines[below:]])
+    return "\n".join([*lines[:below], *mode_lines(run, float(np.asarray(deepest(run)))), *lines[below:]])

@@ -68,7 +68,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         v=v,
         contacts=tuple(contacts),
         size=(1e-4, speed),
-        shown=(*torques, Shown("slider_acceleration", slider_acceleration, of_rate=True), *seen(design)),
+        shown=(*torques, Shown("slider_acceleration", slider_acceleration, of_rate=True), *own_shown(design)),
         recorded=eccentricities(design),
         memory_time=design.piston_pin.memory_time,
         parts=bending_rod(rod) if rod.modes else None,
@@ -188,7 +188,7 @@ def motor_torque(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
     return constant.torque + damper.torque(at.kin)
 
 
-def seen(design: SliderCrank) -> tuple[Shown, ...]:
+def own_shown(design: SliderCrank) -> tuple[Shown, ...]:
     """The contacts' depth, where their damper makes the peak force, which then says little of how deep they went;
     deflection and stress of a rod that bends."""
     depths = (Shown("penetration", depth),) if design.piston_pin.by_components else ()
@@ -209,14 +209,14 @@ def slider_acceleration(mechanism: Assembled, at: Posture, rate: Array) -> Scala
 
 def eccentricities(design: SliderCrank) -> tuple[Shown, ...]:
     """Of each pin with play the centre relative to the bush's, along the slider's line and across it [m]."""
-    found, contact = [], 0
+    shown, contact = [], 0
     for pin in (design.piston_pin, design.crank_pin):
         if pin.joint == "clearance":
             # by components, the rod's end is the ball and the pin's body carries the shape
             sign = -1.0 if pin.by_components else 1.0
-            found += [Shown(f"{pin.section}_{axis}", eccentricity(contact, sign, axis)) for axis in ("x", "y")]
+            shown += [Shown(f"{pin.section}_{axis}", eccentricity(contact, sign, axis)) for axis in ("x", "y")]
             contact += SQUARE if pin.by_components else 1
-    return tuple(found)
+    return tuple(shown)
 
 
 def eccentricity(contact: int, sign: float, axis: str) -> Callable[[Assembled, Posture, Array], Scalar]:

@@ -62,56 +62,56 @@ class Assembled(NamedTuple):
 
 def assembled(design: TankDrop, scenario: TankDropScenario) -> Assembled:
     """The parts put together, nothing loaded yet."""
-    seen = section(design, scenario.fill)
+    mesh = section(design, scenario.fill)
     whole = design.mesh.extent == "whole"
-    nodes, factor = len(seen.positions), (1.0 if whole else 2.0) * design.tank.length
+    nodes, factor = len(mesh.positions), (1.0 if whole else 2.0) * design.tank.length
     slider, baffle = nodes, nodes + 1
     angle = scenario.angle if whole else 0.0
     under = RigidPlane(slider, (jnp.sin(angle), -jnp.cos(angle)) if whole else (0.0, -1.0))
-    above = _above(design, seen, under)
+    above = _above(design, mesh, under)
     bodies = jnp.stack([jnp.stack([jnp.zeros(()), jnp.asarray(above, float)]), jnp.zeros(2)])
-    positions = jnp.concatenate([seen.positions, bodies])
+    positions = jnp.concatenate([mesh.positions, bodies])
     material = _material(design)
-    quads, density = Quads.of(positions, seen.sets.corners, ACROSS), material.density
-    if len(seen.numbers.ribs):
+    quads, density = Quads.of(positions, mesh.sets.corners, ACROSS), material.density
+    if len(mesh.numbers.ribs):
         quads, density = _with_ribs(design, quads)
     wall = Plane(quads, material)
     liquid = static = None
     mass = jnp.repeat(quads.lumped_mass(density)[:nodes, None], 2, axis=1)
     if design.contents.kind != "none":
-        liquid = _liquid(design, seen)
-        surface = seen.liquid[seen.numbers.liquid[0, -1], 1]
-        static = design.contents.density * scenario.gravity * (surface - seen.liquid[:, 1])
+        liquid = _liquid(design, mesh)
+        surface = mesh.liquid[mesh.numbers.liquid[0, -1], 1]
+        static = design.contents.density * scenario.gravity * (surface - mesh.liquid[:, 1])
         if liquid.plate is not None:
             mass = mass.at[liquid.plate.plate, 0].add(liquid.plate.added_mass())
-    inverse = (1.0 / mass).at[seen.sets.held, 0].set(0.0)
-    held = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
-    inverse = jnp.concatenate([inverse, held[None], jnp.zeros((1, 2))])
+    inverse = (1.0 / mass).at[mesh.sets.on_axis, 0].set(0.0)
+    slider_inverse = jnp.stack([jnp.zeros(()), factor / jnp.asarray(design.slider.mass, float)])
+    inverse = jnp.concatenate([inverse, slider_inverse[None], jnp.zeros((1, 2))])
     system = System(
         positions,
         inverse,
         (wall,),
-        (_support(design, seen, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, seen, under)])),
-        (_cushion(design, seen, under),) if design.cushion.kind == "layer" else (),
+        (_support(design, mesh, baffle), *([] if design.cushion.kind == "layer" else [_strike(design, mesh, under)])),
+        (_cushion(design, mesh, under),) if design.cushion.kind == "layer" else (),
         jnp.stack([jnp.zeros(()), -jnp.asarray(scenario.gravity, float)]),
         None,
         liquid,
         static,
-        _air(design, seen) if design.contents.air == "trapped" and not seen.numbers.full else None,
+        _air(design, mesh) if design.contents.air == "trapped" and not mesh.numbers.full else None,
     )
     half = None
     if whole:
         half = assembled(replace(design, {"mesh.extent": "half"}), replace(scenario, {"angle": 0.0}))
-    return Assembled(system, seen, wall, material, _strength(design), slider, factor, angle, half)
+    return Assembled(system, mesh, wall, material, _strength(design), slider, factor, angle, half)
 
 
-def _above(design: TankDrop, seen: Section, under: RigidPlane) -> Scalar:
+def _above(design: TankDrop, mesh: Section, under: RigidPlane) -> Scalar:
     """How high the slider is where it, or its cushion, just touches the tank [m]."""
     soft = design.cushion.thickness if design.cushion.kind == "layer" else 0.0
     if design.mesh.extent == "half":
         return design.tank.height + soft
     sideways, downwards = under.normal
-    x, y = seen.positions[seen.sets.pressed].T
+    x, y = mesh.positions[mesh.sets.pressed].T
     return (soft - jnp.min(sideways * x + downwards * y)) / -downwards
 
 
@@ -145,31 +145,31 @@ def _strength(design: TankDrop) -> Scalar:
     return design.composite.along_compression if design.material.kind == "composite" else design.material.yield_stress
 
 
-def _support(design: TankDrop, seen: Section, baffle: int) -> Contact:
+def _support(design: TankDrop, mesh: Section, baffle: int) -> Contact:
     """The outside, up to the level, on the baffle."""
-    slaves = seen.sets.support
-    strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
+    slaves = mesh.sets.support
+    strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, RigidPlane(baffle, (0.0, 1.0)), design.support.method, design.support.stiffness * strips)
 
 
-def _strike(design: TankDrop, seen: Section, under: RigidPlane) -> Contact:
+def _strike(design: TankDrop, mesh: Section, under: RigidPlane) -> Contact:
     """The slider without a cushion, on the outside from the level on, by the method of the support."""
-    slaves = seen.sets.pressed
-    strips = jnp.linalg.norm(boundary_areas(seen.positions[slaves]), axis=1)
+    slaves = mesh.sets.pressed
+    strips = jnp.linalg.norm(boundary_areas(mesh.positions[slaves]), axis=1)
     return Contact(slaves, under, design.support.method, design.support.stiffness * strips)
 
 
-def _air(design: TankDrop, seen: Section) -> Gas:
+def _air(design: TankDrop, mesh: Section) -> Gas:
     """The air that is shut in above the liquid."""
-    wall = seen.positions[seen.sets.inner]
-    below = 0.0 if design.contents.kind == "none" else enclosed(seen.liquid[seen.sets.wet])
-    return Gas(seen.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
+    wall = mesh.positions[mesh.sets.inner]
+    below = 0.0 if design.contents.kind == "none" else enclosed(mesh.liquid[mesh.sets.wet])
+    return Gas(mesh.sets.inner, enclosed(wall) - below, enclosed(wall), design.contents.air_pressure)
 
 
-def _cushion(design: TankDrop, seen: Section, under: RigidPlane) -> Layer:
+def _cushion(design: TankDrop, mesh: Section, under: RigidPlane) -> Layer:
     """The cushion over the outside from the level on, in strips as wide as what faces it."""
-    slaves = seen.sets.pressed
-    width = jnp.maximum(-(boundary_areas(seen.positions[slaves]) @ stacked(under.normal)), 0.0)
+    slaves = mesh.sets.pressed
+    width = jnp.maximum(-(boundary_areas(mesh.positions[slaves]) @ stacked(under.normal)), 0.0)
     soft = design.cushion
     return Layer(
         slaves,
@@ -182,36 +182,36 @@ def _cushion(design: TankDrop, seen: Section, under: RigidPlane) -> Layer:
     )
 
 
-def _liquid(design: TankDrop, seen: Section) -> Liquid:
-    corners, count = seen.sets.liquid_corners, len(seen.liquid)
-    stiffness, mass = element_matrices(seen.liquid, corners, design.contents.sound_speed)
+def _liquid(design: TankDrop, mesh: Section) -> Liquid:
+    corners, count = mesh.sets.liquid_corners, len(mesh.liquid)
+    stiffness, mass = element_matrices(mesh.liquid, corners, design.contents.sound_speed)
     incidence = Incidence.of(corners, count)
     cover = None
-    if not seen.numbers.full:
-        surface, above = seen.sets.free, seen.sets.above
-        cover = Cover.of(surface, seen.liquid[surface], above, seen.positions[above])
+    if not mesh.numbers.full:
+        surface, above = mesh.sets.free, mesh.sets.above
+        cover = Cover.of(surface, mesh.liquid[surface], above, mesh.positions[above])
     return Liquid(
         incidence,
         stiffness,
         incidence.to_nodes(jnp.sum(mass, axis=2)),
-        jnp.ones(count).at[seen.sets.free].set(0.0),
+        jnp.ones(count).at[mesh.sets.free].set(0.0),
         jnp.asarray(design.contents.density, float),
-        seen.sets.wetted,
-        seen.sets.wet,
-        boundary_areas(seen.positions[seen.sets.wetted]),
-        follows=seen.numbers.full,
+        mesh.sets.wetted,
+        mesh.sets.wet,
+        boundary_areas(mesh.positions[mesh.sets.wetted]),
+        follows=mesh.numbers.full,
         cover=cover,
-        plate=_holes(design, seen) if seen.numbers.plate_side >= 0 else None,
+        plate=_holes(design, mesh) if mesh.numbers.plate_side >= 0 else None,
     )
 
 
-def _holes(design: TankDrop, seen: Section) -> Perforated:
+def _holes(design: TankDrop, mesh: Section) -> Perforated:
     """The plate, or both, as the liquid feels it."""
-    plates, sets, high = design.plates, seen.sets, seen.numbers.liquid.shape[1]
+    plates, sets, high = design.plates, mesh.sets, mesh.numbers.liquid.shape[1]
     left, right = sets.left_of_plate, sets.right_of_plate
     assert plates.aperture is not None
-    middle = 0.5 * (seen.liquid[left] + seen.liquid[right])[:high]
-    rows = jnp.mean(seen.positions[seen.numbers.plate, 1], axis=1)
+    middle = 0.5 * (mesh.liquid[left] + mesh.liquid[right])[:high]
+    rows = jnp.mean(mesh.positions[mesh.numbers.plate, 1], axis=1)
     area, shares = boundary_areas(middle)[:, 0], at_heights(middle[:, 1], rows)
     if len(left) > high:  # the other one, from its head on
         area, shares = jnp.concatenate([area, area[::-1]]), block_diag(shares, shares[::-1, ::-1])

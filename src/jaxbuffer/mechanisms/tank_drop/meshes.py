@@ -20,26 +20,26 @@ STRESS = "stress after von Mises [MPa]"
 
 def meshes(run: Any, times: Sequence[float] | None = None) -> list[Meshed]:
     """Of a run with a history, at the rows next to some ``times`` [s], or at the largest stress and the end."""
-    kept = {name: np.asarray(values) for name, values in run.history.others.items()}
-    time, found = np.asarray(run.history.time), []
-    for words, name, row in _instants(time, kept["peak_stress"], times):
-        wall, liquid = map(np.asarray, _moved(run.design, run.scenario, kept["displacement"][row]))
+    fields = {name: np.asarray(values) for name, values in run.history.others.items()}
+    time, snapshots = np.asarray(run.history.time), []
+    for words, name, row in _instants(time, fields["peak_stress"], times):
+        wall, liquid = map(np.asarray, _moved(run.design, run.scenario, fields["displacement"][row]))
         title = f"{words}{1e3 * time[row]:.4g} ms"
-        now = {key: values[row] for key, values in kept.items()}
-        found.append(_completed(run.design, Meshed(title, name, *_together(run.design, wall, liquid, now))))
-    return found
+        now = {key: values[row] for key, values in fields.items()}
+        snapshots.append(_completed(run.design, Meshed(title, name, *_together(run.design, wall, liquid, now))))
+    return snapshots
 
 
 def displaced(run: Any) -> tuple[Meshed, Meshed]:
     """The wall before the impact, and at the largest force, with how far it has moved since [mm].
 
     The liquid's mesh goes along by interpolation, so that it has no displacement of its own."""
-    kept = np.asarray(run.history.others["displacement"])
+    displacement = np.asarray(run.history.others["displacement"])
     row = int(np.argmax(np.asarray(run.history.contact_force)[:, 0]))
     corners, made = NodeSets.of(run.design).corners, []
-    since = kept[row, corners].mean(axis=1) - kept[0, corners].mean(axis=1)
+    since = displacement[row, corners].mean(axis=1) - displacement[0, corners].mean(axis=1)
     for words, place in (("before", 0), (f"{1e3 * float(run.history.time[row]):.4g} ms", row)):
-        wall, _ = map(np.asarray, _moved(run.design, run.scenario, kept[place]))
+        wall, _ = map(np.asarray, _moved(run.design, run.scenario, displacement[place]))
         across, down = 1e3 * since[:, 0] * (place > 0), -1e3 * since[:, 1] * (place > 0)
         both = _completed(run.design, Meshed(words, "", wall, corners, {ACROSS: across, ALONG: down}))
         image = np.where(np.arange(len(both.cells)) < len(corners), 1.0, -1.0)
@@ -52,10 +52,10 @@ def _moved(
     design: TankDrop, scenario: TankDropScenario, displacement: Float[Array, "nodes 2"]
 ) -> tuple[Float[Array, "nodes 2"], Float[Array, "liquid 2"]]:
     """The nodes of wall and plate, and the liquid's, whose mesh goes with the wall [m]."""
-    seen = section(design, scenario.fill)
-    at = seen.positions + displacement[: len(seen.positions)]
+    mesh = section(design, scenario.fill)
+    at = mesh.positions + displacement[: len(mesh.positions)]
     within = liquid_within if design.mesh.extent == "half" else _within_whole
-    return at, within(at, seen.numbers)
+    return at, within(at, mesh.numbers)
 
 
 def _within_whole(wall: Float[Array, "nodes 2"], numbers: Numbering) -> Float[Array, "liquid 2"]:
@@ -80,15 +80,15 @@ def _instants(time: np.ndarray, stress: np.ndarray, times: Sequence[float] | Non
 
 
 def _together(
-    design: TankDrop, wall: np.ndarray, liquid: np.ndarray, kept: dict[str, Any]
+    design: TankDrop, wall: np.ndarray, liquid: np.ndarray, fields: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, Any]]:
     """Nodes, cells and values of what is computed: wall and plate, then the liquid."""
     sets = NodeSets.of(design)
     nodes, cells = wall, sets.corners
-    values = {STRESS: 1e-6 * kept["stress"], "equivalent plastic strain [-]": kept["plastic_strain"]}
-    if "pressure" in kept:
+    values = {STRESS: 1e-6 * fields["stress"], "equivalent plastic strain [-]": fields["plastic_strain"]}
+    if "pressure" in fields:
         corners = sets.liquid_corners
-        pressure = 1e-3 * kept["pressure"][corners].mean(axis=1)
+        pressure = 1e-3 * fields["pressure"][corners].mean(axis=1)
         values = {name: np.concatenate([one, np.full(len(corners), np.nan)]) for name, one in values.items()}
         values["pressure of the liquid [kPa]"] = np.concatenate([np.full(len(cells), np.nan), pressure])
         cells = np.concatenate([cells, corners + len(nodes)])

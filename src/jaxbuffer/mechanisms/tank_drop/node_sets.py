@@ -55,7 +55,7 @@ class NodeSets(NamedTuple):
     - ``inner``, ``outer``: the wall's nodes inside and outside: from the middle of the bottom to that of the top or, of
       the whole, all the way round.
     - ``plate``: (rows, across) of the right plate upwards and, of the whole, of the left one downwards.
-    - ``held``: nodes in the middle, which symmetry holds sideways; none of the whole.
+    - ``on_axis``: nodes in the middle, which symmetry holds sideways; none of the whole.
     - ``support``, ``pressed``: of ``outer``, those that the baffle may meet, and the slider.
     - ``wet``, ``wetted``: nodes of liquid and wall in the same places; ``free``: of the surface, from left to right.
     - ``above``: of ``inner``, those above the surface, from left to right.
@@ -67,7 +67,7 @@ class NodeSets(NamedTuple):
     inner: Int[np.ndarray, " columns"]
     outer: Int[np.ndarray, " columns"]
     plate: Int[np.ndarray, "rows across"]
-    held: Int[np.ndarray, " held"]
+    on_axis: Int[np.ndarray, " on_axis"]
     support: Int[np.ndarray, " support"]
     pressed: Int[np.ndarray, " pressed"]
     wet: Int[np.ndarray, " wet"]
@@ -87,7 +87,7 @@ class NodeSets(NamedTuple):
             inner=numbers.inner,
             outer=numbers.outer,
             plate=numbers.plate,
-            held=numbers.middle,
+            on_axis=numbers.middle,
             support=numbers.outer[: numbers.level],
             pressed=numbers.outer[numbers.level :],
             wet=numbers.wet,
@@ -106,7 +106,7 @@ class NodeSets(NamedTuple):
             inner=wall.onwards(self.inner),
             outer=wall.onwards(self.outer),
             plate=np.concatenate([self.plate, wall.image[self.plate][::-1]]),
-            held=self.held[:0],
+            on_axis=self.on_axis[:0],
             support=wall.across(self.support),
             pressed=wall.onwards(self.pressed),
             wet=liquid.across(self.wet),

@@ -10,11 +10,11 @@ from ..picture import Curve, Level, Panel
 
 def panels(run: Any) -> list[Panel]:
     """Motion, pressures, stress with the yield stress, plastic strain, energy, of a run with a history."""
-    seen, design = run.history, run.design
+    history, design = run.history, run.design
     composite = design.material.kind == "composite"
-    others = {name: np.asarray(values) for name, values in seen.others.items()}
-    travel = np.asarray(seen.position)[0, 0, 1] - np.asarray(seen.position)[:, 0, 1]
-    found = [
+    others = {name: np.asarray(values) for name, values in history.others.items()}
+    travel = np.asarray(history.position)[0, 0, 1] - np.asarray(history.position)[:, 0, 1]
+    drawn = [
         Panel(
             f"Deflection of the top, largest {1e3 * float(run.deflection):.4g} mm",
             "downwards [mm]",
@@ -30,7 +30,7 @@ def panels(run: Any) -> list[Panel]:
         ),
     ]
     if "highest_pressure" in others:
-        found.append(
+        drawn.append(
             Panel(
                 "Pressure of the liquid on the wall",
                 "over the atmosphere's [kPa]",
@@ -42,7 +42,7 @@ def panels(run: Any) -> list[Panel]:
             )
         )
     if float(run.plastic_strain) > 0.0:
-        found.append(
+        drawn.append(
             Panel(
                 f"Equivalent plastic strain, largest {float(run.plastic_strain):.4g}",
                 "strain [-]",
@@ -51,7 +51,7 @@ def panels(run: Any) -> list[Panel]:
                 whole=True,
             )
         )
-    energy = {name: np.asarray(getattr(seen.energy, name)) for name in seen.energy.names if name != "total"}
+    energy = {name: np.asarray(getattr(history.energy, name)) for name in history.energy.names if name != "total"}
     unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
     curves = tuple(Curve(name, many * values) for name, values in energy.items() if np.any(values))
-    return [*found, Panel("Energy", f"energy [{unit}]", curves, whole=True)]
+    return [*drawn, Panel("Energy", f"energy [{unit}]", curves, whole=True)]

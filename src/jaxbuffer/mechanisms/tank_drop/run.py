@@ -19,71 +19,71 @@ from .stepping import SMOOTH, Dropped, Row
 from .tank_run import TankRun
 
 
-def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, found: Dropped) -> TankRun:
+def run_of(parameters: tuple[TankDrop, TankDropScenario, Scalar], duration: Scalar, drop: Dropped) -> TankRun:
     """The run, from what was stepped."""
     design, scenario, _ = parameters
     parts = assembled(design, scenario)
-    seen, factor, limit = found.seen, parts.factor, parts.strength
-    (history,) = found.state.histories
+    tally, factor, limit = drop.tally, parts.factor, parts.strength
+    (history,) = drop.state.histories
     deleted = jnp.sum(jnp.all(parts.material.failed(history), axis=1))
-    code = _code(found, deleted)
+    code = _code(drop, deleted)
     known = jnp.where(code < int(TankOutcome.failed_steps), 1.0, jnp.nan)
-    before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), found.state.velocity[parts.slider, 1]
-    end = jnp.where(found.crushed, found.state.time, duration)
+    before, after = -jnp.sqrt(2.0 * scenario.gravity * scenario.height), drop.state.velocity[parts.slider, 1]
+    end = jnp.where(drop.crushed, drop.state.time, duration)
     momentum = jnp.asarray(design.slider.mass, float) * (after - before + scenario.gravity * end)
     area, scale = jnp.sum(parts.wall.quads.area), limit / SMOOTH
-    mean = seen.sharpened - jnp.log(area * end)
-    smallest = jnp.min(parts.wall.quads.area) * found.step
-    never = jnp.isinf(seen.failures)
-    times = dict(zip(FORMS, jnp.where(never, jnp.nan, seen.failures), strict=True))
+    mean = tally.sharpened - jnp.log(area * end)
+    smallest = jnp.min(parts.wall.quads.area) * drop.step
+    never = jnp.isinf(tally.failures)
+    times = dict(zip(FORMS, jnp.where(never, jnp.nan, tally.failures), strict=True))
     return TankRun(
-        **_of_every_run(parts, parameters, found, code, known, end, momentum),
-        impulse=factor * seen.impulse * known,
+        **_of_every_run(parts, parameters, drop, code, known, end, momentum),
+        impulse=factor * tally.impulse * known,
         momentum=momentum * known,
-        peak_stress=seen.stress * known,
-        stress_element=seen.stress_element,
+        peak_stress=tally.stress * known,
+        stress_element=tally.stress_element,
         smooth_stress=(limit + scale * mean) * known,
         smooth_bias=scale * jnp.log(area * end / smallest),
         plastic_strain=jnp.max(history.equivalent) * known,
-        plastic_work=factor * seen.energies.plastic * known,
+        plastic_work=factor * tally.energies.plastic * known,
         deleted=deleted,
-        deflection=seen.deflection * known,
-        travel=seen.travel * known,
-        compression=(seen.compression / design.cushion.thickness if parts.system.layers else jnp.zeros(())) * known,
+        deflection=tally.deflection * known,
+        travel=tally.travel * known,
+        compression=(tally.compression / design.cushion.thickness if parts.system.layers else jnp.zeros(())) * known,
         yield_time=times["yield"],
         solid_time=times["solid"],
         torn_time=times["torn"],
         crack_time=times["crack"],
-        highest_pressure=jnp.where(jnp.isfinite(seen.highest), seen.highest, 0.0) * known,
-        lowest_pressure=jnp.where(jnp.isfinite(seen.lowest), seen.lowest, 0.0) * known,
+        highest_pressure=jnp.where(jnp.isfinite(tally.highest), tally.highest, 0.0) * known,
+        lowest_pressure=jnp.where(jnp.isfinite(tally.lowest), tally.lowest, 0.0) * known,
         rebound_speed=after * known,
-        slide=found.state.displacement[parts.section.numbers.outer[0], 0] * known,
-        reserve=(seen.reserve if design.material.kind == "composite" else limit / seen.stress) * known,
+        slide=drop.state.displacement[parts.section.numbers.outer[0], 0] * known,
+        reserve=(tally.reserve if design.material.kind == "composite" else limit / tally.stress) * known,
         wall_mass=wall_mass(design),
-        step=found.step,
+        step=drop.step,
     )
 
 
 def _of_every_run(
-    parts: Assembled, parameters: Any, found: Dropped, code: Array, known: Array, end: Array, momentum: Array
+    parts: Assembled, parameters: Any, drop: Dropped, code: Array, known: Array, end: Array, momentum: Array
 ) -> dict[str, Any]:
     """The fields of `Run`: one impact, that of the cushion. ``known``: 1, or NaN for a failed run; ``end`` [s];
     ``momentum``: by which the slider was slowed down [N s]."""
     design, scenario, stabilisation = parameters
-    seen, factor = found.seen, parts.factor
-    force, speed = factor * seen.force * known, jnp.sqrt(2.0 * scenario.gravity * scenario.height)
-    touched = jnp.where(seen.force > 0.0, 1, 0)
+    tally, factor = drop.tally, parts.factor
+    force, speed = factor * tally.force * known, jnp.sqrt(2.0 * scenario.gravity * scenario.height)
+    touched = jnp.where(tally.force > 0.0, 1, 0)
     impacts = Impacts(
         time=jnp.zeros(1),
         contact=touched[None] - 1,
         approach_speed=speed[None] * known,
         peak_force=force[None],
-        release_time=jnp.where(seen.released < end - 2.0 * found.step, seen.released, jnp.nan)[None],
+        release_time=jnp.where(tally.released < end - 2.0 * drop.step, tally.released, jnp.nan)[None],
         count=touched,
     )
     balance = Balance(
-        energy=factor * seen.off / (0.5 * design.slider.mass * speed**2) * known,
-        linear_momentum=jnp.abs(factor * seen.impulse - momentum) / (design.slider.mass * speed) * known,
+        energy=factor * tally.off / (0.5 * design.slider.mass * speed**2) * known,
+        linear_momentum=jnp.abs(factor * tally.impulse - momentum) / (design.slider.mass * speed) * known,
         angular_momentum=jnp.asarray(jnp.nan),
         drift=jnp.zeros(()),
     )
@@ -92,33 +92,33 @@ def _of_every_run(
         "scenario": scenario,
         "code": code,
         "peak_force": force,
-        "peak_time": seen.force_time * known,
+        "peak_time": tally.force_time * known,
         "peak_contact": jnp.asarray(0),
         "peak_impact": touched - 1,
         "maxima": {},
-        "penetration": seen.compression * known,
+        "penetration": tally.compression * known,
         "end_time": end * known,
-        "contact_time": seen.in_contact * known,
+        "contact_time": tally.in_contact * known,
         "impact_count": touched,
         "impacts": impacts,
-        "energy": _energy(factor, seen.energies),
+        "energy": _energy(factor, tally.energies),
         "balance": balance,
-        "history": None if seen.rows is None else history_of(parts, _close_up(seen.rows)),
-        "attempts": found.steps,
-        "accepted": found.steps,
+        "history": None if tally.rows is None else history_of(parts, _close_up(tally.rows)),
+        "attempts": drop.steps,
+        "accepted": drop.steps,
         "stabilisation": jnp.asarray(stabilisation, float),
         "_located": None,  # no event is located
     }
 
 
-def _code(found: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
-    finite = jnp.all(jnp.isfinite(found.state.displacement)) & jnp.isfinite(found.seen.stress)
-    finite = finite & jnp.isfinite(found.step)  # a mesh that is folded has no stable step
+def _code(drop: Dropped, deleted: Int[Array, ""]) -> Int[Array, ""]:
+    finite = jnp.all(jnp.isfinite(drop.state.displacement)) & jnp.isfinite(drop.tally.stress)
+    finite = finite & jnp.isfinite(drop.step)  # a mesh that is folded has no stable step
     code = jnp.where(deleted > 0, int(TankOutcome.holed), int(TankOutcome.whole))
-    code = jnp.where(found.crushed, int(TankOutcome.crushed), code)
+    code = jnp.where(drop.crushed, int(TankOutcome.crushed), code)
     code = jnp.where(finite, code, int(TankOutcome.failed_not_finite))
-    code = jnp.where(found.too_many, int(TankOutcome.failed_steps), code)
-    return jnp.where(found.allowed, code, int(TankOutcome.failed_input))
+    code = jnp.where(drop.too_many, int(TankOutcome.failed_steps), code)
+    return jnp.where(drop.allowed, code, int(TankOutcome.failed_input))
 
 
 def _energy(factor: Scalar, energies: Any) -> Energy:

@@ -50,19 +50,19 @@ def at_rest(parts: Assembled) -> State:
         return parts.system.start()._replace(displacement=jnp.concatenate([of_wall.vectors(half), jnp.zeros((2, 2))]))
     unknowns, count = _unknowns(parts), len(parts.section.numbers.outer[: parts.section.numbers.flat + 1])
     first = jnp.zeros(len(unknowns.places)), jnp.ones(count, bool)
-    found, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
-    values, _ = _better(parts, unknowns, jax.lax.stop_gradient(found), stands)
+    solution, stands = jax.lax.fori_loop(0, ITERATIONS + count, lambda _, at: _better(parts, unknowns, *at), first)
+    values, _ = _better(parts, unknowns, jax.lax.stop_gradient(solution), stands)
     return parts.system.start()._replace(displacement=unknowns.displacement(values))
 
 
 def _unknowns(parts: Assembled) -> Unknowns:
     """All of the wall's, except sideways in the middle of the section."""
-    seen, nodes = parts.section, len(parts.system.positions)
+    mesh, nodes = parts.section, len(parts.system.positions)
     free = np.ones((nodes, 2), bool)
     free[parts.slider :] = False
-    free[seen.numbers.middle, 0] = False
+    free[mesh.numbers.middle, 0] = False
     places = np.flatnonzero(free.ravel())
-    return Unknowns(places, np.searchsorted(places, 2 * seen.numbers.outer[: seen.numbers.flat + 1] + 1), nodes)
+    return Unknowns(places, np.searchsorted(places, 2 * mesh.numbers.outer[: mesh.numbers.flat + 1] + 1), nodes)
 
 
 def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) -> tuple[Array, Bool[Array, " bottom"]]:
@@ -76,8 +76,8 @@ def _better(parts: Assembled, unknowns: Unknowns, values: Array, stands: Array) 
         bed = jnp.zeros(unknown).at[bottom].set(jnp.where(stands, stiffness, 0.0))
         after = values - jnp.linalg.solve(matrix + jnp.diag(bed), left + bed * values)
         return after, after[bottom] < 0.0
-    held = jnp.zeros(unknown, bool).at[bottom].set(stands)
-    change = jnp.linalg.solve(jnp.where(held[:, None], jnp.eye(unknown), matrix), -jnp.where(held, values, left))
+    fixed = jnp.zeros(unknown, bool).at[bottom].set(stands)
+    change = jnp.linalg.solve(jnp.where(fixed[:, None], jnp.eye(unknown), matrix), -jnp.where(fixed, values, left))
     after, pressed = values + change, (left + matrix @ change)[bottom]
     return after, jnp.where(stands, pressed > 0.0, after[bottom] < 0.0)
 

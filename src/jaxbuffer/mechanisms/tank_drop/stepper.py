@@ -21,10 +21,10 @@ class ExplicitElements(Stepper):
     difference_tolerance = TOLERANCE
     tight = TIGHT
 
-    def step(self, request: Request, unchecked: bool, wanted: Bool[Array, ""] | bool) -> Dropped:
+    def step(self, request: Request, unchecked: bool, enabled: Bool[Array, ""] | bool) -> Dropped:
         """See `Stepper`."""
         options = dataclasses.replace(request.options, tolerance=Tolerance(*request.tolerances))
-        allowed = wanted & request.allowed
+        allowed = enabled & request.allowed
         return dropped(request.parameters, request.duration, options, allowed, backwards=unchecked)
 
     def many(self, one: Callable[..., Any]) -> Callable[..., Any]:

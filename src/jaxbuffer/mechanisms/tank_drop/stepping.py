@@ -1,4 +1,4 @@
-"""The drop onto a tank in time: what is seen of it step by step (M126, M169)."""
+"""The drop onto a tank in time, observed step by step (M126, M169)."""
 
 from typing import NamedTuple
 
@@ -50,7 +50,7 @@ class Row(NamedTuple):
     energies: Energies
 
 
-class Seen(NamedTuple):
+class Tally(NamedTuple):
     """What is known of a run so far, of the section and a metre of length.
 
     - ``force``: largest on the slider [N]; ``force_time``: of that [s]; ``impulse``: [N s].
@@ -91,14 +91,14 @@ class Seen(NamedTuple):
 class Dropped(NamedTuple):
     """A run as it was stepped.
 
-    - ``state``: at its end; ``seen``: until then.
+    - ``state``: at its end; ``tally``: until then.
     - ``steps``: taken; ``step``: their length [s].
     - ``crushed``: whether it ended because the top came down onto the bottom.
     - ``too_many``: whether there were too many steps; ``allowed``: whether it was to be stepped at all.
     """
 
     state: State
-    seen: Seen
+    tally: Tally
     steps: Int[Array, ""]
     step: Float[Array, ""]
     crushed: Bool[Array, ""]
@@ -129,23 +129,23 @@ def dropped(
     blocks = jax.lax.stop_gradient(jnp.ceil(2.0 ** (jnp.ceil(GRADES * jnp.log2(blocks)) / GRADES)))
     too_many = blocks * BLOCK > options.max_steps
     step = duration / (BLOCK * blocks)
-    wanted = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
-    first = _nothing_seen(parts, start, options.keep > 0)
+    count = jnp.where(jnp.asarray(allowed) & ~too_many & jnp.isfinite(blocks), blocks, 0.0).astype(int)
+    first = _empty_tally(parts, start, options.keep > 0)
 
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
-    def see(seen: Seen, instant: Instant) -> Seen:
-        return _seen(parts, design, step, duration, seen, instant)
+    def observe(tally: Tally, instant: Instant) -> Tally:
+        return _observed(parts, design, step, duration, tally, instant)
 
-    def until(seen: Seen) -> Array:
-        return seen.deflection >= crushed
+    def until(tally: Tally) -> Array:
+        return tally.deflection >= crushed
 
-    state, seen = march(parts.system, start, step, wanted, see, first, until=until, backwards=backwards)
+    state, tally = march(parts.system, start, step, count, observe, first, until=until, backwards=backwards)
     steps = jnp.round(state.time / step).astype(int)
-    return Dropped(state, seen, steps, step, until(seen), too_many, jnp.asarray(allowed))
+    return Dropped(state, tally, steps, step, until(tally), too_many, jnp.asarray(allowed))
 
 
-def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
+def _empty_tally(parts: Assembled, start: State, history: bool) -> Tally:
     zero = jnp.zeros(())
     energies = Energies(*(zero,) * len(Energies._fields))
     rows = None
@@ -158,53 +158,57 @@ def _nothing_seen(parts: Assembled, start: State, history: bool) -> Seen:
         )
     most = jnp.asarray(jnp.inf)
     never = jnp.full(len(FORMS), jnp.inf)
-    return Seen(*(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, never, -most, most, zero, zero, energies, rows)
+    return Tally(
+        *(zero,) * 6, jnp.asarray(0), -most, most, *(zero,) * 3, never, -most, most, zero, zero, energies, rows
+    )
 
 
-def _seen(parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, seen: Seen, instant: Instant) -> Seen:
+def _observed(
+    parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, tally: Tally, instant: Instant
+) -> Tally:
     system, section = parts.system, parts.section
-    (found,) = instant.resistances
+    (wall,) = instant.resistances
     force = parts.force(instant)
-    stress = jnp.max(mises(at_faces(found.stress)), axis=1)
+    stress = jnp.max(mises(at_faces(wall.stress)), axis=1)
     highest_stress = jnp.max(stress)
     limit = parts.strength
     sharpened = logsumexp((stress - limit) / (limit / SMOOTH), b=step * parts.wall.quads.area)
-    higher, lower = seen.highest, seen.lowest
+    higher, lower = tally.highest, tally.lowest
     if system.liquid is not None:
         assert system.static_pressure is not None
         wet = (instant.pressure + system.static_pressure)[system.liquid.wet]
         higher, lower = jnp.maximum(higher, jnp.max(wet)), jnp.minimum(lower, jnp.min(wet))
     total = sum(instant.energies, jnp.zeros(()))
-    first = jnp.where(instant.time == 0.0, total, seen.first)
+    first = jnp.where(instant.time == 0.0, total, tally.first)
     moved = system.positions + instant.displacement
     compressed = jnp.max(parts.compression(moved))
-    reserve = _reserve(parts, design, found.stress)
+    reserve = _reserve(parts, design, wall.stress)
     happens = jnp.stack([
         (highest_stress >= limit) & (design.material.kind == "plastic") | (reserve < 1.0),
         compressed >= SOLID * design.cushion.thickness if system.layers else jnp.asarray(False),
         lower < -ATMOSPHERE,
-        jnp.any(parts.material.failed(found.history)),
+        jnp.any(parts.material.failed(wall.history)),
     ])  # fmt: skip
-    return Seen(
-        jnp.maximum(seen.force, force),
-        jnp.where(force > seen.force, instant.time, seen.force_time),
-        seen.impulse + step * force,
-        jnp.where(force > 0.0, instant.time, seen.released),
-        seen.in_contact + step * (force > 0.0),
-        jnp.maximum(seen.stress, highest_stress),
-        jnp.where(highest_stress > seen.stress, jnp.argmax(stress), seen.stress_element),
-        jnp.logaddexp(seen.sharpened, sharpened),
-        jnp.minimum(seen.reserve, reserve),
-        jnp.maximum(seen.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
-        jnp.maximum(seen.travel, -instant.displacement[parts.slider, 1]),
-        jnp.maximum(seen.compression, compressed),
-        jnp.where(happens & jnp.isinf(seen.failures), instant.time, seen.failures),
+    return Tally(
+        jnp.maximum(tally.force, force),
+        jnp.where(force > tally.force, instant.time, tally.force_time),
+        tally.impulse + step * force,
+        jnp.where(force > 0.0, instant.time, tally.released),
+        tally.in_contact + step * (force > 0.0),
+        jnp.maximum(tally.stress, highest_stress),
+        jnp.where(highest_stress > tally.stress, jnp.argmax(stress), tally.stress_element),
+        jnp.logaddexp(tally.sharpened, sharpened),
+        jnp.minimum(tally.reserve, reserve),
+        jnp.maximum(tally.deflection, -instant.displacement[section.numbers.outer[-1], 1]),
+        jnp.maximum(tally.travel, -instant.displacement[parts.slider, 1]),
+        jnp.maximum(tally.compression, compressed),
+        jnp.where(happens & jnp.isinf(tally.failures), instant.time, tally.failures),
         higher,
         lower,
         first,
-        jnp.maximum(seen.off, jnp.abs(total - first)),
+        jnp.maximum(tally.off, jnp.abs(total - first)),
         instant.energies,
-        None if seen.rows is None else _kept(parts, duration, seen.rows, instant, force, stress),
+        None if tally.rows is None else _with_row(parts, duration, tally.rows, instant, force, stress),
     )
 
 
@@ -215,9 +219,9 @@ def _reserve(parts: Assembled, design: TankDrop, stress: Array) -> Array:
     return least_reserve(design.composite, design.mesh.refinement, stress, parts.material)
 
 
-def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
+def _with_row(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force: Array, stress: Array) -> Row:
     """The history with this instant in the row of its share of the duration: the last one there stays."""
-    (found,) = instant.resistances
+    (wall,) = instant.resistances
     place = jnp.clip(jnp.floor(instant.time / duration * ROWS).astype(int), 0, ROWS - 1)
     row = Row(
         jnp.asarray(instant.time),
@@ -227,7 +231,7 @@ def _kept(parts: Assembled, duration: Scalar, rows: Row, instant: Instant, force
         jnp.sum(instant.contacts[0].normal),
         instant.pressure,
         stress,
-        jnp.max(found.history.equivalent, axis=1),
+        jnp.max(wall.history.equivalent, axis=1),
         instant.energies,
     )
-    return jax.tree.map(lambda kept, new: kept.at[place].set(new), rows, row)
+    return jax.tree.map(lambda values, new: values.at[place].set(new), rows, row)

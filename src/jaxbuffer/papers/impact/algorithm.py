@@ -46,9 +46,9 @@ STUDIES = (
 
 def row(case: Case, run: Any) -> Row:
     """What there is, what the algorithm's instants meet, and what backward differences at fixed steps compute."""
-    whole, seen = _components(run), _components(run, INSTANTS)
+    whole, at_instants = _components(run), _components(run, INSTANTS)
     printed = _components(run, printed=True)[DAMPER]
-    forces = float(run.peak_force), *(float(x.max()) for pair in zip(whole, seen, strict=True) for x in pair)
+    forces = float(run.peak_force), *(float(x.max()) for pair in zip(whole, at_instants, strict=True) for x in pair)
     return {
         "outcome": run.outcome.name,
         **dict(zip(NAMES, (*forces, float(printed.max())), strict=True)),
@@ -130,12 +130,12 @@ def _seen(rows: Rows) -> Verdict:
     names = ("spring_seen", "spring", "damper_seen", "damper")
     pairs = [[float(row[name]) for name in names] for row in rows["algorithm"]]
     said = "; ".join("F₁ {:.3g} of {:.4g} N, F₂ {:.3g} of {:.4g} N".format(*numbers) for numbers in pairs)
-    found = [number for numbers in pairs for number in numbers[::2]]
+    forces = [number for numbers in pairs for number in numbers[::2]]
     said = (
         f"c = 1 and 6: {said}. It is given the motion, so that its force stops nothing, and its instants pass over a "
         "damper that acts for some 10 µs"
     )
-    return Verdict(said, verdict([near(a, b) for a, b in zip(found, (250, 3e3, 450, 5e4), strict=True)]))
+    return Verdict(said, verdict([near(a, b) for a, b in zip(forces, (250, 3e3, 450, 5e4), strict=True)]))
 
 
 def _printed_step(rows: Rows) -> Verdict:

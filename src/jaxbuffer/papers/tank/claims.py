@@ -79,9 +79,9 @@ def _half(rows: Rows) -> Verdict:
 
 def _shear(rows: Rows) -> Verdict:
     depths = np.linspace(0.2, 1.0, 8001)
-    found = {nu: depths[int(np.argmax(np.asarray(hertz_shear(jnp.asarray(depths), nu))))] for nu in (0.2, 0.3, 0.4)}
-    said = ", ".join(f"ν = {nu:g}: {s:.3f} against {2.0 / ((1.0 + nu) * np.pi):.3f}" for nu, s in found.items())
-    near = [abs(s * (1.0 + nu) * np.pi / 2.0 - 1.0) < 0.03 for nu, s in found.items()]
+    depth = {nu: depths[int(np.argmax(np.asarray(hertz_shear(jnp.asarray(depths), nu))))] for nu in (0.2, 0.3, 0.4)}
+    said = ", ".join(f"ν = {nu:g}: {s:.3f} against {2.0 / ((1.0 + nu) * np.pi):.3f}" for nu, s in depth.items())
+    near = [abs(s * (1.0 + nu) * np.pi / 2.0 - 1.0) < 0.03 for nu, s in depth.items()]
     return Verdict(f"Hertz (eq. 1 as printed grows with depth): {said}", verdict(near))
 
 
