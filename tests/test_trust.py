@@ -69,6 +69,15 @@ def test_small_numbers_are_held_against_large_ones_of_their_unit():
     assert change["throat_distance"] == pytest.approx(1e-3, rel=1e-9)
 
 
+def test_what_rounding_leaves_of_zero_is_zero():
+    """A free start that misses the cone loads nothing: its forces are those of rounding at any tolerance."""
+    forces = {name: np.asarray(0.0) for name in ("peak_force", "peak_passive_acceleration")}
+    run = moved(made_up_capture(), **forces, peak_hinge_force=np.asarray(1.2e-10), peak_buffer_force=np.asarray(3e-14))
+    result = trust(run, moved(run, peak_hinge_force=np.asarray(3e-11), peak_buffer_force=np.asarray(5e-14)))
+    assert result.verdict == "trusted" and result.errors["peak_hinge_force"] < 1e-5
+    assert "peak hinge force     0 N\n" in str(run) and "peak buffer force    0 N\n" in str(run)
+
+
 def test_a_mechanism_without_quantities():
     assert Trust({}, "").verdict == "trusted" and str(Trust({}, "")) == "a tenth of the tolerance changes no number"
 

@@ -44,12 +44,24 @@ def test_the_course_begins_as_the_scenario_says_and_keeps_the_common_motion(esca
     evidence("Diagnosis", "energy of the common motion, at every event", worst, 1e-11, source, "-")
 
 
-def test_the_energy_is_all_accounted_for(escaped):
-    text = "\n".join(escaped.diagnosis)
+def shares_of(run):
+    """Every share of the energy that the diagnosis names [%]."""
+    text = "\n".join(run.diagnosis)
     energies = text[text.index("energy left") : text.index("turned round")]
-    shares = [float(share) for share in re.findall(r"\(([\d.]+) %\)", energies)]
+    return [float(share) for share in re.findall(r"\(([\d.]+) %\)", energies)]
+
+
+def test_the_energy_is_all_accounted_for(escaped):
+    shares = shares_of(escaped)
     assert len(shares) >= 6 and sum(shares) == pytest.approx(100.0, abs=0.06 * len(shares))
     assert repr(escaped).endswith("--of capture_share' says it")
+
+
+def test_a_miss_beside_the_cone_turns_both_vehicles_in_common():
+    """Its approach is turning about the common centre too, which no buffer takes and no share counts twice."""
+    run = jb.simulate(jb.table2(), jb.Scenario(start="free", offset=0.09))
+    assert int(run.impact_count) == 0 and sum(shares_of(run)) == pytest.approx(100.0, abs=0.06)
+    assert re.search(r"mJ more in the common turning", "\n".join(run.diagnosis))
 
 
 def test_the_impact_that_turns_the_vehicles_round_is_named(escaped, seen):

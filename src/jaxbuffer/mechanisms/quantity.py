@@ -1,11 +1,15 @@
 """A quantity of a run: what it is called, its unit, how it is read off, what it may be used for."""
 
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
+
+# By unit: what is smaller is what rounding leaves of zero, as of the force on a hinge that nothing loads.
+NEGLIGIBLE: Mapping[str, float] = MappingProxyType({"N": 1e-4, "m": 1e-9})
 
 
 class Quantity(NamedTuple):

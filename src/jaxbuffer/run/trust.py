@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.quantity import NEGLIGIBLE
 from ..mechanisms.run import Run
 
 SAFETY = 3.0  # an error is estimated as so many times the change; benchmarks/trust.py holds that against tight runs
@@ -22,7 +23,7 @@ class Trust:
     """How far the numbers of one run can be trusted. Print it for a sentence.
 
     - ``errors``: by quantity's name, the estimated error of its value [-], relative to it, or to a thousandth of the
-      run's largest quantity of that unit where it is smaller.
+      run's largest quantity of that unit where it is smaller; what is `NEGLIGIBLE` counts as zero.
     - ``differs``: what else a tenth of the tolerance changed, in words; "" for nothing.
     - ``unknown``: why nothing is known, in words; "" where something is.
 
@@ -119,7 +120,8 @@ def relative_changes(
     changes = {}
     for name, size in sizes.items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
-        least = np.fmax(size, SMALL * largest[mechanism.quantities[name].unit])
+        unit = mechanism.quantities[name].unit
+        least = np.fmax(np.fmax(size, SMALL * largest[unit]), NEGLIGIBLE.get(unit, 0.0))
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
         same = (value == there) | (np.isnan(value) & np.isnan(there))

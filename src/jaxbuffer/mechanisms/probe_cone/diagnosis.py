@@ -150,8 +150,12 @@ def _energy(capture: Capture, motion: Course, last: int) -> str:
     stored = {name: float(np.asarray(value)) for name, value in capture.energy.stored.items()}
     springs = sum(value for name, value in stored.items() if name not in NOT_ELASTIC)
     other = float(motion.relative[last]) - springs - along
+    # An approach beside the common centre of mass is turning about it too, which is common to both vehicles.
+    common = max(-other, 0.0)
+    besides = f", {energy_text(common)} more in the common turning" if common > 1e-3 * total else ""
     return (
-        f"{_share(along, total)} along the approach ({direction}), {_share(springs, total)} in springs,"
+        f"{_share(along - common, total)} along the approach ({direction}{besides}),"
+        f" {_share(springs, total)} in springs,"
         f" {_share(other, total)} in turning and sideways motion, of {energy_text(total)} relative to the common motion"
     )
 

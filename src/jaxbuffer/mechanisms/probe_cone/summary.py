@@ -4,6 +4,7 @@ import jax
 import numpy as np
 
 from ..energy import energy_text
+from ..quantity import NEGLIGIBLE
 from .bending import bending_frequencies
 from .capture import Capture
 from .hinge_play import pin_law
@@ -27,9 +28,9 @@ def summary(capture: Capture) -> str:
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {_peak(capture)}",
         *_first_impact(capture),
-        f"  peak hinge force     {float(capture.peak_hinge_force):.6g} N{_when(at['hinge_force'])}",
-        f"  peak buffer force    {float(capture.peak_buffer_force):.6g} N{_when(at['buffer_force'])}{_stop(capture)}",
-        f"  stroke               {1e3 * float(capture.stroke):.6g} mm{_stroke_limits(capture)}{_when(at['stroke'])}",
+        f"  peak hinge force     {_force(capture, 'hinge_force')}",
+        f"  peak buffer force    {_force(capture, 'buffer_force')}{_stop(capture)}",
+        f"  stroke               {_stroke(capture)}",
         f"  hinge angle          {np.degrees(float(capture.hinge_angle)):.6g} deg{_when(at['hinge_angle'])}",
         *_bending(capture),
         *_play(capture),
@@ -50,6 +51,19 @@ def summary(capture: Capture) -> str:
 
 def _when(time: float) -> str:
     return f" at {time:.6g} s" if np.isfinite(time) else ""
+
+
+def _force(capture: Capture, name: str) -> str:
+    """The largest of a force, and when; one that is what rounding leaves of zero as zero."""
+    force = float(capture.quantity(f"peak_{name}"))
+    return f"{force:.6g} N{_when(capture.maximum_times[name])}" if force > NEGLIGIBLE["N"] else "0 N"
+
+
+def _stroke(capture: Capture) -> str:
+    stroke, limits = float(capture.stroke), _stroke_limits(capture)
+    if stroke < NEGLIGIBLE["m"]:
+        return f"0 mm{limits}"
+    return f"{1e3 * stroke:.6g} mm{limits}{_when(capture.maximum_times['stroke'])}"
 
 
 def _peak(capture: Capture) -> str:
