@@ -91,9 +91,9 @@ def test_changes_are_relative_to_the_value_or_a_thousandth_of_the_largest_of_its
     values = {name: np.array([2.0, 1.0, np.nan]) for name in names}
     first = names[0]
     same_unit = [name for name in names if mechanism.quantities[name].unit == mechanism.quantities[first].unit]
-    values[first] = np.array([1e-9, 1.0, np.nan])
-    others = {name: 1.01 * value for name, value in values.items()} | {first: np.array([1e-4, np.nan, np.nan])}
+    values[first] = np.array([1e-3, 1.0, np.nan])
+    others = {name: 1.01 * value for name, value in values.items()} | {first: np.array([3e-3, np.nan, np.nan])}
     changes = relative_changes(mechanism, values, others)
-    small = max(1e-9, 1e-3 * 2.0) if len(same_unit) > 1 else 1e-9
-    np.testing.assert_allclose(changes[first], [(1e-4 - 1e-9) / small, np.inf, 0.0])
+    small = max(1e-3, 1e-3 * 2.0) if len(same_unit) > 1 else 1e-3
+    np.testing.assert_allclose(changes[first], [2e-3 / small, np.inf, 0.0])
     np.testing.assert_allclose(changes[names[-1]], [0.01, 0.01, 0.0])

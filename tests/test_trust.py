@@ -60,13 +60,16 @@ def test_what_only_one_run_has_is_not_trusted():
 
 
 def test_small_numbers_are_held_against_large_ones_of_their_unit():
-    """A stroke of 1 nm beside ones of millimetres matters little."""
+    """A penetration of 10 µm beside lengths of decimetres matters little, and less where the tip is at the end: that
+    is a distance to either side of its seat."""
     run = made_up_capture()
-    ahead = float(run.throat_distance)
+    deep, ahead = float(run.penetration), float(run.throat_distance)
     largest = max(float(q.of(run)) for q in map(run.mechanism.quantities.get, run.mechanism.swept) if q.unit == "m")
-    assert abs(ahead) < 1e-3 * largest
+    assert 0.0 < deep < 1e-3 * largest and abs(ahead) < 1e-3 * largest
+    change = changes(run, moved(run, penetration=np.asarray(deep + 1e-6 * largest)))
+    assert change["penetration"] == pytest.approx(1e-3, rel=1e-9)
     change = changes(run, moved(run, throat_distance=np.asarray(ahead + 1e-6 * largest)))
-    assert change["throat_distance"] == pytest.approx(1e-3, rel=1e-9)
+    assert change["throat_distance"] == pytest.approx(1e-6, rel=1e-9)
 
 
 def test_what_rounding_leaves_of_zero_is_zero():

@@ -23,7 +23,8 @@ class Trust:
     """How far the numbers of one run can be trusted. Print it for a sentence.
 
     - ``errors``: by quantity's name, the estimated error of its value [-], relative to it, or to a thousandth of the
-      run's largest quantity of that unit where it is smaller; what is `NEGLIGIBLE` counts as zero.
+      run's largest quantity of that unit where it is smaller; of a quantity that can change sign, and so has no size of
+      its own, to that largest one. What is `NEGLIGIBLE` counts as zero.
     - ``differs``: what else a tenth of the tolerance changed, in words; "" for nothing.
     - ``unknown``: why nothing is known, in words; "" where something is.
 
@@ -120,8 +121,9 @@ def relative_changes(
     changes = {}
     for name, size in sizes.items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
-        unit = mechanism.quantities[name].unit
-        least = np.fmax(np.fmax(size, SMALL * largest[unit]), NEGLIGIBLE.get(unit, 0.0))
+        quantity = mechanism.quantities[name]
+        share = 1.0 if quantity.signed else SMALL
+        least = np.fmax(np.fmax(size, share * largest[quantity.unit]), NEGLIGIBLE.get(quantity.unit, 0.0))
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
         same = (value == there) | (np.isnan(value) & np.isnan(there))
