@@ -226,6 +226,17 @@ def test_figure_of_a_sweep(name):
         assert len(bar.get_yticks()) > 3, "no label is left out where there is room"
 
 
+def test_figures_have_the_units_that_were_typed():
+    asked = {
+        "scenario.contact_distance": ["30 mm", "40 mm", "50 mm"],
+        "scenario.misalignment": ["-2 deg", "0 deg", "3 deg"],
+    }
+    sweep, limits = swept(asked), jb.Limits(at_most={"peak_force": 250.0})
+    for axes in (envelope_figure(jb.safe_rectangle(sweep, limits)).axes[0], sweep_figure(sweep).axes[0]):
+        assert (axes.get_xlabel(), axes.get_ylabel()) == ("contact distance [mm]", "misalignment [°]")
+        assert 20.0 < axes.get_xlim()[0] < axes.get_xlim()[1] < 60.0 and -5.0 < axes.get_ylim()[0] < -2.0
+
+
 def test_figures_of_an_envelope_and_a_sample(monkeypatch):
     limits = jb.Limits(at_most={"peak_force": 250.0, "peak_hinge_force": 240.0, "hinge_angle": 0.004, "stroke": 0.009})
     asked = {"scenario.contact_distance": [0.03, 0.04, 0.05], "scenario.approach_speed": [0.1, 0.15, 0.2, 0.25]}

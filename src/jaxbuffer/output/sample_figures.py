@@ -30,21 +30,23 @@ def sample_figure(sample: Sample) -> Figure:
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
         title, unit, factor = shown(mechanism.quantities[name])
         for axes, axis in zip(row, drawn, strict=True):
+            many = in_figures(axis.unit, axis.typed)[1]
             for end in ends:
                 here = sample.solved & (outcomes == end)
                 style: dict[str, Any] = {"color": BLUE, "marker": "o", "s": 9, "linewidths": 0}
                 if end in marks:
                     style = {"color": marks[end][1], "marker": marks[end][0], "s": 18, "linewidths": 0}
                 axes.scatter(
-                    in_figures(axis.unit)[1] * columns[axis.path][here],
+                    many * columns[axis.path][here],
                     factor * sample.columns[name][here],
                     label=end,
                     **style,
                 )
-            scaled(axes, "x", axis.scale, axis.low, axis.high)
+            scaled(axes, "x", axis.scale, many * axis.low, many * axis.high)
             low = axes.get_ylim()[0]
             axes.set_ylim(bottom=min(low, 0.0) if low > -0.05 * axes.get_ylim()[1] else low)
-            label(axes, "", field_axis(axis.name, axis.unit) if number == len(names) else "", "", legend=False)
+            below = field_axis(axis.name, axis.unit, axis.typed) if number == len(names) else ""
+            label(axes, "", below, "", legend=False)
         row[0].set_ylabel(f"{title}\n[{unit}]")
     legend_below(figure, *grid[0, 0].get_legend_handles_labels())
     lost = int(np.sum(sample.done & ~sample.solved))

@@ -84,13 +84,13 @@ def _by_line(array: np.ndarray, along: int, by: list[int]) -> np.ndarray:
 def _said(axis: Axis, value: Any) -> str:
     """One value of an axis in a legend or a title; a choice's name is its whole path."""
     if axis.unit:
-        return f"{called(axis.name)} {said(float(value), axis.unit)}"
+        return f"{called(axis.name)} {said(float(value), axis.unit, axis.typed)}"
     return f"{axis.path.replace('.', ' ').replace('_', ' ')} {axis.words(value)}"
 
 
 def _places(axis: Axis) -> np.ndarray:
     """Where an axis' values stand in a figure: numbers where they are, angles in degrees, choices side by side."""
-    return in_figures(axis.unit)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
+    return in_figures(axis.unit, axis.typed)[1] * axis.values if axis.unit else np.arange(float(len(axis)))
 
 
 def _scaled(axes: Axes, axis: Axis) -> None:
@@ -247,7 +247,7 @@ def _successes(swept: Sweep) -> list[str]:
 
 
 def _name(axis: Axis) -> str:
-    return field_axis(axis.name, axis.unit) if axis.unit else axis.path.replace(".", " ").replace("_", " ")
+    return field_axis(axis.name, axis.unit, axis.typed) if axis.unit else axis.path.replace(".", " ").replace("_", " ")
 
 
 def _title(swept: Sweep) -> str:
@@ -261,10 +261,10 @@ def _title(swept: Sweep) -> str:
 
 @styled
 def envelope_figure(rectangle: SafeRectangle) -> Figure:
-    """A cell a run: safe ones blue, the others marked with what they break; angles in degrees."""
+    """A cell a run: safe ones blue, the others marked with what they break; angles in degrees, the rest as typed."""
     figure, ((axes,),) = panels(8.0, 6.0, 1, 1)
     (first, second), (x, y) = rectangle.axes, rectangle.values
-    (across, over), (up, above) = (in_figures(axis.unit) for axis in rectangle.axes)
+    (across, over), (up, above) = (in_figures(axis.unit, axis.typed) for axis in rectangle.axes)
     right, top = edges(x, first.scale) * over, edges(y, second.scale) * above
     from matplotlib.colors import ListedColormap
 
@@ -284,7 +284,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     axes.grid(False)
     scaled(axes, "x", first.scale, x[0] * over, x[-1] * over)
     scaled(axes, "y", second.scale, y[0] * above, y[-1] * above)
-    across_named, up_named = (field_axis(axis.name, axis.unit) for axis in rectangle.axes)
+    across_named, up_named = (field_axis(axis.name, axis.unit, axis.typed) for axis in rectangle.axes)
     label(axes, title, across_named, up_named, legend=False)
     legend_below(figure, *axes.get_legend_handles_labels())
     return figure

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from .._types import Axes
+from ..fields import as_typed
 from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
 
 MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
@@ -18,9 +19,13 @@ def shown(quantity: Any) -> tuple[str, str, float]:
     return quantity.title, "°" if unit == "deg" else unit, factor
 
 
-def in_figures(unit: str) -> tuple[str, float]:
-    """A field's unit in figures, and how many of those one of its own is: angles are shown in degrees."""
-    return ("°", 180.0 / math.pi) if unit == "rad" else (unit, 1.0)
+def in_figures(unit: str, typed: str = "") -> tuple[str, float]:
+    """A field's unit in figures, and how many of those one of its own is: angles are shown in degrees, the rest in the
+    unit that it was ``typed`` in, "" for its own."""
+    if unit == "rad" or not typed:
+        return ("°", 180.0 / math.pi) if unit == "rad" else (unit, 1.0)
+    factor, symbol = as_typed(1.0, unit, typed)
+    return symbol, factor
 
 
 def called(name: str) -> str:
@@ -28,17 +33,17 @@ def called(name: str) -> str:
     return name.replace("_", " ") if name.islower() else name
 
 
-def field_axis(name: str, unit: str) -> str:
+def field_axis(name: str, unit: str, typed: str = "") -> str:
     """The label of an axis over a field: "approach speed [m/s]"."""
-    return f"{called(name)} [{in_figures(unit)[0]}]"
+    return f"{called(name)} [{in_figures(unit, typed)[0]}]"
 
 
-def said(value: float, unit: str) -> str:
+def said(value: float, unit: str, typed: str = "") -> str:
     """A field's value in words: "0.2 m/s", "+3°"."""
-    symbol, factor = in_figures(unit)
+    symbol, factor = in_figures(unit, typed)
     if symbol == "°":
         return signed(factor * value)
-    return f"{value:.4g} {symbol}".rstrip(" -")
+    return f"{factor * value:.4g} {symbol}".rstrip(" -")
 
 
 def signed(degrees: float) -> str:

@@ -120,11 +120,9 @@ def _extremes(sweep: RunTable) -> list[str]:
 def _run(sweep: RunTable, index: int) -> str:
     mechanism, names = sweep.mechanism, sweep.contacts()
     largest = int(sweep.columns[f"peak_{mechanism.view.contact}"][index])
-    contact = mechanism.view.contact_in_words(names[largest])
-    return (
-        f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {contact} after"
-        f" {sweep.peak_time[index]:.4g} s, {int(sweep.impact_count[index])} impacts, {sweep.outcomes[index].name}"
-    )
+    contact, count = mechanism.view.contact_in_words(names[largest]), int(sweep.impact_count[index])
+    where = f"{contact} after {sweep.peak_time[index]:.4g} s, {count} impacts" if count else "no impact"
+    return f"{sweep.peak_force[index]:.6g} N at {sweep.grid.point(index)}: {where}, {sweep.outcomes[index].name}"
 
 
 def _failures(sweep: RunTable, file: str) -> list[str]:
