@@ -23,8 +23,8 @@ class Trust:
     """How far the numbers of one run can be trusted. Print it for a sentence.
 
     - ``errors``: by quantity's name, the estimated error of its value [-], relative to it, or to a thousandth of the
-      run's largest quantity of that unit where it is smaller; of a quantity that can change sign, and so has no size of
-      its own, to that largest one. What is `NEGLIGIBLE` counts as zero.
+      run's largest quantity of that unit where it is smaller; of one that can change sign, and so may be near zero, to
+      the largest of that unit that can. What is `NEGLIGIBLE` counts as zero.
     - ``differs``: what else a tenth of the tolerance changed, in words; "" for nothing.
     - ``unknown``: why nothing is known, in words; "" where something is.
 
@@ -114,16 +114,17 @@ def relative_changes(
     """`changes` of many runs at once: by name of the quantity arrays, with an entry for each run, of ``values`` and of
     what the ``others`` have."""
     sizes = {name: np.abs(values[name]) for name in mechanism.swept}
-    largest: dict[str, np.ndarray] = {}
+    scales: dict[tuple[str, bool], np.ndarray] = {}  # by unit, and of all or of those alone that can change sign
     for name, size in sizes.items():
-        unit = mechanism.quantities[name].unit
-        largest[unit] = np.fmax(largest.get(unit, 0.0), np.nan_to_num(size))
+        quantity, known = mechanism.quantities[name], np.nan_to_num(size)
+        scales[quantity.unit, False] = np.fmax(scales.get((quantity.unit, False), 0.0), SMALL * known)
+        if quantity.signed:
+            scales[quantity.unit, True] = np.fmax(scales.get((quantity.unit, True), 0.0), known)
     changes = {}
     for name, size in sizes.items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
         quantity = mechanism.quantities[name]
-        share = 1.0 if quantity.signed else SMALL
-        least = np.fmax(np.fmax(size, share * largest[quantity.unit]), NEGLIGIBLE.get(quantity.unit, 0.0))
+        least = np.fmax(size, np.fmax(scales[quantity.unit, quantity.signed], NEGLIGIBLE.get(quantity.unit, 0.0)))
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
         same = (value == there) | (np.isnan(value) & np.isnan(there))
