@@ -1,8 +1,10 @@
 """Which version this is."""
 
+import functools
 from importlib import metadata
 
 
+@functools.cache
 def version() -> str:
     """The installed version, as in pyproject.toml."""
     try:
