@@ -93,8 +93,8 @@ def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tup
 def _finish(
     result: Sample, names: tuple[str, ...], chosen: tuple[bool, bool], files: Output, made: Mapping[str, Any]
 ) -> int:
-    """Indices and surfaces, if ``asked`` for, saved and printed; where one cannot be had, the sample is saved and it is
-    said why."""
+    """Save and print a sample with the indices and surfaces that are ``chosen``; where one cannot be had, the sample is
+    saved and it is said why."""
     (indices, surface), refused = chosen, None
     sobol, surfaces, varying = None, list[Any](), list[str]()
     for name in names if indices or surface else ():
