@@ -28,6 +28,7 @@ LOWER_CASES = {
     "half way, touching": (THROAT + 0.05 * ALONG + 0.02 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.02),
     "a quarter, apart": (THROAT + 0.025 * ALONG + 0.05 * INWARD, (-0.32, -0.055), (-0.6, 0.8), 0.05),
     "half way, pressed in": (THROAT + 0.05 * ALONG + 0.019 * INWARD, (-0.34, -0.07), (-0.6, 0.8), 0.019),
+    "half way, carried through": (THROAT + 0.05 * ALONG - 0.01 * INWARD, (-0.34, -0.07), (-0.6, 0.8), -0.01),
     "throat rim, across": (np.array([-0.3, -0.01]), (-0.3, -0.04), (0.0, 1.0), 0.03),
     "throat rim, aslant": (np.array([-0.27, 0.0]), (-0.3, -0.04), (0.6, 0.8), 0.05),
     "throat rim, along the flank": (np.array([-0.22, 0.02]), (-0.3, -0.04), (0.8, 0.6), 0.1),
