@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PEERS := $(VENV)/.peers
-# A test process for each core: threads of linear algebra beside them take three times as long as none.
+# There is a test process for each core: further threads, of linear algebra, would only get in their way.
 PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist worksteal --durations 40 \
 	--durations-min 5
 SLOW := slow or whole or long

@@ -74,8 +74,8 @@ def test_small_numbers_are_held_against_large_ones_of_their_unit():
 
 def test_what_rounding_leaves_of_zero_is_zero():
     """A free start that misses the cone loads nothing: its forces are those of rounding at any tolerance."""
-    forces = {name: np.asarray(0.0) for name in ("peak_force", "peak_passive_acceleration")}
-    run = moved(made_up_capture(), **forces, peak_hinge_force=np.asarray(1.2e-10), peak_buffer_force=np.asarray(3e-14))
+    run = moved(made_up_capture(), peak_hinge_force=np.asarray(1.2e-10), peak_buffer_force=np.asarray(3e-14))
+    run = moved(run, peak_force=np.asarray(0.0), peak_latch_force=np.asarray(0.0))
     result = trust(run, moved(run, peak_hinge_force=np.asarray(3e-11), peak_buffer_force=np.asarray(5e-14)))
     assert result.verdict == "trusted" and result.errors["peak_hinge_force"] < 1e-5
     assert "peak hinge force     0 N\n" in str(run) and "peak buffer force    0 N\n" in str(run)

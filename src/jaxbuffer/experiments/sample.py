@@ -15,7 +15,7 @@ from ..fields import Part
 from ..hybrid import Solver
 from ..labelled.arrays import frame
 from ..run.request import DEFAULT_TOLERANCE
-from ..run.trust import SMALL
+from ..run.trust import scales
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep, SweepInterrupted
 from ..sweeps.stored import StoredInterrupted, StoredSweep
@@ -73,14 +73,12 @@ class Sample(RunTable):
 
     def check_varies(self, name: str, what: str) -> None:
         """Raise `InputError` for a quantity that is the same in all runs that succeeded, but for what the runs' own
-        tolerance leaves open, beside its size or a thousandth of the largest of its unit. ``what``: is made of it."""
-        catalogue, known = self.mechanism.quantities, self.succeeded & np.isfinite(self.quantity(name))
-        values, symbol = self.quantity(name)[known], catalogue[name].unit
-        alike = [self.columns[it][known] for it in self.mechanism.swept if catalogue[it].unit == symbol]
-        largest = max((float(np.nanmax(np.abs(it), initial=0.0)) for it in alike), default=0.0)
-        size = max(float(np.max(np.abs(values), initial=0.0)), SMALL * largest)
-        if values.size and np.std(values) <= ROUNDING * size:
-            value = catalogue[name].in_words(np.mean(values))
+        tolerance leaves open, relative as `Trust.errors` are. ``what``: is made of it."""
+        known = self.succeeded & np.isfinite(self.quantity(name))
+        values, swept = self.quantity(name)[known], self.mechanism.swept
+        sizes = {it: np.max(np.abs(np.nan_to_num(self.columns[it][known])), initial=0.0) for it in swept}
+        if values.size and np.std(values) <= ROUNDING * scales(self.mechanism, sizes)[name]:
+            value = self.mechanism.quantities[name].in_words(np.mean(values))
             raise InputError(f"{what} of {name}: it is the same in all runs, {value}, but for rounding: nothing varies")
 
     def to_xarray(self) -> Dataset:

@@ -32,18 +32,18 @@ def pulses(run: Run) -> list[Pulse]:
     time, force = np.asarray(history.time), np.asarray(history.contact_force)
     count = min(int(hits.count), len(np.asarray(hits.time)))
     begin, contact = np.asarray(hits.time)[:count], np.asarray(hits.contact)[:count]
-    listed = []
+    result = []
     for k in range(count):
         later = begin[k + 1 :][contact[k + 1 :] == contact[k]]
         until = later[0] if later.size else np.inf
         inside = np.flatnonzero((time >= begin[k]) & (time < until))
         if inside.size:
             at = float(time[inside[np.argmax(force[inside, contact[k]])]])
-            listed.append(pulse_around(time, force[:, contact[k]], at, int(contact[k])))
-    if not any(pulse.start <= float(run.peak_time) <= pulse.end for pulse in listed) and int(run.peak_contact) >= 0:
+            result.append(pulse_around(time, force[:, contact[k]], at, int(contact[k])))
+    if not any(pulse.start <= float(run.peak_time) <= pulse.end for pulse in result) and int(run.peak_contact) >= 0:
         one = int(run.peak_contact)
-        listed.append(pulse_around(time, force[:, one], float(run.peak_time), one))
-    return [pulse for pulse in listed if pulse.force > 0.0]
+        result.append(pulse_around(time, force[:, one], float(run.peak_time), one))
+    return [pulse for pulse in result if pulse.force > 0.0]
 
 
 def touching(run: Run) -> Float[np.ndarray, " n"]:

@@ -22,8 +22,8 @@ def shown(quantity: Any) -> tuple[str, str, float]:
 def in_figures(unit: str, typed: str = "") -> tuple[str, float]:
     """A field's unit in figures, and how many of those one of its own is: angles are shown in degrees, the rest in the
     unit that it was ``typed`` in, "" for its own."""
-    if unit == "rad" or not typed:
-        return ("°", 180.0 / math.pi) if unit == "rad" else (unit, 1.0)
+    if unit == "rad":
+        return "°", 180.0 / math.pi
     factor, symbol = as_typed(1.0, unit, typed)
     return symbol, factor
 

@@ -174,8 +174,8 @@ def differing(every: Sequence[Results]) -> list[str]:
     for key in dict.fromkeys(key for known in by_folder for key in known):
         if len({known.get(key) for known in by_folder}) > 1:
             title, symbol, factor = _shown(every, key[0])
-            limited = [known.get(key) for known in by_folder]
-            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in limited]
+            bounds = [known.get(key) for known in by_folder]
+            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in bounds]
             sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
             texts.append(f"{title}: {sides}")
     return texts

@@ -24,7 +24,7 @@ class Trust:
 
     - ``errors``: by quantity's name, the estimated error of its value [-], relative to it, or to a thousandth of the
       run's largest quantity of that unit where it is smaller; of one that can change sign, and so may be near zero, to
-      the largest of that unit that can. What is `NEGLIGIBLE` counts as zero.
+      the largest such one of that unit. What is `NEGLIGIBLE` counts as zero.
     - ``differs``: what else a tenth of the tolerance changed, in words; "" for nothing.
     - ``unknown``: why nothing is known, in words; "" where something is.
 
@@ -114,22 +114,26 @@ def relative_changes(
     """`changes` of many runs at once: by name of the quantity arrays, with an entry for each run, of ``values`` and of
     what the ``others`` have."""
     sizes = {name: np.abs(values[name]) for name in mechanism.swept}
-    scales: dict[tuple[str, bool], np.ndarray] = {}  # by unit, and of all or of those alone that can change sign
-    for name, size in sizes.items():
-        quantity, known = mechanism.quantities[name], np.nan_to_num(size)
-        scales[quantity.unit, False] = np.fmax(scales.get((quantity.unit, False), 0.0), SMALL * known)
-        if quantity.signed:
-            scales[quantity.unit, True] = np.fmax(scales.get((quantity.unit, True), 0.0), known)
     changes = {}
-    for name, size in sizes.items():
+    for name, least in scales(mechanism, sizes).items():
         value, there = np.asarray(values[name]), np.asarray(others[name])
-        quantity = mechanism.quantities[name]
-        least = np.fmax(size, np.fmax(scales[quantity.unit, quantity.signed], NEGLIGIBLE.get(quantity.unit, 0.0)))
         with np.errstate(invalid="ignore", divide="ignore"):
             change = np.where(least > 0.0, np.abs(value - there) / least, np.inf)
         same = (value == there) | (np.isnan(value) & np.isnan(there))
         changes[name] = np.where(same, 0.0, np.where(np.isnan(change), np.inf, change))
     return changes
+
+
+def scales(mechanism: Mechanism, sizes: Mapping[str, Any]) -> dict[str, Any]:
+    """What an error of each quantity is relative to, as `Trust.errors` are; ``sizes``: absolute values, by name."""
+    largest: dict[tuple[str, bool], Any] = {}  # by unit, and of all or of those alone that can change sign
+    for name, size in sizes.items():
+        quantity = mechanism.quantities[name]
+        for key, share in (((quantity.unit, False), SMALL), ((quantity.unit, True), float(quantity.signed))):
+            largest[key] = np.fmax(largest.get(key, 0.0), share * np.nan_to_num(size))
+    kinds = {name: (mechanism.quantities[name].unit, mechanism.quantities[name].signed) for name in sizes}
+    floor = {name: NEGLIGIBLE.get(unit, 0.0) for name, (unit, _) in kinds.items()}
+    return {name: np.fmax(np.fmax(size, largest[kinds[name]]), floor[name]) for name, size in sizes.items()}
 
 
 def verdicts(error: Any, outcome_differs: Any, differs: Any) -> np.ndarray:

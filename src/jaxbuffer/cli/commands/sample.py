@@ -46,9 +46,9 @@ def sample(
     for name in names:
         if name not in study.mechanism.swept:
             raise InputError(f"--of {name}: samples have no such number; known: {', '.join(study.mechanism.swept)}")
-    names_of_files = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
-    names_of_files += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
-    files = request.files(*names_of_files, resumable=(STORE,), resume=resume)
+    file_names = [f"sample.{kind}" for kind in ("csv", "png", "txt", "nc", "json")]
+    file_names += [f"{name}.{kind}" for name, chosen in parts.items() if chosen for kind in ("csv", "png")]
+    files = request.files(*file_names, resumable=(STORE,), resume=resume)
     options: dict[str, Any] = {"trust": asked_for(trust), **given(client=scheduler)}
     result, interrupted = _computed(study, points, folder=request.output, resume=resume, **options)
     if result is None:

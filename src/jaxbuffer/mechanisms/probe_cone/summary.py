@@ -56,7 +56,7 @@ def _when(time: float) -> str:
 def _force(capture: Capture, name: str) -> str:
     """The largest of a force, and when; one that is what rounding leaves of zero as zero."""
     force = float(capture.quantity(f"peak_{name}"))
-    return f"{force:.6g} N{_when(capture.maximum_times[name])}" if force > NEGLIGIBLE["N"] else "0 N"
+    return "0 N" if force < NEGLIGIBLE["N"] else f"{force:.6g} N{_when(capture.maximum_times[name])}"
 
 
 def _stroke(capture: Capture) -> str:

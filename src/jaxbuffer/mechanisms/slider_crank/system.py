@@ -68,7 +68,7 @@ def slider_crank(design: SliderCrank, scenario: SliderCrankScenario, stabilisati
         v=v,
         contacts=tuple(contacts),
         size=(1e-4, speed),
-        shown=(*torques, Shown("slider_acceleration", slider_acceleration, of_rate=True), *own_shown(design)),
+        shown=(*torques, Shown("slider_acceleration", slider_acceleration, of_rate=True), *deformations(design)),
         recorded=eccentricities(design),
         memory_time=design.piston_pin.memory_time,
         parts=bending_rod(rod) if rod.modes else None,
@@ -188,7 +188,7 @@ def motor_torque(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
     return constant.torque + damper.torque(at.kin)
 
 
-def own_shown(design: SliderCrank) -> tuple[Shown, ...]:
+def deformations(design: SliderCrank) -> tuple[Shown, ...]:
     """The contacts' depth, where their damper makes the peak force, which then says little of how deep they went;
     deflection and stress of a rod that bends."""
     depths = (Shown("penetration", depth),) if design.piston_pin.by_components else ()

@@ -14,7 +14,7 @@ def panels(run: Any) -> list[Panel]:
     composite = design.material.kind == "composite"
     others = {name: np.asarray(values) for name, values in history.others.items()}
     travel = np.asarray(history.position)[0, 0, 1] - np.asarray(history.position)[:, 0, 1]
-    drawn = [
+    result = [
         Panel(
             f"Deflection of the top, largest {1e3 * float(run.deflection):.4g} mm",
             "downwards [mm]",
@@ -30,7 +30,7 @@ def panels(run: Any) -> list[Panel]:
         ),
     ]
     if "highest_pressure" in others:
-        drawn.append(
+        result.append(
             Panel(
                 "Pressure of the liquid on the wall",
                 "over the atmosphere's [kPa]",
@@ -42,7 +42,7 @@ def panels(run: Any) -> list[Panel]:
             )
         )
     if float(run.plastic_strain) > 0.0:
-        drawn.append(
+        result.append(
             Panel(
                 f"Equivalent plastic strain, largest {float(run.plastic_strain):.4g}",
                 "strain [-]",
@@ -54,4 +54,4 @@ def panels(run: Any) -> list[Panel]:
     energy = {name: np.asarray(getattr(history.energy, name)) for name in history.energy.names if name != "total"}
     unit, many = energy_unit(max(np.max(np.abs(values)) for values in energy.values()))
     curves = tuple(Curve(name, many * values) for name, values in energy.items() if np.any(values))
-    return [*drawn, Panel("Energy", f"energy [{unit}]", curves, whole=True)]
+    return [*result, Panel("Energy", f"energy [{unit}]", curves, whole=True)]

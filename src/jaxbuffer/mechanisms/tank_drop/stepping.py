@@ -135,7 +135,7 @@ def dropped(
     crushed = CRUSHED * (design.tank.height - design.wall.bottom - design.wall.top)
 
     def observe(tally: Tally, instant: Instant) -> Tally:
-        return _observed(parts, design, step, duration, tally, instant)
+        return _next_tally(parts, design, step, duration, tally, instant)
 
     def until(tally: Tally) -> Array:
         return tally.deflection >= crushed
@@ -163,7 +163,7 @@ def _empty_tally(parts: Assembled, start: State, history: bool) -> Tally:
     )
 
 
-def _observed(
+def _next_tally(
     parts: Assembled, design: TankDrop, step: Scalar, duration: Scalar, tally: Tally, instant: Instant
 ) -> Tally:
     system, section = parts.system, parts.section
