@@ -1,5 +1,7 @@
 """A run by `diffrax.diffeqsolve`: events of a ball that bounces off a spring, against closed forms."""
 
+import dataclasses
+
 import diffrax
 import equinox as eqx
 import jax
@@ -28,6 +30,8 @@ END = 0.06  # m, rising through this height ends the run
 TIGHT = Options(
     solver=Diffrax(diffrax.Tsit5(), max_steps=4096), tolerance=Tolerance(1e-10, 1e-10), max_events=8, keep=2048
 )
+
+LOOSE = dataclasses.replace(TIGHT, tolerance=Tolerance(1e-8, 1e-8))
 
 
 class Ball(HybridSystem):
@@ -104,6 +108,17 @@ def test_events_are_located_and_in_order():
     assert [Kind(int(kind)) for kind in result.log.kind[:4]] == [Kind.TOUCHDOWN, Kind.PEAK, Kind.RELEASE, Kind.END]
     for found, exact in zip(events(HEIGHT, STIFFNESS), expected(HEIGHT, STIFFNESS), strict=True):
         np.testing.assert_allclose(found, exact, rtol=1e-7)
+
+
+@pytest.mark.parametrize("share", [1e-3, 0.01, 0.1])
+def test_an_end_that_is_reached_within_one_step_is_found(share):
+    """The ball rises above its mark by a small share of the height and falls again, in one step of free flight."""
+    above, below = (jnp.asarray(END * part - 0.5 * THROWN**2 / GRAVITY) for part in (1.0 + share, 1.0 - share))
+    result = run(above, options=LOOSE)
+    assert int(result.status) == 0
+    np.testing.assert_allclose(result.log.time[3], expected(above, STIFFNESS)[0][3], rtol=1e-3)
+    # the mark is above all that it reaches from there: it bounces until the time is up, or the log's room is full
+    assert int(run(below, options=LOOSE).status) == Status.TIMEOUT
 
 
 def slopes(function, derivative=jax.jacfwd):

@@ -92,6 +92,23 @@ def located(case, phase, **changes):
     return running(case, phase, FALLING, bracket=TOWARD_CONTACT._replace(**changes))
 
 
+def thrown_over_the_end(state, step):
+    """The same, but in the step the ball rises a micrometre above the mark of the run's end and falls again."""
+    apex, speed = 1e-6, 5.0 * LENGTH
+
+    def at(rows, end_rate):
+        there = jnp.array([2.0 + apex - 0.1 * speed**2 / 2.0, end_rate, 0.0])
+        return jnp.zeros_like(rows).at[0].set(there), jnp.zeros_like(rows).at[0].set(jnp.array([end_rate, -10.0, 0.0]))
+
+    def on(guards, end_rate):
+        return guards._replace(terminal=jnp.array([apex - 0.1 * speed**2 / 2.0]), terminal_rate=jnp.array([end_rate]))
+
+    (rows, rate), (end, end_rate) = at(state.point.rows, speed), at(step.step.end, -speed)
+    point = state.point._replace(rows=rows, rate=rate, guards=on(state.point.guards, speed))
+    taken = step.step._replace(end=end, rate=end_rate)
+    return state._replace(point=point), step._replace(step=taken, guards=on(step.guards, -speed))
+
+
 def step_cases(phase, case):
     """What a step taken to go on may show."""
     start, rising = running(case, phase, FALLING), running(case, phase, RISING, closed=True)
@@ -103,6 +120,13 @@ def step_cases(phase, case):
         (phase, "a touchdown", start, trial(case, inside), Outcome.LOCATE, Phase.LOCATE),
         (phase, "a touchdown, overshot", start, trial(case, inside, norm=4.0), Outcome.LOCATE, Phase.LOCATE),
         (phase, "a touchdown, far off", start, trial(case, inside, norm=6.0), Outcome.REJECT, Phase.STEP),
+        (
+            phase,
+            "the end within it",
+            *thrown_over_the_end(start, trial(case, FALLING)),
+            Outcome.SHORTEN,
+            Phase.STEP,
+        ),
         (phase, "a maximum alone", rising, trial(case, FALLEN), Outcome.LOOK_BACK, Phase.LOOK_BACK),
         (phase, "a maximum, error too large", rising, trial(case, FALLEN, norm=2.0), Outcome.REJECT, Phase.STEP),
         (
@@ -128,6 +152,13 @@ def location_cases(phase, case):
         (phase, "the event", start, trial(case, there), Outcome.ACCEPT, Phase.STEP),
         (phase, "the event, and another before it", start, trial(case, end), Outcome.LOCATE, Phase.LOCATE),
         (phase, "the same after many tries", unlucky, trial(case, end), Outcome.ACCEPT, Phase.STEP),
+        (
+            phase,
+            "the event, and the end within it",
+            *thrown_over_the_end(start, trial(case, there)),
+            Outcome.SHORTEN,
+            Phase.STEP,
+        ),
         (phase, "no event yet", start, trial(case, beside), Outcome.REFINE, goes_on),
         (phase, "no event yet, error too large", start, trial(case, beside, norm=6.0), Outcome.REFINE, goes_on),
         (
@@ -207,6 +238,16 @@ def test_transition(case, phase, shown, state, step, outcome, following):
         for before, now in zip(jax.tree.leaves(state.point), jax.tree.leaves(after.point), strict=True):
             np.testing.assert_array_equal(before, now)
         assert int(after.log.count) == 0
+
+
+def test_a_step_that_an_event_may_hide_in_is_cut_to_end_where_it_shows():
+    """While the ball is above the mark, by five times the square of the time to or from its highest place."""
+    sizes = StepSizes.of(jnp.asarray(LENGTH), 2)
+    start = running(STATE_ALONE, Phase.STEP, FALLING, step_sizes=sizes)
+    state, step = thrown_over_the_end(start, trial(STATE_ALONE, FALLING))
+    outcome, after = iterated(STATE_ALONE, state, step)
+    assert outcome is Outcome.SHORTEN
+    assert np.all(np.abs(np.asarray(after.step_sizes.steps) - 0.5 * LENGTH) < np.sqrt(1e-6 / 5.0))
 
 
 def test_every_transition_is_tested():

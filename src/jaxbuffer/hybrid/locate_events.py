@@ -1,8 +1,8 @@
 """Events of a finished solve, located between its saved steps: touchdowns, releases, the run's end, maxima.
 
 Between two steps the state is the quintic Hermite polynomial with the values and first two derivatives of both ends: a
-cubic would miss the peak force of Table 2 by 8e-5, since implicit steps are long. An event that begins and ends within
-one step is not seen.
+cubic would miss the peak force of Table 2 by 8e-5, since implicit steps are long. A step within which a guard of a
+contact or of the end rises above zero and falls again is searched in two parts.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from .diffrax_problem import closed
 from .events.crossing import NEARLY, unlocated_maximum
+from .events.excursion import Look, first_excursion
 from .events.guards import Extremes
+from .hermite import quintic
 from .loop.log import UNMOVED, Kind, Log
 from .loop.state import Status
 from .system import Active, HybridSystem, State
@@ -47,12 +49,8 @@ class Path(NamedTuple):
         t0, t1 = self.time[step], self.time[after]
         h = jnp.where(t1 > t0, t1 - t0, 1.0)
         x = (time - t0) / h
-        y0, f0, g0 = self.state[step], h * self.rate[step], 0.5 * h * h * self.second[step]
-        y1, f1, g1 = self.state[after], h * self.rate[after], 0.5 * h * h * self.second[after]
-        # what the quadratic from the start lacks at the end: value, first and half the second derivative
-        a, b, c = y1 - y0 - f0 - g0, f1 - f0 - 2.0 * g0, g1 - g0
-        cubic, quartic, quintic = 10.0 * a - 4.0 * b + c, -15.0 * a + 7.0 * b - 2.0 * c, 6.0 * a - 3.0 * b + c
-        return y0 + x * (f0 + x * (g0 + x * (cubic + x * (quartic + x * quintic))))
+        before, later = ((self.state[k], self.rate[k], self.second[k]) for k in (step, after))
+        return quintic(before, later, h, x)[0]
 
 
 class Guards(NamedTuple):
@@ -83,10 +81,11 @@ def guards_at(system: HybridSystem, time: Float[Array, ""], state: State) -> Gua
 
 
 class Search(NamedTuple):
-    """Where the search stands: the step to search next, closed contacts and guards at its start, each observable's
-    largest and smallest values so far and its largest in the log, `Status`, the log."""
+    """Where the search stands: the step that is searched, the time [s] to which it has been, closed contacts and guards
+    there, each observable's largest and smallest values so far and its largest in the log, `Status`, the log."""
 
     step: Int[Array, ""]
+    time: Float[Array, ""]
     active: Active
     guards: Guards
     extremes: Extremes
@@ -120,7 +119,16 @@ def locate_events(
             touching=jnp.asarray(False),
         )
     running = jnp.asarray(int(Status.RUNNING))
-    search = Search(jnp.asarray(0), active, guards, Extremes(guards.value, guards.value), guards.value, running, log)
+    search = Search(
+        step=jnp.asarray(0),
+        time=path.time[0],
+        active=active,
+        guards=guards,
+        extremes=Extremes(guards.value, guards.value),
+        logged=guards.value,
+        status=running,
+        log=log,
+    )
     search = lax.while_loop(
         lambda s: (s.step < path.steps) & (s.status == Status.RUNNING), lambda s: _step(system, path, s), search
     )
@@ -141,16 +149,19 @@ def locate_events(
 
 
 def _step(system: HybridSystem, path: Path, s: Search) -> Search:
-    """Search one step: all its events, in order of time."""
-    contacts = s.active.shape[0]
-    guards = guards_at(system, path.time[s.step + 1], path.state[s.step + 1])
+    """Search one step, or its next part: all its events, in order of time."""
+    contacts, end = s.active.shape[0], path.time[s.step + 1]
+    until = _until(system, path, s)
+    whole = until >= end
+    guards = guards_at(system, until, path.within(s.step, until))
     before, after = s.guards.signed(s.active), guards.signed(s.active)
     # A contact that has just switched may be beyond zero by rounding: where it is at the end of the step counts.
     happens = (after >= 0.0) & (before < 0.0)
     happens = happens.at[:contacts].set(after[:contacts] > 0.0)
 
     def located(s: Search) -> Search:
-        times = lax.map(lambda which: _time(system, path, s, which, happens[which]), jnp.arange(happens.shape[0]))
+        find = lambda which: _time(system, path, s, which, until, happens[which])  # noqa: E731
+        times = lax.map(find, jnp.arange(happens.shape[0]))
         order = jnp.argsort(times)
 
         def append(k: Array, s: Search) -> Search:
@@ -161,7 +172,29 @@ def _step(system: HybridSystem, path: Path, s: Search) -> Search:
 
     s = _with_start(system, path, s, guards.value, happens[contacts + len(s.guards.terminal) :])
     s = lax.cond(jnp.any(happens), lambda: located(s), lambda: s)
-    return s._replace(step=s.step + 1, guards=guards, extremes=s.extremes.including(guards.value))
+    extremes = s.extremes.including(guards.value)
+    return s._replace(step=s.step + whole, time=until, guards=guards, extremes=extremes)
+
+
+def _until(system: HybridSystem, path: Path, s: Search) -> Float[Array, ""]:
+    """The time to which to search next [s]: the step's end, or where a guard is highest that rises above zero before it
+    and falls again."""
+    contacts, terminals = s.active.shape[0], s.guards.terminal.shape[0]
+    end = path.time[s.step + 1]
+    length = end - s.time
+
+    def at(fraction: Array) -> Float[Array, " guards"]:
+        state = path.within(s.step, s.time + fraction * length)
+        gap = jnp.where(s.active > 0.5, 1.0, -1.0) * system.gaps(state)
+        return jnp.concatenate([gap, system.terminals(state)])
+
+    def guards_along(fraction: Array) -> Look:
+        value, rate = jax.jvp(at, (fraction,), (jnp.ones(()),))
+        return Look(value, rate, jnp.zeros_like(value))
+
+    possible = jnp.ones(contacts + terminals, bool)
+    fraction = first_excursion(guards_along, guards_along(jnp.zeros(())), possible)
+    return jnp.where(fraction < 1.0, s.time + fraction * length, end)
 
 
 def _with_start(
@@ -175,28 +208,33 @@ def _with_start(
     those with a maximum within the step."""
     if not len(end):
         return s
-    start, state = s.guards.value, path.state[s.step]
+    start, state = s.guards.value, path.within(s.step, s.time)
     falls = unlocated_maximum(start, end, s.logged, s.extremes) & ~located
     active = closed(system, state)
     log = s.log.append(
         when=jnp.any(falls),
         kind=jnp.asarray(int(Kind.PEAK)),
         which=jnp.argmax(falls),
-        time=path.time[s.step],
+        time=s.time,
         values=start,
         guard_rate=jnp.asarray(UNMOVED),
         active=active,
         rows=state[None],
-        rates=system.derivative(path.time[s.step], state, active)[None],
+        rates=system.derivative(s.time, state, active)[None],
         touching=system.touching(active),
     )
     return s._replace(log=log, logged=jnp.where(jnp.any(falls), jnp.maximum(s.logged, start), s.logged))
 
 
 def _time(
-    system: HybridSystem, path: Path, s: Search, which: Int[Array, ""], happens: Bool[Array, ""]
+    system: HybridSystem,
+    path: Path,
+    s: Search,
+    which: Int[Array, ""],
+    until: Float[Array, ""],
+    happens: Bool[Array, ""],
 ) -> Float[Array, ""]:
-    """When a guard rises through zero within a step, by halving it; infinite where it does not."""
+    """When a guard rises through zero within what is searched, by halving that; infinite where it does not."""
 
     def halve(_: int, bracket: tuple[Array, Array]) -> tuple[Array, Array]:
         low, high = bracket
@@ -205,7 +243,7 @@ def _time(
         beyond = guards.signed(s.active)[which] >= 0.0
         return jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
 
-    bracket = (path.time[s.step], path.time[s.step + 1])
+    bracket = (s.time, until)
     return lax.cond(happens, lambda: lax.fori_loop(0, HALVINGS, halve, bracket)[1], lambda: jnp.inf)
 
 

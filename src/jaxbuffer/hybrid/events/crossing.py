@@ -9,9 +9,9 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
+from ..hermite import ROUNDED, cubic, maximum_of_cubic
 from .guards import RISING, Extremes, Guards, SignedGuards, signed
 
-ROUNDED = 1e-6  # of a step
 NEARLY = 0.001  # of its extent: a maximum so little below the largest value may be higher than the cubic says
 UNLOCATED = 1e-6  # of its extent: by how much an observable at an accepted step exceeds the log to be logged there
 NOT_YET = -1e-300  # the value of a guard that counts as still before its event: the search needs a negative one
@@ -97,8 +97,8 @@ def _roots(before: Guards, after: Guards, step: Array, active: Array) -> tuple[A
     still_leaving = leaving & (end.rate < 0.0) & (end.value <= start.value)
     start = start._replace(value=jnp.where(leaving, NOT_YET, start.value))
     z0, z1, m0, m1 = start.value, end.value, start.rate * step, end.rate * step
-    maximum = _stationary(z0, z1, m0, m1)
-    highest = _hermite(z0, z1, m0, m1, maximum)
+    maximum = maximum_of_cubic(z0, z1, m0, m1)
+    highest = cubic(z0, z1, m0, m1, maximum)
     contact = jnp.arange(contacts + terminals) < contacts
     open_contact = jnp.concatenate([active < 0.5, jnp.zeros(terminals, bool)])
     dips = contact & (z0 < 0.0) & (z1 <= 0.0) & (m0 > 0.0) & (m1 < 0.0) & (highest > 0.0)
@@ -117,8 +117,8 @@ def _maxima(before: Guards, after: Guards, step: Array, least: Array) -> tuple[A
     cubic's turning point.
     """
     rise, fall = before.value_rate * step, after.value_rate * step
-    peak = _stationary(before.value, after.value, rise, fall)
-    height = _hermite(before.value, after.value, rise, fall, peak)
+    peak = maximum_of_cubic(before.value, after.value, rise, fall)
+    height = cubic(before.value, after.value, rise, fall, peak)
     matters = _has_maximum(before, after) & (jnp.maximum(height, after.value) >= least)
     jump, again = after.value - before.value, fall > 0.0
     steepest = (jump - (2.0 * rise + fall) / 3.0) / jnp.where(again, 2.0 * jump - rise - fall, 1.0)
@@ -151,29 +151,6 @@ def unlocated_maximum(
     reverses, or because the search for it was given up. The accepted steps' largest value then stands for it.
     """
     return (start > logged + UNLOCATED * extremes.extent) & (end < start)
-
-
-def _hermite(start: Array, end: Array, rate_start: Array, rate_end: Array, x: Array) -> Float[Array, " n"]:
-    """The cubic through both ends with both rates (per step), at the fraction x of the step."""
-    jump = end - start
-    c2, c3 = 3.0 * jump - 2.0 * rate_start - rate_end, rate_start + rate_end - 2.0 * jump
-    return start + x * (rate_start + x * (c2 + x * c3))
-
-
-def _stationary(start: Array, end: Array, rate_start: Array, rate_end: Array) -> Float[Array, " n"]:
-    """Where in (0, 1] the Hermite cubic has its maximum: its derivative is negative at the end, and at the start where
-    the cubic rises only in between."""
-    jump = end - start
-    a = 3.0 * (rate_start + rate_end - 2.0 * jump)
-    b = 2.0 * (3.0 * jump - 2.0 * rate_start - rate_end)
-    c = rate_start
-    root = jnp.sqrt(jnp.maximum(b * b - 4.0 * a * c, 0.0))
-    q = -0.5 * (b + jnp.where(b >= 0.0, root, -root))
-    first = c / jnp.where(q == 0.0, 1.0, q)
-    second = q / jnp.where(a == 0.0, 1e-300, a)
-    # of a maximum at the very end rounding may put the root just beyond: the other one is then far from any maximum
-    inside = (first >= 0.0) & (first <= 1.0 + ROUNDED) & (q != 0.0) & (c > 0.0)
-    return jnp.clip(jnp.where(inside, first, second), 0.0, 1.0)
 
 
 def _polynomial_root(

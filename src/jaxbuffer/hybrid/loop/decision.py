@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..events.bracketing import MAX_TRIES, MAX_TRIES_MAXIMUM, Bracket, Refinement, refine
 from ..events.crossing import NEARLY, Crossing, first_crossing
+from ..events.excursion import excursion_in_step
 from ..events.guards import Guards, signed
 from ..trees import where
 from .phase import Outcome
@@ -19,11 +20,12 @@ OVERSHOT = 5.0  # times the allowed error: a step beyond an event may miss by th
 
 class Decision(NamedTuple):
     """``outcome`` of the trial step; ``bracket`` to go on with; ``refinement``: what the step showed of the event that
-    was being located, if any."""
+    was being located, if any; ``shorter`` [s]: the step to take instead where the outcome is to shorten it."""
 
     outcome: Int[Array, ""]
     bracket: Bracket
     refinement: Refinement
+    shorter: Float[Array, ""]
 
     @property
     def accepted(self) -> Bool[Array, ""]:
@@ -40,7 +42,8 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     step that overshoots an event is mostly what is not smooth there), but no maximum.
 
     On arrival at an event another one may turn out to lie a little before. Then that one is located first, unless too
-    many tries have been spent.
+    many tries have been spent. And a step that would stand is shortened where a guard may have risen above zero and
+    fallen again within it.
     """
     options, bracket = task.options, state.bracket
     before = state.point.guards.falling(state.located)
@@ -50,7 +53,29 @@ def decide(task: Task, state: LoopState, trial: Trial) -> Decision:
     crossing = first_crossing(before, trial.guards, trial.length, state.active, least, bracket.guard, maxima)
     refinement = refine(bracket, trial.length, guards, task.rated, options.event_time, _shortfall(task, state, trial))
     outcome = _evaluated_once(_outcome(task, state, trial, crossing, refinement), state.point.time)
-    return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement)
+    shorter = _without_excursion(task, state, trial, outcome, before)
+    outcome = jnp.where(shorter < trial.length, int(Outcome.SHORTEN), outcome)
+    return Decision(outcome, _next_bracket(state, outcome, crossing, refinement, before), refinement, shorter)
+
+
+def _without_excursion(
+    task: Task, state: LoopState, trial: Trial, outcome: Int[Array, ""], before: Guards
+) -> Float[Array, ""]:
+    """The length of the step [s], or of the shorter one to take instead, since an event may begin and end within it."""
+    stands = (outcome == Outcome.ACCEPT) | (outcome == Outcome.LOOK_BACK) | (outcome == Outcome.RETAKE)
+    point, step = state.point, trial.step
+    fraction = excursion_in_step(
+        task.system,
+        start=(point.rows[0], point.rate[0]),
+        end=(step.end[0], step.rate[0]),
+        before=before,
+        after=trial.guards,
+        step=trial.length,
+        active=state.active,
+        located=state.bracket.guard,
+        wanted=stands & (trial.length > task.options.event_time),
+    )
+    return fraction * trial.length
 
 
 def _outcome(task: Task, state: LoopState, trial: Trial, crossing: Crossing, refinement: Refinement) -> Int[Array, ""]:

@@ -40,7 +40,8 @@ class Outcome(enum.IntEnum):
     ``LOOK_BACK``: it stands, and holds a maximum and nothing else, which is located before the run goes on from the
     step's end. ``REFINE``: it does not yet end on the event that is being located; a better length follows.
     ``ABANDON``: the event that was being located is given up. ``RETAKE``: it was taken with the state alone, succeeded,
-    and is taken again with tangents.
+    and is taken again with tangents. ``SHORTEN``: an event may have begun and ended within it; a step follows that ends
+    between the two.
     """
 
     ACCEPT = 0
@@ -50,6 +51,7 @@ class Outcome(enum.IntEnum):
     REFINE = 4
     ABANDON = 5
     RETAKE = 6
+    SHORTEN = 7
 
 
 _OF_A_STEP = {
@@ -57,8 +59,14 @@ _OF_A_STEP = {
     Outcome.REJECT: Phase.STEP,
     Outcome.LOCATE: Phase.LOCATE,
     Outcome.LOOK_BACK: Phase.LOOK_BACK,
+    Outcome.SHORTEN: Phase.STEP,
 }
-_OF_A_LOCATION = {Outcome.ACCEPT: Phase.STEP, Outcome.LOCATE: Phase.LOCATE, Outcome.ABANDON: Phase.STEP}
+_OF_A_LOCATION = {
+    Outcome.ACCEPT: Phase.STEP,
+    Outcome.LOCATE: Phase.LOCATE,
+    Outcome.ABANDON: Phase.STEP,
+    Outcome.SHORTEN: Phase.STEP,
+}
 
 # Pairs that are not listed cannot occur. After ACCEPT the event may ask for another phase: see `update.next_phase`.
 TRANSITIONS: dict[Phase, dict[Outcome, Phase]] = {

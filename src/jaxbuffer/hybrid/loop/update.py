@@ -80,8 +80,8 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
 
     It learns from steps whose length it chose itself: those that are accepted, refused or look back, not from those
     that end on an event. A location given up is a step refused, and since the longer step in which the event was found
-    may be another method's, both methods' steps are cut. An impact begins with steps of its own; out of contact again,
-    steps go on as they went before.
+    may be another method's, both methods' steps are cut; so they are where an event may begin and end within a step. An
+    impact begins with steps of its own; out of contact again, steps go on as they went before.
     """
     outcome = decision.outcome
     chosen = ~state.locating & ~state.reevaluating
@@ -95,6 +95,8 @@ def next_step_sizes(task: Task[P], state: LoopState, trial: Trial, decision: Dec
     sizes = where(learns, adapted, state.step_sizes)
     shorter = jnp.minimum(sizes.steps, sizes.steps[trial.method])
     sizes = sizes._replace(steps=jnp.where(abandoned, shorter, sizes.steps))
+    cut = jnp.minimum(sizes.steps, decision.shorter)
+    sizes = sizes._replace(steps=jnp.where(outcome == Outcome.SHORTEN, cut, sizes.steps))
     sizes = where(event.touchdown, StepSizes.of(event.contact_step, len(task.options.solver.methods)), sizes)
     return where(event.release, state.step_sizes_before_contact, sizes)
 
