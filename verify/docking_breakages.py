@@ -68,14 +68,12 @@ def _flat_curve() -> None:
 def _untearable() -> None:
     import jax.numpy as jnp
 
-    from jaxbuffer.mechanisms.probe_cone.outcome import Outcome
     from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
-    terminals, torn = CaptureMechanism.terminals_at, Outcome.ends().index("torn")
+    terminals = CaptureMechanism.terminals_at
 
     def broken(self, at):
-        guards = terminals(self, at)
-        return jnp.where(jnp.arange(guards.shape[0]) == torn, -1.0, guards)
+        return jnp.where(jnp.asarray([name == "torn" for name in self.end_outcomes]), -1.0, terminals(self, at))
 
     CaptureMechanism.terminals_at = broken
 

@@ -54,7 +54,8 @@ class Assembled(ContactSystem):
     **Arguments:** ``system``; ``q``, ``v``: positions and velocities at t = 0, on the constraints; ``contacts``;
     ``closed``: which of them are closed at t = 0 (default: none); ``integrals``: quantities whose integrals over time
     are wanted, zero at t = 0; ``ends``: quantities whose crossing of zero upwards ends the run (so
-    does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``size``: magnitudes
+    does, after them, a ball's centre that comes to its flank: "failed_penetration"); ``end_names``: of each, the name
+    of the outcome that it stands for, among the mechanism's outcomes ("ended" unless given); ``size``: magnitudes
     that matter of a coordinate and of a velocity; ``shown``: further observables; ``recorded``: what a history shows
     besides; ``parts``: whatever these need to know; ``energy_size`` [J]: magnitude of the energy; if given, steps must
     also keep the energy balance; ``memory_time`` [s]: if given, no event sets the contacts' memory: it follows the
@@ -75,6 +76,7 @@ class Assembled(ContactSystem):
     parts: Any = None
     energy_size: Scalar | None = None
     memory_time: Scalar | None = None
+    end_names: tuple[str, ...] = eqx.field(static=True, default=())
 
     @property
     def coordinates(self) -> int:
@@ -202,6 +204,10 @@ class Assembled(ContactSystem):
         deep = [-a.gap[0] - DEEPEST * jnp.asarray(contact.pair.radius) for a, contact in pairs]
         deepest = jnp.max(jnp.stack(deep)) if deep else -jnp.ones(())
         return stacked([*(quantity(self.system, at.kin) for quantity in self.ends), deepest])
+
+    @property
+    def end_outcomes(self) -> tuple[str, ...]:
+        return (*(self.end_names or ("ended",) * len(self.ends)), "failed_penetration")
 
     def observables_at(
         self, at: Posture, rate: Float[Array, " state"], active: Float[Array, " contacts"]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
+from ..errors import InputError, suggest
 from ..hybrid import Status
 
 STEPS = "failed: more steps than max_steps; raise it, loosen rtol, or try the implicit solver"
@@ -39,11 +40,6 @@ class RunOutcome(enum.IntEnum):
         return member
 
     @classmethod
-    def ends(cls) -> tuple[str, ...]:
-        """Return the outcome's name for each guard of the run's end, in order."""
-        return ("failed_penetration",)
-
-    @classmethod
     def time_is_up(cls) -> str:
         """Return the outcome's name of a run whose duration is over."""
         return "finished"
@@ -66,13 +62,17 @@ class Simulated(RunOutcome):
     failed_input = 6, INPUT
 
 
-def outcome_code(outcomes: type[RunOutcome], status: Int[Array, ""]) -> Int[Array, ""]:
-    """The code of a run's outcome.
+def outcome_code(outcomes: type[RunOutcome], ends: tuple[str, ...], status: Int[Array, ""]) -> Int[Array, ""]:
+    """Return the code of a run's outcome.
 
-    **Arguments:** ``outcomes``: the mechanism's; ``status``: a `Status` of the time stepping.
+    **Arguments:** ``outcomes``: the mechanism's; ``ends``: the outcome's name for each guard of the run's end
+    (`ContactSystem.end_outcomes`); ``status``: a `Status` of the time stepping.
     """
+    for name in ends:
+        if name not in outcomes.__members__:
+            raise InputError(f"no outcome {name!r} of the mechanism's end{suggest(name, outcomes.__members__)}")
     by_time = {int(Status.TIMEOUT): outcomes.time_is_up()}
-    names = dict(enumerate(outcomes.ends())) | by_time | {int(s): name for s, name in FAILURES.items()}
+    names = dict(enumerate(ends)) | by_time | {int(s): name for s, name in FAILURES.items()}
     code = jnp.asarray(int(outcomes["failed_not_finite"]))
     for value, name in names.items():
         code = jnp.where(status == value, int(outcomes[name]), code)

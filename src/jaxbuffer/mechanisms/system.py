@@ -98,6 +98,11 @@ class ContactSystem(HybridSystem):
         """`observables` of a posture."""
         raise NotImplementedError
 
+    @property
+    def end_outcomes(self) -> tuple[str, ...]:
+        """The name of the outcome that each of `terminals` stands for, in order."""
+        raise NotImplementedError
+
     def snapshot_at(self, at: Any, active: Active) -> Snapshot:
         """All that a history shows of a posture."""
         raise NotImplementedError

@@ -33,7 +33,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     log = moving_end(system, result.log, result.status < Status.TIMEOUT)
     events = survey(system, log)
     log = moving_events(log, events)
-    code = outcome_code(mechanism.outcomes, result.status)
+    code = outcome_code(mechanism.outcomes, system.end_outcomes, result.status)
     # a factor, so that derivatives are NaN as well
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
     top, hits = maxima(system, log, start), impacts(system, log, events)

@@ -34,11 +34,6 @@ class Outcome(RunOutcome):
     failed_input = 11, INPUT
 
     @classmethod
-    def ends(cls) -> tuple[str, ...]:
-        """See `RunOutcome`."""
-        return ("captured", "escaped", "bottomed", "failed_penetration", "torn", "held")
-
-    @classmethod
     def time_is_up(cls) -> str:
         """See `RunOutcome`."""
         return "timeout"

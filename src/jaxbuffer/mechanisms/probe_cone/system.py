@@ -159,8 +159,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         return self.with_extra(after, "closing_work", work)
 
     def terminals_at(self, at: Posture) -> Float[Array, " terminals"]:
-        """Captured, escaped, bottomed, as deep in a flank as the tip's radius and, with latches, torn and held: see
-        `Outcome.ends`."""
+        """Captured, escaped, bottomed, as deep in a flank as the tip's radius and, with latches, torn and held."""
         design, free = self.design, self.scenario.start == "free"
         before = self.throat(at.kin, at.tip)[0]
         retreat = 2.0 * design.cone.length - design.probe.tip_radius * jnp.sin(design.cone.half_angle)
@@ -176,6 +175,16 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         strength = design.latch.strength
         torn = -1.0 if strength is None else self.latch.size(at.latch) - strength
         return stacked([-1.0, escaped, bottomed, deep, torn, self._at_rest(at)])
+
+    @property
+    def end_outcomes(self) -> tuple[str, ...]:
+        return (
+            "captured",
+            "escaped",
+            "bottomed",
+            "failed_penetration",
+            *(() if self.latch is None else ("torn", "held")),
+        )
 
     def _at_rest(self, at: Posture) -> Scalar:
         """Above zero where the latches are closed, the thrust is over and the energy of relative motion is below its
