@@ -55,6 +55,7 @@ REDUCTION = "tests/multibody/test_flexible_elements.py::test_the_free_beams_tabl
 ROTATING = "tests/multibody/test_flexible_bars.py::test_a_rotating_beam_stiffens"
 SPUN_UP = "tests/multibody/test_flexible_spin.py::test_the_tips_largest_deflection"
 
+WITHIN_A_STEP = "tests/mechanisms/test_ends.py::test_a_run_that_reaches_its_mark_is_ended_there[0.8]"
 ACCEPTED = (
     "tests/verification/test_located_maxima.py"
     "::test_no_accepted_step_exceeds_a_maximum_of_the_campaign[slider-crank, play in both pins]"
@@ -171,6 +172,14 @@ def _memory_not_set() -> None:
     from jaxbuffer.mechanisms.probe_cone.system import CaptureMechanism
 
     CaptureMechanism.touchdown = lambda self, state, approach_acceleration, contact: state
+
+
+def _both_ends_alone() -> None:
+    import jax.numpy as jnp
+
+    from jaxbuffer.hybrid.loop import decision
+
+    decision.excursion_in_step = lambda *_, **__: jnp.ones(())
 
 
 def _steps_not_looked_at() -> None:
@@ -572,6 +581,7 @@ BREAKAGES = (
     Breakage("lost π", "σ = (1 - ν²)/E for (1 - ν²)/(π E) in the laws of a pin in a hole", _lost_pi, (WRITTEN, FITS)),
     Breakage("Carvalho's sign", "11 + e for 11 - e in Carvalho and Martins' damping", _carvalho_sign, (DELIVERED,)),
     Breakage("unseen steps", "accepted steps are not looked at for maxima", _steps_not_looked_at, (ACCEPTED,)),
+    Breakage("both ends alone", "a step is not looked at between its ends", _both_ends_alone, (WITHIN_A_STEP,)),
     Breakage("maxima from zero", "nothing below zero is a largest value", _maxima_from_zero, (ANY_SIGN,)),
     Breakage(
         "release's time", "a maximum right after a release does not move with it", _release_stands_still, (RELEASED,)

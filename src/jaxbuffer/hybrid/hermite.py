@@ -60,5 +60,5 @@ def state_within(
     """
     (y0, f0), (y1, f1), n = start, end, coordinates
     rest = cubic(y0[2 * n :], y1[2 * n :], step * f0[2 * n :], step * f1[2 * n :], x)
-    moving = ((y[:n], f[:n], f[n : 2 * n]) for y, f in (start, end))
-    return jnp.concatenate([*quintic(*moving, step, x), rest])
+    moving = quintic((y0[:n], f0[:n], f0[n : 2 * n]), (y1[:n], f1[:n], f1[n : 2 * n]), step, x)
+    return jnp.concatenate([*moving, rest])
