@@ -13,6 +13,7 @@ from .._types import Dataset
 from ..errors import InputError
 from ..fields import Part, paths
 from ..fields.record import from_json
+from ..files import user_path
 from ..labelled.netcdf import SUFFIX, read
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
@@ -136,7 +137,7 @@ def load(folder: str | Path) -> Results:
     ...     print(error)
     no-such-folder: no such folder
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
@@ -157,7 +158,7 @@ def load(folder: str | Path) -> Results:
 
 def load_finished(folder: str | Path) -> Results:
     """Load a folder for a page. **Raises:** `InputError` as `load` does, and where it has an unfinished sweep alone."""
-    begun = unfinished(Path(folder))
+    begun = unfinished(user_path(folder))
     try:
         results = load(folder)
     except InputError as error:

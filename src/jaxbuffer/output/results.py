@@ -10,7 +10,7 @@ from ..experiments.indices import Indices
 from ..experiments.rectangle import SafeRectangle
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
-from ..files import Lock
+from ..files import Lock, user_path
 from ..labelled.netcdf import SUFFIX, content
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
@@ -224,7 +224,7 @@ def save(
     ...     [path.name for path in jb.save(run, folder)], jb.load(folder).run.outcome
     (['drop.json', 'drop.txt', 'drop.nc'], 'finished')
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     contents = _contents(result, beside)
     if not figures:
         contents = {name: it for name, it in contents.items() if not (formats.is_figure(name) or name in OF_FIGURES)}

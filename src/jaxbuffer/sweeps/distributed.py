@@ -12,7 +12,7 @@ from ..cluster.connect import connected
 from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
-from ..files import Lock
+from ..files import Lock, user_path
 from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
 from .columns import tally
 from .cut import Block, BlockSweep, GridSweep, RunsSweep, Template
@@ -71,7 +71,7 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
     many."""
     if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
-    path = Path(where.folder).absolute() / STORE
+    path = user_path(where.folder).absolute() / STORE
     if where.resume:
         check_resumable(path)
     lock = Lock(path.parent)

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float
 from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
+from ..files import user_path
 from ..labelled.saved import Saved
 from ..tables import table, text
 from .objective import Objective
@@ -143,7 +144,7 @@ def pareto(
     check_front(problem, objectives, points, limits)
     check_flag("save", save)
     names = tuple(objectives)
-    place = None if folder is None else Path(folder)
+    place = None if folder is None else user_path(folder)
     with _connected(client, workers) as shared:
         options = {"workers": workers, "client": shared, "report": report, **settings}
         search = _Search(problem, names, folder=place, resume=resume, options=options)

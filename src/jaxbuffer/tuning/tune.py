@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
+from ..files import user_path
 from ..hybrid import Automatic, Solver, name_of, solver_named
 from ..progress import reported
 from .descent import behaviour_of, check_optimizer, descend, optimizer_named
@@ -85,7 +86,7 @@ def tune(
         check_optimizer(problem, optimizer)
     identity = _fingerprint(problem, chosen, optimizer, solver)
     with (
-        Store(None if folder is None else Path(folder), identity, resume) as store,
+        Store(None if folder is None else user_path(folder), identity, resume) as store,
         Evaluator(problem, workers, True, client, solver) as evaluator,
         reported(report, lambda record: in_words(record, problem.mechanism.success_of(problem.design))) as show,
     ):
@@ -131,7 +132,7 @@ def best_so_far(
     **Arguments:** as for `tune`; ``settings``: those that the run was started with.
     """
     chosen, optimizer = _chosen(optimizer, settings)
-    state, lines = read_state(Path(folder), _fingerprint(problem, chosen, optimizer, solver))
+    state, lines = read_state(user_path(folder), _fingerprint(problem, chosen, optimizer, solver))
     stage, goal = 0, Goal(problem, problem.objective)
     if points := evaluations_of(state):  # of an optimiser's
         best = min(points, key=lambda point: (not goal.feasible(point), goal.value(point)))
