@@ -18,9 +18,8 @@ from ..labelled.netcdf import SUFFIX, read
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..programs.process import differing
 from ..study.config import load as load_study
-from ..sweeps.store import STORE, identity_of, in_a_row, is_unfinished, opened
+from ..sweeps.store import STORE, differences, identity_of, is_unfinished, opened
 from ..sweeps.zarr_format import attributes
 from ..tables import summary_html
 
@@ -188,7 +187,7 @@ def _two_sweeps(folder: Path) -> str:
         return ""
     unfinished = is_unfinished(folder / STORE)
     name, other = next(iter(others.items()))
-    parts = in_a_row(differing(own, other))
+    parts = differences(own, other)
     state = "is not finished" if unfinished else "has all its runs"
     goes_on = "goes on" if unfinished else "writes its results"
     return (

@@ -28,6 +28,7 @@ from .search import Branch
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
+OPTIMIZER, CODE = "optimizer_steps", "own_code"  # in a fingerprint: hashes, which say nothing to people
 _SETTING = re.compile(r"(\w+)(?: \[[^\]]*\])? ?= ?([^,\n)]+)")  # "seed=0" or "tolerance [-] = 0.0001"
 FIGURES = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}  # units that people are shown
 STATUS = ("running", "converged", "stalled", "behind")
@@ -145,8 +146,9 @@ def _difference(stored: str, present: str) -> str:
     (problem, _, there), (other, _, here) = stored.partition("-"), present.partition("-")
     settings, others = (dict(_SETTING.findall(text)) for text in (there, here))
     lines = [] if problem == other else ["its study is another one (design, scenarios, [problem] or options)"]
+    words = {OPTIMIZER: "its optimizer is another one", CODE: "the code of its mechanism, laws or solver has changed"}
     lines += [
-        f"{name} is {settings.get(name)} there, {value} here"
+        words.get(name, f"{name} is {settings.get(name)} there, {value} here")
         for name, value in others.items()
         if value != settings.get(name)
     ]

@@ -9,13 +9,15 @@ from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
 from ..files import user_path
 from ..hybrid import Automatic, Solver, name_of, solver_named
+from ..programs.identity import digest
+from ..programs.structure import user_code
 from ..progress import reported
-from .descent import behaviour_of, check_optimizer, descend, optimizer_named
+from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
 from .goal import Goal
 from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .store import Progress, Record, Store, evaluations_of, in_words, read_state
+from .store import CODE, OPTIMIZER, Progress, Record, Store, evaluations_of, in_words, read_state
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -165,5 +167,6 @@ def _fingerprint(problem: Problem, settings: Settings, optimizer: Any, solver: S
     except InputError:  # it has none
         name = hashlib.sha256(repr(used).encode()).hexdigest()[:8]
     named = optimizer is None or settings.optimizer != "quadratic"
-    steps = "as named" if named else behaviour_of(optimizer)
-    return f"{problem.fingerprint()}-{settings}, solver = {name}, optimizer_steps = {steps}"
+    steps = "as named" if named else digest(optimizer)
+    code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
+    return f"{problem.fingerprint()}-{settings}, solver = {name}, {OPTIMIZER} = {steps}, {CODE} = {code}"
