@@ -25,6 +25,7 @@ from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
 from . import formats, records, style, sweep_records, tuned_records
+from .companions import stale
 from .field_files import field_files
 from .figures import run_figure
 from .formats import Contents, Made, csv_text
@@ -207,7 +208,7 @@ def save(
     - ``result``: of `simulate`, `sensitivity`, `sweep`, `sample`, `tune` or `pareto`. A run is drawn where it has a
       history.
     - ``folder``: made if it is not there.
-    - ``force``: whether to replace files that are there.
+    - ``force``: whether to replace files that are there; those of an earlier result of the same kind are removed.
     - ``figures``: whether to draw; without, the force over time of a tuning is left out too, which takes two runs.
     - ``beside``: what was computed from it: ``trust`` of a run, ``envelope`` (a `SafeRectangle`) of a sweep,
       ``indices`` and ``surfaces`` of a sample.
@@ -231,7 +232,7 @@ def save(
     if any(map(formats.is_figure, contents)):
         style.require_matplotlib()
     formats.check_folder(folder)
-    formats.check_free(folder, sorted(contents), force)
+    formats.check_free(folder, [*sorted(contents), *(path.name for path in stale(folder, contents))], force)
     lock = Lock(folder)
     try:
         written, failure = formats.write_all(folder, contents, force)

@@ -292,12 +292,26 @@ def check_resumable(path: Path) -> None:
 
 
 def is_unfinished(path: Path) -> bool:
-    """Return whether a store lacks blocks."""
+    """Return whether a store lacks runs, of which a block may have some only."""
     try:
-        count = json.loads((path / CHECKSUM / zarr_format.ARRAY).read_text(encoding="utf-8"))["shape"][0]
-    except (OSError, ValueError, KeyError, TypeError, IndexError):
+        described = json.loads((path / "code" / zarr_format.ARRAY).read_text(encoding="utf-8"))
+        cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
+        done = {int(file.name) for file in (path / CHECKSUM).iterdir() if file.name.isdigit()}
+    except (OSError, ValueError, KeyError, TypeError):
         return False
-    return sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count
+    store = Store(path, "", {"code": "<i8"}, cut)
+    return len(done) < len(cut) or not all(_is_whole(store, number) for number in range(len(cut)))
+
+
+def _is_whole(store: Store, number: int) -> bool:
+    """Whether every run of a block is there."""
+    region = store.cut.region(number)
+    inside = tuple(slice(part.stop - part.start) for part in region)
+    try:
+        codes = zarr_format.read(store.file("code", Block(number, region, {})), "<i8", store.cut.block)
+    except (OSError, ValueError, zlib.error):
+        return False
+    return bool(np.all(codes[inside] >= 0))
 
 
 def opened(path: Path) -> Dataset:

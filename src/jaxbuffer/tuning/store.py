@@ -6,6 +6,7 @@ the two is enough to resume: lines of a step that was cut short are dropped from
 `record_of` makes the log's lines, `Progress` the state's arrays.
 """
 
+import contextlib
 import hashlib
 import io
 import json
@@ -139,6 +140,19 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
             warnings.warn(f"{folder}: {damage[0]}; going on from {name}, {count} evaluations", stacklevel=2)
         return state, lines
     raise InputError(f"{folder}: the run cannot be resumed: {', '.join(damage)}; everything is left as it is")
+
+
+def identity_of(fingerprint: str) -> str:
+    """Return a short hash of a fingerprint, which a result's record has."""
+    return hashlib.sha256(fingerprint.encode()).hexdigest()[:16]
+
+
+def stored_identity(folder: Path) -> str | None:
+    """Return which tuning was begun in a folder, as of `identity_of`; None where there is none that is whole."""
+    for name in (STATE, PREVIOUS):
+        with contextlib.suppress(InputError, KeyError):
+            return identity_of(str(_read(folder / name)[FINGERPRINT]))
+    return None
 
 
 def _difference(stored: str, present: str) -> str:

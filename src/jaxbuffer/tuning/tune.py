@@ -1,5 +1,6 @@
 """`tune`: search for the best design of a problem, or tell the best one of an interrupted run."""
 
+import dataclasses
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +18,7 @@ from .evaluation import Evaluator
 from .goal import Goal
 from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .store import CODE, OPTIMIZER, Progress, Record, Store, evaluations_of, in_words, read_state
+from .store import CODE, OPTIMIZER, Progress, Record, Store, evaluations_of, identity_of, in_words, read_state
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -101,6 +102,7 @@ def tune(
         else:
             rounds = Rounds(problem, chosen, evaluator, store)
             tuned = rounds.result(rounds.run(Progress.read(store.state)))
+    tuned = dataclasses.replace(tuned, identity=identity_of(identity))
     if save and folder is not None:
         tuned.save(folder, force=True, figures=False)
     return tuned
