@@ -23,7 +23,7 @@ def home() -> Path | None:
         return None
 
 
-def user_path(path: str | Path) -> Path:
+def user_path(path: str | os.PathLike[str]) -> Path:
     """Return a path as a user means it: a leading "~" is the home folder, also where no shell has replaced it.
 
     **Raises:** `InputError` where that folder is not known.

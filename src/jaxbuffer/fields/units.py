@@ -163,13 +163,13 @@ def _converted(value: Any, unit: str) -> Any:
     expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
     if isinstance(value, datetime.timedelta | np.timedelta64) or getattr(value, "dtype", np.dtype(float)).kind == "m":
         try:
-            numbers, symbol = np.asarray(value, "m8") / np.timedelta64(1, "s"), "s"
+            seconds = np.asarray(value, "m8") / np.timedelta64(1, "s")
         except TypeError:  # months and years have no fixed length
             return f"{shown(value)} has no length in seconds; expected {expected}"
-        return _scaled(float(numbers) if np.ndim(numbers) == 0 else numbers, symbol, unit)
+        return _scaled(float(seconds) if np.ndim(seconds) == 0 else seconds, "s", unit)
     reason = ""
     for quantity in _in_other_units(value):
-        numbers = getattr(quantity, "magnitude", None)
+        numbers: Any = getattr(quantity, "magnitude", None)
         numbers = getattr(quantity, "value", None) if numbers is None else numbers
         numbers = np.asarray(quantity) if numbers is None or callable(numbers) else numbers  # a labelled array
         converted = _scaled(as_number(numbers), _symbol_of(quantity), unit)

@@ -143,10 +143,10 @@ def load(path: str | Path | None) -> Config:
     if path is None:
         return Config()
     try:
-        path = user_path(path)
-        content = path.read_bytes()
+        path = file = user_path(path)
+        content = file.read_bytes()
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file{no_file(path)}") from None
+        raise InputError(f"{path}: no such file{no_file(file)}") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
     return loads(content, path)

@@ -294,13 +294,15 @@ def check_resumable(path: Path) -> None:
 def is_unfinished(path: Path) -> bool:
     """Return whether a store lacks runs, of which a block may have some only."""
     try:
+        count = json.loads((path / CHECKSUM / zarr_format.ARRAY).read_text(encoding="utf-8"))["shape"][0]
+        if sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count:
+            return True
         described = json.loads((path / "code" / zarr_format.ARRAY).read_text(encoding="utf-8"))
         cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
-        done = {int(file.name) for file in (path / CHECKSUM).iterdir() if file.name.isdigit()}
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
     store = Store(path, "", {"code": "<i8"}, cut)
-    return len(done) < len(cut) or not all(_is_whole(store, number) for number in range(len(cut)))
+    return not all(_is_whole(store, number) for number in range(len(cut)))
 
 
 def _is_whole(store: Store, number: int) -> bool:
