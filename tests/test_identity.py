@@ -1,5 +1,7 @@
 """What a program is made from: descriptions that differ where code differs, and say so where they can't tell."""
 
+import os
+import subprocess
 import sys
 import textwrap
 import types
@@ -8,12 +10,13 @@ import diffrax
 import equinox as eqx
 import jax
 import numpy as np
+import optax
 import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.contact.laws import LAWS
 from jaxbuffer.hybrid import DiagonallyImplicit, Options
-from jaxbuffer.programs.identity import UserCode, fingerprint, known, label, lasts
+from jaxbuffer.programs.identity import UserCode, digest, fingerprint, known, label, lasts
 
 SOURCE = """
     import functools, math
@@ -78,7 +81,7 @@ HELPERS = "CONSTANT = 12.0\nOTHER = 13.0\nUNUSED = 14.0"
 def description(monkeypatch):
     """The description of the class Mine in a source, run anew, with a module of helpers; both with replacements."""
 
-    def described(*replacements, thing="Mine"):
+    def described(*replacements, thing="Mine", by=fingerprint):
         texts = [textwrap.dedent(SOURCE), HELPERS]
         for old, new in replacements:
             assert sum(text.count(old) for text in texts) == 1
@@ -88,7 +91,7 @@ def description(monkeypatch):
         monkeypatch.setitem(sys.modules, module.__name__, module)
         exec(texts[1], vars(helpers))
         exec(texts[0], vars(module))
-        return fingerprint(vars(module)[thing])
+        return by(vars(module)[thing])
 
     return described
 
@@ -123,11 +126,61 @@ def test_a_change_that_can_be_seen_is_seen(description, change):
     assert description(change) != description()
 
 
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change[1][:24])
+def test_a_change_is_seen_by_another_process_too(description, change):
+    assert description(change, by=digest) != description(by=digest)
+
+
 def test_what_changes_nothing_changes_no_description(description):
     first = description()
     assert description() == first and hash(description()) == hash(first)
     for change in (("UNUSED = 14.0", "UNUSED = 15.0"), ("import functools, math", "import functools, math\n\n# moved")):
         assert description(change) == first
+        assert description(change, by=digest) == description(by=digest)
+
+
+OF_A_PROCESS = """
+import logging, threading, types
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from jaxbuffer.programs.identity import digest
+
+class Table:
+    def __init__(self, factor):
+        self.factor, self.lock, self.log = factor, threading.Lock(), logging.getLogger("mine")
+
+    def __call__(self, x):
+        return self.factor * x if x in {"a", "b", "c", "d"} else spline(x)
+
+spline = PchipInterpolator([0.0, 1.0, 2.0], [0.0, 1.0, LAST])
+print(digest(Table(FACTOR), {"b", "a", "c"}, object()))
+"""
+
+
+def test_every_process_has_the_same_hash_of_code_and_of_the_objects_that_it_reads():
+    def printed(seed, last="3.0", factor="2.0"):
+        text = OF_A_PROCESS.replace("LAST", last).replace("FACTOR", factor)
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
+        return subprocess.run(
+            [sys.executable, "-c", text], capture_output=True, text=True, check=True, env=environment
+        ).stdout
+
+    first = printed("1")
+    assert len(first) == 17 and first == printed("2")
+    assert len({first, printed("1", last="4.0"), printed("1", factor="2.5")}) == 3
+
+
+def test_optimizers_that_differ_in_a_schedule_far_ahead_are_told_apart():
+    def optimizers(factor, rate=0.1):
+        return (
+            optax.adam(optax.piecewise_constant_schedule(rate, {1000: factor})),
+            optax.chain(optax.clip(1.0), optax.sgd(lambda count: rate / (1.0 + factor * count))),
+            optax.inject_hyperparams(optax.adam)(learning_rate=rate * factor),
+        )
+
+    every = [*optimizers(0.5), *optimizers(0.6), optax.adam(0.1), optax.adam(0.2), optax.lbfgs(0.1)]
+    assert len({digest(it) for it in every}) == len(every)
+    assert [digest(it) for it in optimizers(0.5)] == [digest(it) for it in optimizers(0.5)]
 
 
 def test_what_cannot_be_described_is_itself_alone():

@@ -98,7 +98,7 @@ def as_number(value: Any) -> Any:
     """Any single number as a float, a list or tuple of numbers as an array; everything else as it is."""
     if type(value) is float:
         return value
-    if isinstance(value, (Real, Decimal)) and not isinstance(value, bool):
+    if isinstance(value, (Real, Decimal)) and not isinstance(value, bool) and unit_of_library(value) is None:
         return _float(value)
     if isinstance(value, (list, tuple)) and value:
         import jax
@@ -113,6 +113,58 @@ def as_number(value: Any) -> Any:
     return value
 
 
+def unit_of_library(value: Any) -> str | None:
+    """Return the unit of a quantity of another library (pint, astropy, unyt, xarray), or of a time span, as that
+    library writes it; None for what has no unit of its own."""
+    if isinstance(value, (float, int, str, list, tuple, dict)) or value is None:
+        return None
+    import datetime
+
+    import numpy as np
+
+    spans = isinstance(value, (np.timedelta64, datetime.timedelta))
+    if spans or getattr(getattr(value, "dtype", None), "kind", "") == "m":
+        return "s"
+    for number, unit in (("magnitude", "units"), ("value", "unit"), ("value", "units")):
+        if hasattr(value, number) and (symbol := getattr(value, unit, None)) is not None:
+            return str(symbol)
+    attributes = getattr(value, "attrs", None)  # of labelled arrays
+    symbol = attributes.get("units") if isinstance(attributes, dict) else None
+    return None if symbol is None else str(symbol)
+
+
+def masked(value: Any) -> int:
+    """Return how many entries of an array are masked as no measurement."""
+    import numpy as np
+
+    if isinstance(value, (list, tuple)):
+        return sum(map(masked, value))
+    return int(np.ma.count_masked(value)) if isinstance(value, np.ma.MaskedArray) else 0
+
+
+def check_masks(path: str, value: Any) -> None:
+    """Raise `InputError` for an array in which entries are masked as no measurement."""
+    if count := masked(value):
+        import numpy as np
+
+        what = "is masked, and so is no number" if count == 1 else "are masked, and so are no numbers"
+        remedy = "leave out what is masked, as x.compressed() does"
+        size = sum(map(np.size, value)) if isinstance(value, (list, tuple)) else np.size(value)
+        raise InputError(f"{path}: {count} of {size} values {what}; {remedy}")
+
+
+def check_plain(path: str, value: Any, unit: str) -> None:
+    """Raise `InputError` for numbers that would lose what they say of themselves: masks, and units of another
+    library."""
+    if type(value) is float:
+        return
+    check_masks(path, value)
+    entries = value if isinstance(value, (list, tuple)) else [value]
+    if (symbol := next(filter(None, map(unit_of_library, entries)), None)) is not None:
+        symbol_here = "" if unit in ("", "-") else f" in {unit}"
+        raise InputError(f"{path} = {shown(value)} is a quantity in {symbol}; give its plain number{symbol_here}")
+
+
 def _float(value: Any) -> float:
     try:
         return float(value)
@@ -125,7 +177,7 @@ def concrete(value: Any) -> "np.ndarray | None":
     import jax
     import numpy as np
 
-    if isinstance(value, jax.core.Tracer):
+    if isinstance(value, jax.core.Tracer) or masked(value) or unit_of_library(value) is not None:
         return None
     try:
         array = np.asarray(as_number(value))
@@ -166,6 +218,7 @@ def check_number(
 
     if isinstance(value, jax.core.Tracer):
         return
+    check_plain(path, value, unit)
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": low_open, "high_open": high_open}
     shown_unit = "" if unit in ("", "-") else f" {unit}"
     allowed = f"{range_text(low, high, low_open, high_open)}{shown_unit}"
@@ -198,6 +251,7 @@ def check_entries(
     """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
     if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
         return
+    check_plain(path, value, unit)
     known = [concrete(x) for x in (value, low, high)]
     if any(x is None for x in known):  # traced
         return

@@ -4,6 +4,8 @@ import contextlib
 import errno
 import fcntl
 import os
+import platform
+import pwd
 from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar
@@ -11,6 +13,42 @@ from typing import ClassVar
 from .errors import InputError
 
 LOCK, DRAFT = ".lock", ".part"
+
+
+def home() -> Path | None:
+    """Return the user's home folder, None where neither $HOME nor the system knows one, as in some containers."""
+    try:
+        return Path(os.environ.get("HOME") or pwd.getpwuid(os.getuid()).pw_dir)
+    except KeyError:
+        return None
+
+
+def user_path(path: str | os.PathLike[str]) -> Path:
+    """Return a path as a user means it: a leading "~" is the home folder, also where no shell has replaced it.
+
+    **Raises:** `InputError` where that folder is not known.
+    """
+    first, *rest = Path(path).parts or (".",)
+    if not first.startswith("~"):
+        return Path(path)
+    if first == "~":
+        folder = home()
+    else:
+        try:
+            folder = Path(first).expanduser()
+        except RuntimeError:  # no such user
+            folder = None
+    if folder is None:
+        raise InputError(f"{path}: the folder {first} is not known; write the whole path, or ./{path} for one named so")
+    return folder.joinpath(*rest)
+
+
+def check_links(folder: Path) -> None:
+    """Raise `InputError` where a folder is, or is in, a link that leads nowhere: a disk may not be mounted."""
+    for place in (folder, *folder.parents):
+        if place.is_symlink() and not place.exists():
+            target = place.parent / os.readlink(place)
+            raise InputError(f"{place} is a link to {target}, which is not there; make it, or choose another folder")
 
 
 @contextlib.contextmanager
@@ -84,29 +122,38 @@ def _sync(folder: Path) -> None:
 def _remove_drafts(folder: Path) -> None:
     """Remove the drafts of processes that are gone."""
     for draft in folder.glob(f".*{DRAFT}"):
-        process = draft.name.removesuffix(DRAFT).rpartition(".")[2]
-        try:
-            os.kill(int(process), 0)
-        except (ValueError, ProcessLookupError):
+        if not _is_alive(draft.name.removesuffix(DRAFT).rpartition(".")[2]):
             draft.unlink(missing_ok=True)
-        except OSError:  # another user's, alive
-            continue
+
+
+def _is_alive(process: str) -> bool:
+    """Return whether a process of this number is at work on this machine."""
+    try:
+        os.kill(int(process), 0)
+    except (ValueError, OverflowError, ProcessLookupError):
+        return False
+    except OSError:  # another user's, alive
+        return True
+    return True
 
 
 class Lock:
     """The right to write in a folder, made if it is not there, until `release` or the end of the process.
 
-    What killed processes left half written there is removed.
+    What killed processes left half written there is removed. Where the file system cannot lock files (Lustre without
+    the option flock, some network folders), what the file says of its owner counts instead.
 
-    **Raises:** `InputError` while another run has it.
+    **Raises:** `InputError` while another run has it, and for a link that leads nowhere.
     """
 
     of_command: ClassVar[dict[Path, "Lock"]] = {}  # whose folder the sweeps and tunings in it share
+    unlocked: ClassVar[set[Path]] = set()  # files of this process that could not be locked
 
     def __init__(self, folder: Path) -> None:
         self.path, self.descriptor = folder.resolve() / LOCK, -1
         if self.path in Lock.of_command:
             return
+        check_links(folder)
         self.new_folders = [path for path in (self.path.parent, *self.path.parent.parents) if not path.exists()]
         with naming(self.path):
             while not self._acquired(folder):
@@ -123,10 +170,10 @@ class Lock:
         try:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            owner = os.read(self.descriptor, 20).decode(errors="replace").strip() or "unknown"
-            os.close(self.descriptor)
-            self.descriptor = -1
-            raise InputError(f"{folder} is in use by another run, process {owner}; choose another folder") from None
+            raise self._in_use(folder, self._owner()[0] or "unknown") from None
+        except OSError:  # ENOSYS, ENOLCK, EOPNOTSUPP and others: there are no locks here
+            self._check_owner(folder)
+            Lock.unlocked.add(self.path)
         try:
             current = os.stat(self.path).st_ino == os.fstat(self.descriptor).st_ino
         except FileNotFoundError:
@@ -135,13 +182,34 @@ class Lock:
             os.close(self.descriptor)
             return False
         os.ftruncate(self.descriptor, 0)
-        os.pwrite(self.descriptor, f"{os.getpid()}\n".encode(), 0)
+        os.pwrite(self.descriptor, f"{os.getpid()} {platform.node()}\n".encode(), 0)
         return True
+
+    def _owner(self) -> tuple[str, str]:
+        """Return the process and the machine that the file names, "" for what it does not."""
+        process, _, machine = os.pread(self.descriptor, 300, 0).decode(errors="replace").strip().partition(" ")
+        return process, machine
+
+    def _check_owner(self, folder: Path) -> None:
+        """Raise `InputError` where the file names a process that is at work, or might be, on another machine."""
+        process, machine = self._owner()
+        if machine not in ("", platform.node()):
+            raise self._in_use(folder, f"{process} on {machine}", f", or delete {self.path} once that has ended")
+        # A process in a new container often has the number of one that was killed.
+        at_work = self.path in Lock.unlocked if process == str(os.getpid()) else _is_alive(process)
+        if at_work:
+            raise self._in_use(folder, process)
+
+    def _in_use(self, folder: Path, owner: str, remedy: str = "") -> InputError:
+        os.close(self.descriptor)
+        self.descriptor = -1
+        return InputError(f"{folder} is in use by another run, process {owner}; choose another folder{remedy}")
 
     def release(self) -> None:
         """Let others write there; may be called again."""
         if self.descriptor >= 0:
             Lock.of_command.pop(self.path, None)
+            Lock.unlocked.discard(self.path)
             self.path.unlink(missing_ok=True)
             os.close(self.descriptor)
             self.descriptor = -1

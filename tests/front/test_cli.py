@@ -371,8 +371,11 @@ def test_bugs_keep_their_traceback(computed):
     ("environment", "folder"),
     [
         ({"JAXBUFFER_CACHE": "here", "XDG_CACHE_HOME": "there"}, "here"),
-        ({"XDG_CACHE_HOME": "there"}, os.path.join("there", "jaxbuffer")),
+        ({"XDG_CACHE_HOME": "/there"}, os.path.join("/there", "jaxbuffer")),
         ({"HOME": "home"}, os.path.join("home", ".cache", "jaxbuffer")),
+        ({"HOME": "/home/me", "XDG_CACHE_HOME": "there"}, "/home/me/.cache/jaxbuffer"),
+        ({"HOME": "/home/me", "XDG_CACHE_HOME": "~/kept"}, "/home/me/kept/jaxbuffer"),
+        ({"HOME": "/home/me", "JAXBUFFER_CACHE": "~/programs"}, "/home/me/programs"),
     ],
 )
 def test_where_compiled_programs_are_kept(computed, monkeypatch, environment, folder):

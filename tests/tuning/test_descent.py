@@ -1,5 +1,7 @@
 """Any optax optimiser on the certified gradient: published minimax problems, bounds, limits and what is refused."""
 
+import itertools
+
 import diffrax
 import numpy as np
 import optax
@@ -93,8 +95,59 @@ def test_a_descent_that_was_interrupted_is_resumed_to_the_same_bits(solve, tmp_p
 
 
 @pytest.mark.parametrize(
+    "optimizer",
+    [
+        optax.lbfgs(0.5, linesearch=None),
+        optax.polyak_sgd(0.2),
+        optax.chain(optax.adam(0.1), optax.contrib.reduce_on_plateau(0.5, patience=3)),
+    ],
+    ids=["lbfgs", "polyak_sgd", "reduce_on_plateau"],
+)
+def test_optimizers_that_need_the_value_find_the_corner_of_the_bounds(solve, optimizer):
+    """min x² + y² from (3, 3) with x ≥ 1, y ≥ 1/2: (1, 1/2)."""
+    stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0])
+    tuned = solve(stated, SQUARES, optimizer=optimizer, iterations=60)
+    np.testing.assert_allclose(stated.values(tuned.after.scaled), [1.0, 0.5], rtol=0.01)
+
+
+def test_the_value_is_that_of_the_function_whose_slope_is_given(solve):
+    """The augmented Lagrangian of x² + y² with 2 / y ≤ 1: differences of its values along a short step are its slope's
+    share of the step."""
+    seen = []
+
+    def update(slope, state, at, *, value, **_):
+        seen.append((np.array(at), np.array(slope), float(value)))
+        return -1e-4 * np.sign(slope), state
+
+    recorder = optax.GradientTransformationExtraArgs(lambda at: (), update)
+    stated = problem([1.0, 0.5], [4.0, 4.0], [3.0, 1.5], limits=Limits(at_most={"stroke": 0.1}))
+    solve(stated, SQUARES, {"stroke": lambda x: 0.2 / x[1]}, optimizer=recorder, iterations=9)
+    first = seen[1:]  # the first call tries whether it takes a step at all
+    assert len(first) == 9
+    for (a, slope_a, value_a), (b, slope_b, value_b) in itertools.pairwise(first):
+        np.testing.assert_allclose(value_b - value_a, 0.5 * (slope_a + slope_b) @ (b - a), rtol=1e-6)
+
+
+def test_a_step_that_is_not_finite_ends_its_search_with_a_warning(solve):
+    def update(slope, state, at, **_):
+        return (np.full_like(at, np.nan) if state > 2 else -0.1 * slope), state + 1
+
+    broken = optax.GradientTransformationExtraArgs(lambda at: 0, update)
+    with pytest.warns(UserWarning, match="step 4 of the optimizer is not finite; its search ends there"):
+        tuned = solve(problem([1.0, 0.5], [4.0, 4.0], [3.0, 3.0]), SQUARES, optimizer=broken, tolerance=1e-9)
+    assert [record["step"] for record in tuned.records] == [0, 1, 2, 3] and np.isfinite(tuned.objective[1])
+
+
+@pytest.mark.parametrize(
     ("options", "message"),
     [
+        ({"optimizer": optax.lbfgs()}, r"in a line search; .* take optax\.adam\(0\.05\), .*linesearch=None"),
+        ({"optimizer": optax.sgd}, "is not an optax optimizer; write"),
+        (
+            {"optimizer": optax.contrib.sam(optax.sgd(0.1), optax.sgd(0.1), opaque_mode=True)},
+            "cannot take a step, .* take optax",
+        ),
+        ({"optimizer": optax.GradientTransformation(lambda at: (), lambda *_: (np.zeros(3), ()))}, r"shape \(3,\)"),
         ({"optimizer": 0.05}, "optimizer = 0.05 is not an optax optimizer; write"),
         ({"optimizer": "adan"}, "optimizer = 'adan' is unknown.*did you mean adam"),
         ({"learning_rate": 0.0}, r"tune\.learning_rate = 0 is out of range; allowed"),

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..files import user_path
 from .overrides import FIELDS, Command, Plain
 
 SHARED = {
@@ -82,6 +83,7 @@ def verb(
 
     def command(ctx: typer.Context, **options: Any) -> int:
         begun, words = time.perf_counter(), ctx.find_root().obj or ()
+        options = _as_meant(options)
         general = {option: options.pop(option) for option in shared}
         request = _imported("request", "CommandLine")(ctx.obj, words, begun, **general)
         return _imported(module or name, name)(request, **options)
@@ -100,9 +102,20 @@ def plain(app: typer.Typer, function: Callable[..., None], summary: str, module:
 
     @functools.wraps(function)
     def command(**options: Any) -> int:
-        return _imported(module, function.__name__)(**options)
+        return _imported(module, function.__name__)(**_as_meant(options))
 
     app.command(cls=Plain, short_help=summary)(command)
+
+
+def _as_meant(options: dict[str, Any]) -> dict[str, Any]:
+    """Return options whose paths have the home folder for a leading "~", which a shell leaves in --output=~/results."""
+
+    def meant(value: Any) -> Any:
+        if isinstance(value, (list, tuple)):
+            return [meant(entry) for entry in value]
+        return user_path(value) if isinstance(value, Path) else value
+
+    return {name: meant(value) for name, value in options.items()}
 
 
 def _imported(module: str, name: str) -> Callable[..., Any]:

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from jaxtyping import Float
 
-from ..errors import InputError, as_number, check_choice, check_whole, shown, suggest
-from ..fields import in_words
+from ..errors import InputError, check_choice, check_whole, shown, suggest
+from ..fields import in_unit, in_words
 from ..tables import text
 from .ranges import Range
 from .sample import Sample
@@ -106,7 +106,8 @@ class Surface:
     def _shares(self, axis: Range, values: Mapping[str, Any]) -> np.ndarray:
         if axis.path not in values:
             raise InputError(f"response surface: {axis.path} is missing; it was sampled and needs a value")
-        given = np.atleast_1d(np.asarray(as_number(values[axis.path])))
+        read = in_unit(f"response surface: {axis.path}", values[axis.path], axis.unit)
+        given = np.atleast_1d(np.asarray(read))
         if given.dtype.kind not in "iuf" or given.ndim != 1:
             raise InputError(
                 f"response surface: {axis.path} = {shown(values[axis.path])} is not a number or an array (n,)"

@@ -8,12 +8,12 @@ import contextlib
 import functools
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 import equinox as eqx
 
 from ..errors import InputError, shown, suggest
+from ..files import user_path
 
 SHAPES = {3: "MeshTri", 4: "MeshQuad"}  # by corners of a cell
 
@@ -48,7 +48,7 @@ def _read(path: str, value: Any) -> str:
     from skfem.io.json import from_file
 
     if isinstance(value, str | os.PathLike):
-        file = Path(value)
+        file = user_path(value)
         if not file.is_file():
             raise InputError(f"{path} = {shown(str(value))}: no such file")
         try:

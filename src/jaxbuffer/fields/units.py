@@ -6,13 +6,27 @@ text with a unit is met.
 """
 
 import contextlib
+import datetime
 import functools
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from ..errors import InputError, OutOfRange, as_number, inside, nearest, range_text, shown
+import numpy as np
+
+from ..errors import (
+    InputError,
+    OutOfRange,
+    as_number,
+    check_masks,
+    inside,
+    masked,
+    nearest,
+    range_text,
+    shown,
+    unit_of_library,
+)
 
 # The number is taken whole: "0.1" is no 0 of the unit ".1", nor "101" a 10 of "1".
 _DIGITS = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?+"
@@ -76,13 +90,33 @@ def as_unit(value: Any, unit: str) -> Any:
 
     **Raises:** `InputError` for a list in which some values have a unit and others none.
     """
+    if type(value) is float:
+        return value
+    if isinstance(value, np.ndarray) and (unwrapped := _unwrapped(value)) is not value:
+        converted = as_unit(unwrapped, unit)
+        return value if isinstance(converted, (list, str)) else converted
     if isinstance(value, str):
         number = _read(value, unit)
         return number if isinstance(number, float) else value
-    if isinstance(value, (list, tuple)) and any(isinstance(entry, str) for entry in value):
+    if unit_of_library(value) is not None:
+        converted = _converted(value, unit)
+        return value if isinstance(converted, str) else converted
+    if isinstance(value, (list, tuple)) and any(map(_has_unit, value)):
         check_units_agree(shown(value), value)
         value = [as_unit(entry, unit) for entry in value]
     return as_number(value)
+
+
+def _unwrapped(value: np.ndarray) -> Any:
+    """Return an array of texts or objects as a list, one in which nothing is masked without its mask."""
+    if isinstance(value, np.ma.MaskedArray):
+        return value if masked(value) else value.data
+    return value.tolist() if value.dtype.kind in "OU" and unit_of_library(value) is None else value
+
+
+def _has_unit(value: Any) -> bool:
+    """Whether a value brings a unit: a text that may have one, or a quantity of another library."""
+    return isinstance(value, str) or unit_of_library(value) is not None
 
 
 def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
@@ -93,9 +127,14 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     **Raises:** `InputError` for a unit that is unknown or of another dimension, with what would do, and for a list in
     which some values have a unit and others none.
     """
+    if type(value) is float:
+        return value
+    if isinstance(value, np.ndarray):
+        value = _unwrapped(value)
+    check_masks(path, value)
     if isinstance(value, (list, tuple)):
         check_units_agree(path, value)
-    if isinstance(value, str) and isinstance(reason := _read(value, unit), str) and reason:
+    if reason := _misfit(value, unit):
         allowed = range_text(*(limits.get(name, default) for name, default in _RANGE.items()))
         symbol = "" if unit in ("", "-") else f" {unit}"
         raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}{symbol}")
@@ -104,6 +143,74 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
         ends = tuple(limits.get(name, default) for name, default in _RANGE.items())
         raise _in_unit_of(OutOfRange(path, number, unit, ends), typed_unit(value))
     return number
+
+
+def _misfit(value: Any, unit: str) -> str:
+    """Return what is wrong with the unit of a text, or of a quantity of another library, alone or in a list."""
+    if isinstance(value, str):
+        read = _read(value, unit)
+    elif unit_of_library(value) is not None:
+        read = _converted(value, unit)
+    elif isinstance(value, (list, tuple)):
+        return next(filter(None, (_misfit(entry, unit) for entry in value if unit_of_library(entry) is not None)), "")
+    else:
+        return ""
+    return read if isinstance(read, str) else ""
+
+
+def _converted(value: Any, unit: str) -> Any:
+    """Return a quantity of another library as numbers in ``unit``, or what is wrong with its own unit."""
+    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    if isinstance(value, datetime.timedelta | np.timedelta64) or getattr(value, "dtype", np.dtype(float)).kind == "m":
+        try:
+            seconds = np.asarray(value, "m8") / np.timedelta64(1, "s")
+        except TypeError:  # months and years have no fixed length
+            return f"{shown(value)} has no length in seconds; expected {expected}"
+        return _scaled(float(seconds) if np.ndim(seconds) == 0 else seconds, "s", unit)
+    reason = ""
+    for quantity in _in_other_units(value):
+        numbers: Any = getattr(quantity, "magnitude", None)
+        numbers = getattr(quantity, "value", None) if numbers is None else numbers
+        numbers = np.asarray(quantity) if numbers is None or callable(numbers) else numbers  # a labelled array
+        converted = _scaled(as_number(numbers), _symbol_of(quantity), unit)
+        if not isinstance(converted, str):
+            return converted
+        reason = reason or converted
+    return f"{reason}; expected {expected}" if expected not in reason else reason
+
+
+def _in_other_units(quantity: Any) -> Iterator[Any]:
+    """A quantity as it is, then in its library's base units where it has any: their symbols are known here."""
+    yield quantity
+    for name in ("to_base_units", "decompose", "in_mks"):
+        if callable(convert := getattr(quantity, name, None)):
+            with contextlib.suppress(Exception):  # of any library
+                yield convert()
+
+
+def _symbol_of(quantity: Any) -> str:
+    """The unit of a quantity of another library as units are written here."""
+    units = getattr(quantity, "units", None)
+    try:
+        text = f"{units:~D}"  # pint's short symbols
+    except (TypeError, ValueError):
+        text = unit_of_library(quantity) or ""
+    # astropy writes powers behind the symbol: "kg m / s2"
+    return re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", text) or "-"
+
+
+def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
+    """Return numbers of a unit as those of another one, or what is wrong with it."""
+    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    if unit.endswith("^e"):
+        return f"the unit depends on the exponent; write {expected} without one"
+    try:
+        given, target = _parsed(symbol), _parsed(unit)
+    except Exception:  # pint has many
+        return f"{_unknown(symbol)}; expected {expected}"
+    if given.dimensionality != target.dimensionality:
+        return f"{symbol} does not fit, expected {expected}{_instead(symbol, unit)}"
+    return numbers * float(_registry().Quantity(1.0, given).to(target).magnitude)
 
 
 def typed_unit(value: Any) -> str:
@@ -165,6 +272,7 @@ def check_units_agree(where: str, values: Sequence[Any], written: Callable[..., 
     ``written``: the whole as it should be typed, from a text for each value; a list of them by default.
     """
     units = [match[2].strip() for value in values if isinstance(value, str) and (match := _TEXT.fullmatch(value))]
+    units += [symbol for value in values if (symbol := unit_of_library(value)) is not None]
     if not units:
         return
     read = [as_number(value) for value in values]

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from .._types import Axes
 from ..errors import InputError, check_choice, check_type
-from ..files import write
+from ..files import user_path, write
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .field_files import coloured
@@ -81,7 +81,7 @@ def animate(run: Run, path: str | Path) -> Path:
     >>> jb.animate(run, "drop.gif").name
     'drop.gif'
     """
-    path = Path(path)
+    path = user_path(path)
     write(path, animation(run, path.suffix.removeprefix(".")))
     return path
 

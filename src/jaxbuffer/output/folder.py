@@ -13,15 +13,17 @@ from .._types import Dataset
 from ..errors import InputError
 from ..fields import Part, paths
 from ..fields.record import from_json
+from ..files import user_path
 from ..labelled.netcdf import SUFFIX, read
 from ..mechanisms import all_mechanisms, mechanism_named
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..programs.process import differing
 from ..study.config import load as load_study
-from ..sweeps.store import STORE, identity_of, in_a_row, is_unfinished, opened
+from ..sweeps.store import STORE, differences, identity_of, is_unfinished, opened
 from ..sweeps.zarr_format import attributes
 from ..tables import summary_html
+from ..tuning.pareto import begun_identity
+from ..tuning.store import stored_identity
 
 DESIGN = "design.toml"
 TABLES = ("sweep.nc", "sample.nc")  # the runs of a sweep and of a sample
@@ -123,8 +125,8 @@ def load(folder: str | Path) -> Results:
     - ``folder``: a folder of `jaxbuffer simulate`, `sensitivity`, `sweep`, `tune`, `sample` or `pareto`, or of
       several of them.
 
-    **Returns:** `Results`. A warning says where a sweep was begun beside the results of another one, which are what is
-    returned.
+    **Returns:** `Results`. A warning says where a sweep, a sample, a tuning or a front was begun beside the results of
+    another one, which are what is returned.
 
     **Raises:** `InputError` for a folder that is not there, holds no results, or has a damaged file, which it names.
 
@@ -136,11 +138,11 @@ def load(folder: str | Path) -> Results:
     ...     print(error)
     no-such-folder: no such folder
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
     run, sweep, records = _run(folder), _sweep(folder), _records(folder)
-    if two := _two_sweeps(folder):
+    for two in filter(None, (_two_sweeps(folder), *_two_searches(folder, records))):
         warnings.warn(two, stacklevel=2)
     design = load_study(folder / DESIGN).design if (folder / DESIGN).is_file() else None
     if run is None and sweep is None and design is None and not records.keys() - BESIDE.keys():
@@ -157,7 +159,7 @@ def load(folder: str | Path) -> Results:
 
 def load_finished(folder: str | Path) -> Results:
     """Load a folder for a page. **Raises:** `InputError` as `load` does, and where it has an unfinished sweep alone."""
-    begun = unfinished(Path(folder))
+    begun = unfinished(user_path(folder))
     try:
         results = load(folder)
     except InputError as error:
@@ -187,13 +189,26 @@ def _two_sweeps(folder: Path) -> str:
         return ""
     unfinished = is_unfinished(folder / STORE)
     name, other = next(iter(others.items()))
-    parts = in_a_row(differing(own, other))
+    parts = differences(own, other)
     state = "is not finished" if unfinished else "has all its runs"
     goes_on = "goes on" if unfinished else "writes its results"
     return (
         f"{folder} holds two sweeps, differing in {parts}: {name} is of one, {STORE} of the other, which {state}:"
         f" the command that began it, with --resume, {goes_on}"
     )
+
+
+def _two_searches(folder: Path, records: Mapping[str, Record]) -> list[str]:
+    """Return what is said where a tuning or a front was begun beside the results of another one."""
+    said = []
+    for what, name, begun in (("tuning", "tuned", stored_identity), ("front", "front", begun_identity)):
+        own, now = records.get(name, {}).get("identity"), begun(folder)
+        if own and now and own != now:
+            said.append(
+                f"{folder} holds two {what}s: {RECORDS[name]} is of one, and another was begun there and has no results"
+                " yet: the command that began it, with --resume, goes on"
+            )
+    return said
 
 
 def _records(folder: Path) -> dict[str, Record]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..files import write, write_beside
+from .companions import remove_stale
 
 Made = Mapping[str, Any] | None  # how a result came about (`provenance.made`), where that is known
 Contents = Mapping[str, Callable[[], str | bytes]]  # a file's name and what makes its content
@@ -74,13 +75,19 @@ def write_all(
 ) -> tuple[list[Path], Exception | None]:
     """Write every file, figures last; return those that were written, and the first error.
 
-    A file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
+    What an earlier result of the same kind left there is removed first, because it would be taken for the new one's. A
+    file that cannot be made or written leaves the others alone; the error of a figure that cannot be drawn is an
     `OSError`. Without ``force`` a file that has appeared meanwhile is left as it is, and ``note`` is called with where
     the result is instead.
     """
     written: list[Path] = []
     failure: Exception | None = None
     folder.mkdir(parents=True, exist_ok=True)
+    if force:
+        try:
+            remove_stale(folder, contents)
+        except OSError as error:
+            failure = error
     for name in sorted(contents, key=is_figure):
         path = folder / name
         try:

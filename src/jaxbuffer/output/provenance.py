@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from ..files import home
 from ..version import version
 
 MADE = "made"  # a record's key for it
@@ -38,13 +39,27 @@ def made(
     ('jaxbuffer simulate --buffer.k_A 800', 2.5)
     """
     return {
-        "command": shlex.join(["jaxbuffer", *command]).replace(str(Path.home()), "~"),
+        "command": " ".join(["jaxbuffer", *map(_quoted, command)]),
         "study": study,
         "settings": dict(settings),
         "wall_time [s]": round(seconds, 3),
         "resumed": resumed,
         **_here(),
     }
+
+
+def _quoted(word: str) -> str:
+    """Return a word as a shell takes it, a path in the home folder, also behind an option's "=", with "~"."""
+    own = home()
+    if own is None or not own.is_absolute() or own == Path(own.anchor):  # what is in "/" names no user
+        return shlex.quote(word)
+    option, equals, path = word.partition("=") if word.startswith("-") else ("", "", word)
+    inside = path.removeprefix(str(own))
+    if inside == path or inside[:1] not in ("", "/"):  # /home/me is no folder above /home/menu
+        return shlex.quote(word)
+    return f"{shlex.quote(option) if option else ''}{equals}~{'/' if inside else ''}" + (
+        shlex.quote(inside[1:]) if inside[1:] else ""
+    )
 
 
 def made_in_python() -> dict[str, Any]:

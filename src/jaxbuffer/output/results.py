@@ -10,7 +10,7 @@ from ..experiments.indices import Indices
 from ..experiments.rectangle import SafeRectangle
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
-from ..files import Lock
+from ..files import Lock, user_path
 from ..labelled.netcdf import SUFFIX, content
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
@@ -25,6 +25,7 @@ from ..tuning.objective import Constraints
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned, tuning_history
 from . import formats, records, style, sweep_records, tuned_records
+from .companions import stale
 from .field_files import field_files
 from .figures import run_figure
 from .formats import Contents, Made, csv_text
@@ -207,7 +208,7 @@ def save(
     - ``result``: of `simulate`, `sensitivity`, `sweep`, `sample`, `tune` or `pareto`. A run is drawn where it has a
       history.
     - ``folder``: made if it is not there.
-    - ``force``: whether to replace files that are there.
+    - ``force``: whether to replace files that are there; those of an earlier result of the same kind are removed.
     - ``figures``: whether to draw; without, the force over time of a tuning is left out too, which takes two runs.
     - ``beside``: what was computed from it: ``trust`` of a run, ``envelope`` (a `SafeRectangle`) of a sweep,
       ``indices`` and ``surfaces`` of a sample.
@@ -224,14 +225,14 @@ def save(
     ...     [path.name for path in jb.save(run, folder)], jb.load(folder).run.outcome
     (['drop.json', 'drop.txt', 'drop.nc'], 'finished')
     """
-    folder = Path(folder)
+    folder = user_path(folder)
     contents = _contents(result, beside)
     if not figures:
         contents = {name: it for name, it in contents.items() if not (formats.is_figure(name) or name in OF_FIGURES)}
     if any(map(formats.is_figure, contents)):
         style.require_matplotlib()
     formats.check_folder(folder)
-    formats.check_free(folder, sorted(contents), force)
+    formats.check_free(folder, [*sorted(contents), *(path.name for path in stale(folder, contents))], force)
     lock = Lock(folder)
     try:
         written, failure = formats.write_all(folder, contents, force)

@@ -23,6 +23,7 @@ def tuned_record(tuned: Tuned) -> dict[str, Any]:
     floors = _floors(tuned)
     return {
         "kind": problem.mechanism.name,
+        "identity": tuned.identity,
         "message": tuned.message,
         "converged": tuned.converged,
         "ended": tuned.ended,
@@ -152,6 +153,7 @@ def front_record(front: Front) -> dict[str, Any]:
     header, rows = front_rows(front)
     return {
         "kind": front.problem.mechanism.name,
+        "identity": front.identity,
         "objectives": list(front.objectives),
         "scenarios": len(front.problem.cases),
         "samples": front.problem.samples,

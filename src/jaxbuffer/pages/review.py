@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import InputError
+from ..files import user_path
 from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
 from .designs import design, requirements
@@ -47,7 +48,8 @@ def report(*folders: str | Path, to: str | Path | None = None, title: str = "") 
     if not folders:
         raise InputError("report needs a folder of results, as in jb.report('results')")
     page = review([load_finished(folder) for folder in folders], title)
-    file = Path(folders[0]) / "report.html" if to is None else Path(to)
+    file = user_path(folders[0] if to is None else to)
+    file = file / "report.html" if to is None else file
     write_page(page, file, "file, to=…")
     return file
 

@@ -2,16 +2,19 @@
 
 Python lets a name stand for another class later on, and a method read globals that change. Programs of such code are
 kept in memory only, by a `fingerprint` that differs where the code does. Packages' own code has a `label` instead, by
-which another process finds the program on disk.
+which another process finds the program on disk. A sweep or a tuning that is resumed, in whatever process, knows the
+user's code by its `digest`.
 """
 
 import dataclasses
 import enum
 import functools
 import hashlib
+import pickle
 import sys
 import types
 from collections.abc import Hashable
+from pathlib import Path
 from typing import Any
 
 import equinox as eqx
@@ -39,11 +42,20 @@ _WRAPPERS: tuple[tuple[Any, tuple[str, ...]], ...] = (  # of functions, and wher
     (type(jax.jit(lambda: None)), ("__wrapped__",)),
 )
 
-Visited = dict[int, tuple[int, Any]]  # by identity: in which order it came, and the thing itself, which so stays alive
+SITES = ("site-packages", "dist-packages")  # folders of packages that are installed
 
 
 class UserCode(ValueError):
     """Code that no package's version pins down."""
+
+
+class Visited(dict[int, tuple[int, Any]]):
+    """What was described already, by identity: in which order it came, and the thing itself, which so stays alive.
+
+    ``lasting``: whether the description is to mean the same in another process.
+    """
+
+    lasting = False
 
 
 class Same:
@@ -141,8 +153,17 @@ def _known_package(name: str) -> bool:
 def fingerprint(*things: Any) -> Hashable:
     """A description of classes, functions and values, for this process alone: nested tuples that are equal where the
     things are alike. What cannot be described, such as code of a C extension, is equal to itself."""
-    visited: Visited = {}
+    visited = Visited()
     return tuple(_described(thing, visited) for thing in things)
+
+
+def digest(*things: Any) -> str:
+    """Return a hash of code, with all of the user's that it reads, that is the same in every process with this Python.
+    What cannot be described counts by its type alone."""
+    visited = Visited()
+    visited.lasting = True
+    text = repr(tuple(_described(thing, visited) for thing in things))
+    return hashlib.sha256(text.encode(errors="backslashreplace")).hexdigest()[:16]
 
 
 def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0912 # a table of kinds
@@ -155,7 +176,9 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
         return ("again", visited[id(thing)][0])
     visited[id(thing)] = (len(visited), thing)
     if known(thing):
-        return Same(thing)
+        return ("known", *_address(thing)) if visited.lasting else Same(thing)
+    if visited.lasting and (package := _installed(thing)):
+        return package
     if isinstance(thing, type):
         return _class(thing, visited)
     if isinstance(thing, types.FunctionType):
@@ -177,7 +200,48 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
     for wrappers, names in _WRAPPERS:
         if isinstance(thing, wrappers):
             return (kind.__name__, *(_described(getattr(thing, name), visited) for name in names))
-    return Same(thing)
+    return _object(thing, visited) if visited.lasting else Same(thing)
+
+
+def _object(thing: Any, visited: Visited) -> Hashable:
+    """An object of any other class by what it holds, so that another process describes it alike."""
+    kind = type(thing)
+    if dataclasses.is_dataclass(thing):
+        parts = {field.name: getattr(thing, field.name, None) for field in dataclasses.fields(thing) if field.compare}
+    elif isinstance(thing, types.ModuleType):
+        return ("module", thing.__name__)
+    elif not known(kind) and not _installed(kind) and hasattr(thing, "__dict__"):
+        cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
+        parts = {name: value for name, value in vars(thing).items() if name not in cached}
+    elif hasattr(thing, "__wrapped__"):
+        parts = {"wrapped": thing.__wrapped__}
+    else:
+        try:
+            parts = {"pickled": hashlib.sha256(pickle.dumps(thing, protocol=4)).hexdigest()}
+        except Exception:  # a lock, a stream: its type says what can be said
+            parts = {}
+    return ("object", _described(kind, visited), *_mapping(parts, visited))
+
+
+def _installed(thing: Any) -> Hashable:
+    """A class or function of an installed package by its name and that package's source, None for any other thing."""
+    module, name = getattr(thing, "__module__", None), getattr(thing, "__qualname__", None)
+    if not (isinstance(module, str) and isinstance(name, str)) or "<" in name:
+        return None
+    source = _package_source(module.partition(".")[0])
+    return ("installed", module, name, source) if source else None
+
+
+@functools.cache
+def _package_source(name: str) -> str:
+    """A hash of the Python files of an installed package, "" for what is not installed."""
+    place = Path(getattr(sys.modules.get(name), "__file__", None) or "")
+    if not set(SITES) & set(place.parts):
+        return ""
+    content = hashlib.sha256()
+    for file in sorted(place.parent.rglob("*.py")) if place.name == "__init__.py" else [place]:
+        content.update(f"{file.name}\0".encode() + file.read_bytes())
+    return content.hexdigest()[:16]
 
 
 def _mapping(mapping: Any, visited: Visited) -> tuple[Hashable, ...]:
@@ -202,7 +266,7 @@ def _function(function: types.FunctionType, visited: Visited) -> tuple[Hashable,
     return (
         _code(code),
         *(_described(part, visited) for part in (function.__defaults__, function.__kwdefaults__, function.__dict__)),
-        tuple(_cell(cell, visited) for cell in function.__closure__ or ()),
+        tuple(_cell(cell, names, visited) for cell in function.__closure__ or ()),
         tuple((name, _global(value, names, visited)) for name, value in reads.items() if value is not None),
     )
 
@@ -215,9 +279,9 @@ def _global(value: Any, names: frozenset[str], visited: Visited) -> Hashable:
     return ("module", value.__name__, *_mapping(used, visited))
 
 
-def _cell(cell: types.CellType, visited: Visited) -> Hashable:
+def _cell(cell: types.CellType, names: frozenset[str], visited: Visited) -> Hashable:
     try:
-        return _described(cell.cell_contents, visited)
+        return _global(cell.cell_contents, names, visited)
     except ValueError:  # not filled yet
         return "empty"
 
@@ -232,6 +296,8 @@ def _code(code: types.CodeType) -> tuple[Hashable, ...]:
 
 
 def _constant(value: Any) -> Hashable:
+    if isinstance(value, frozenset):  # in an order that differs between processes
+        return ("frozenset", *sorted(map(repr, value)))
     return (type(value).__name__, *map(_constant, value)) if isinstance(value, tuple) else (type(value), repr(value))
 
 

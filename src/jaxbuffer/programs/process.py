@@ -21,10 +21,12 @@ import numpy as np
 from jax.extend.backend import get_compile_options
 
 from ..errors import InputError
+from ..files import home, user_path
 from .store import folder, store_in
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optax", "optimistix")
 Kind = Mapping[str, str]
+NO_HOME = "the home folder is not known; set JAXBUFFER_CACHE to a folder of your own"
 HOST = ("processor", "backend", "XLA")  # what a machine has, rather than an installation
 THRESHOLD = "xla_cpu_small_while_loop_byte_threshold"
 ONE_KERNEL = f"--xla_backend_extra_options={THRESHOLD}=1000000000"
@@ -98,17 +100,27 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
             os.environ["XLA_FLAGS"] = " ".join([flags, *_flags(flags)]).strip()
     jax.config.update("jax_enable_x64", True)
     if cache is True and folder() is None:
-        _keep_programs(cache_folder(), jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
+        if (usual := cache_folder()) is None:
+            print(f"note: compiled programs are not stored: {NO_HOME}", file=sys.stderr)
+        else:
+            _keep_programs(usual, jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
     elif cache and cache is not True:
-        _keep_programs(Path(cache))
+        _keep_programs(user_path(cache))
 
 
-def cache_folder() -> Path:
-    """The default folder of compiled programs."""
+def cache_folder() -> Path | None:
+    """The default folder of compiled programs, None where neither the environment nor a home folder says one."""
     chosen = os.environ.get("JAXBUFFER_CACHE")
     if chosen:
-        return Path(chosen).expanduser()
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxbuffer"
+        return user_path(chosen)
+    own = home()
+    shared = os.environ.get("XDG_CACHE_HOME", "")
+    if own is not None and (shared == "~" or shared.startswith("~/")):  # a file that no shell reads has set it
+        shared = str(own / shared[2:])
+    # A relative path would be another folder wherever one stands: the XDG specification has it ignored.
+    if Path(shared).is_absolute():
+        return Path(shared) / "jaxbuffer"
+    return None if own is None else own / ".cache" / "jaxbuffer"
 
 
 def _keep_programs(cache: Path, of_jax: str | None = None) -> None:

@@ -201,14 +201,24 @@ def being_loaded(file: Path) -> Iterator[None]:
     handle, draft = tempfile.mkstemp(prefix=f"{file.name}.", suffix=DRAFT, dir=file.parent)
     marker = Path(draft).with_suffix(MARKER)
     try:
-        if fcntl is not None:
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        os.replace(draft, marker)  # locked before anybody finds it
+        if _locked(handle):  # a marker without a lock would be taken for one that was left behind
+            os.replace(draft, marker)  # locked before anybody finds it
         yield
     finally:
         remove(Path(draft))
         remove(marker)
         os.close(handle)
+
+
+def _locked(handle: int) -> bool:
+    """Lock a file of one's own; False where files cannot be locked."""
+    if fcntl is None:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+    except OSError:
+        return False
+    return True
 
 
 @contextlib.contextmanager

@@ -48,6 +48,16 @@ def changeable(tree: Any) -> Hashable:
     return (contact_laws, identity.fingerprint(*things)) if things else contact_laws
 
 
+def user_code(*things: Any, words: Iterable[Any] = ()) -> str:
+    """Return a hash of the user's code that numbers of these designs, mechanisms and laws depend on, the same in every
+    process; "" where the packages have all of it. ``words``: values of choices that may name laws."""
+    trees = [jax.tree.structure(thing) for thing in things]
+    used = [part for tree in trees for part in (*_own(tree), *laws(tree))]
+    used += [LAWS[word] for word in words if isinstance(word, str) and word in LAWS]
+    own = [thing for thing in used if not identity.lasts(thing)]
+    return identity.digest(*own) if own else ""
+
+
 def laws(tree: Any) -> tuple[type, ...]:
     """The laws whose names are in the arguments: looked up anew, since a name can be registered again."""
     return tuple(LAWS[word] for word in _words(tree) if word in LAWS)

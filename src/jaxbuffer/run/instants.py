@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..errors import InputError, concrete, shown
+from ..fields import in_unit
 from ..mechanisms.history import History
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
@@ -63,6 +64,7 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
 
 def instants_of(times: Any) -> Float[np.ndarray, " instants"]:
     """Times as an array. **Raises:** `InputError` for what is no list of finite numbers."""
+    times = in_unit("times", times, "s")
     instants = concrete(times)
     if instants is None or instants.ndim != 1 or not np.all(np.isfinite(instants)):
         shape = "" if instants is None else f", of the shape {instants.shape}"

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .._types import Scalar
-from ..errors import InputError, concrete
+from ..errors import InputError, check_plain, concrete
 
 SAMPLES = 20  # of a period at least: a peak between two of them is then missed by 1.2 % at most
 FINE = 400  # samples of the shortest period that a motion is followed with
@@ -92,6 +92,8 @@ def spectrum_of_motion(
     >>> " ".join(f"{a:.0f}" for a in found)
     '124 400'
     """
+    for name, numbers, unit in (("frequencies", frequencies, "Hz"), ("time", time, "s"), ("velocity", velocity, "m/s")):
+        check_plain(name, numbers, unit)
     known, instants = np.asarray(frequencies, float), concrete(time)
     if instants is None or instants.ndim != 1 or len(instants) < 2 or not np.all(np.diff(instants) >= 0.0):
         raise InputError("time must hold two instants or more, none before the one in front of it [s]")

@@ -33,6 +33,7 @@ from ..fields import (
     unit,
     unknown,
 )
+from ..files import user_path
 from ..hybrid import SOLVER_NAMES, Solver, solver_named
 from ..mechanisms import mechanism_named
 from ..mechanisms.mechanism import Mechanism
@@ -142,10 +143,10 @@ def load(path: str | Path | None) -> Config:
     if path is None:
         return Config()
     try:
-        content = Path(path).read_bytes()
+        path = file = user_path(path)
+        content = file.read_bytes()
     except FileNotFoundError:
-        path = Path(path)
-        raise InputError(f"{path}: no such file{no_file(path)}") from None
+        raise InputError(f"{path}: no such file{no_file(file)}") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
     return loads(content, path)
@@ -309,7 +310,7 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pa
         symbol = unit(module, path)
         checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
         if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):
-            checked[path] = str(folder / value)
+            checked[path] = str(folder / user_path(value))
     return replace(module, checked)
 
 

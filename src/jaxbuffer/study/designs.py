@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import InputError, check_single
 from ..fields import Part, get, paths, point_paths, unit
-from ..files import write
+from ..files import user_path, write
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 from ..tuning.problem import Problem
@@ -35,7 +35,7 @@ def load_design(toml: str | Path) -> tuple[Any, tuple[Any, ...]]:
     >>> type(design).__name__, len(scenarios)
     ('BarDrop', 1)
     """
-    study = load(Path(toml))
+    study = load(toml)
     return study.design, study.scenarios
 
 
@@ -72,7 +72,7 @@ def save_design(
             if unit(part, name) and get(part, name) is not None:
                 check_single(name, get(part, name), unit(part, name), "save each design to a file of its own")
     try:
-        write(Path(path), design_toml(design, listed, comment), overwrite)
+        write(user_path(path), design_toml(design, listed, comment), overwrite)
     except FileExistsError:
         raise InputError(f"{path} exists; overwrite=True replaces it") from None
 

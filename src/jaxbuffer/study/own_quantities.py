@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, check_known, nearest, shown
 from ..fields.units import check_unit
+from ..files import user_path
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.derived import Derived, check_derived, check_name, line_in, raised
 
@@ -66,7 +67,7 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
         where = f"problem.quantities.{name}"
         try:
             if named.file not in modules:
-                modules[named.file] = _run(folder / named.file, named.file)
+                modules[named.file] = _run(folder / user_path(named.file), named.file)
             function = _function(modules[named.file], named)
             own[name] = Derived(function, named.unit, named.description)
         except InputError as error:

@@ -6,7 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, as_number, check_choice, check_number, check_whole, shown, suggest
+from ..errors import (
+    InputError,
+    as_number,
+    check_choice,
+    check_masks,
+    check_number,
+    check_whole,
+    shown,
+    suggest,
+    unit_of_library,
+)
 from ..fields import (
     Part,
     as_typed,
@@ -161,7 +171,8 @@ def span(where: str, table: Mapping[str, Any], unit: str, most: int = MOST) -> S
 
 
 def _listed(path: str, given: Any, unit: str) -> tuple[float, ...]:
-    values = _as_list(given)
+    check_masks(f"sweep.{path}", given)
+    values = _as_list(in_unit(f"sweep.{path}", given, unit) if unit_of_library(given) is not None else given)
     if not values:
         raise InputError(f"sweep.{path} is empty; expected {EXAMPLE}")
     check_units_agree(f"sweep.{path}", values)
@@ -176,6 +187,7 @@ def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, .
     remedy = f"list its values, as in [{shown(now)}]"
     if isinstance(given, Mapping):
         raise InputError(f"sweep.{path} is a choice; {remedy}")
+    check_masks(f"sweep.{path}", given)
     values = tuple(_as_choice(value, now) for value in _as_list(given))
     if not values:
         raise InputError(f"sweep.{path} is empty; {remedy}")
@@ -188,7 +200,7 @@ def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, .
 
 def _as_list(given: Any) -> list[Any]:
     """What was given as a list, a single value as the only one."""
-    given = given.tolist() if isinstance(given, np.ndarray) else given
+    given = given.tolist() if isinstance(given, np.ndarray) and unit_of_library(given) is None else given
     return list(given) if isinstance(given, Sequence) and not isinstance(given, str | bytes) else [given]
 
 

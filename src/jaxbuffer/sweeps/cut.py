@@ -118,6 +118,10 @@ class GridSweep(_Blocks):
         axes = [(axis.path, axis.unit, axis.values.tolist()) for axis in self.grid.axes]
         return {"design": self.template.design, "scenarios": (self.template.scenario, axes)}
 
+    def choices(self) -> list[Any]:
+        """All values of the fields that are choices."""
+        return [value for axis in self.grid.axes if not axis.unit for value in axis.values.tolist()]
+
     def coordinates(self) -> dict[str, Labelled]:
         """The fields' values."""
         return {it.path: Labelled((it.path,), it.values, it.unit, it.name) for it in self.grid.axes}
@@ -161,6 +165,10 @@ class RunsSweep(_Blocks):
     def duration(self) -> Any:
         """Of the runs [s], shape (n,) where they have one each."""
         return self.swept[2]
+
+    def choices(self) -> list[Any]:
+        """The values of choices that differ: none do."""
+        return []
 
     def coordinates(self) -> dict[str, Labelled]:
         """The numbers that differ, and the runs' own."""

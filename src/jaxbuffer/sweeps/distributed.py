@@ -3,7 +3,6 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Generator
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..cluster.connect import connected
 from ..cluster.spread import spread
 from ..cluster.workers import Workers
 from ..errors import InputError
-from ..files import Lock
+from ..files import Lock, user_path
 from .chunk import CHUNK, Settings, columns_of_chunk, runs, task_size
 from .columns import tally
 from .cut import Block, BlockSweep, GridSweep, RunsSweep, Template
@@ -71,7 +70,7 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
     many."""
     if where.folder is None:
         raise InputError("a sweep over a scheduler needs a folder, where its workers store what they find")
-    path = Path(where.folder).absolute() / STORE
+    path = user_path(where.folder).absolute() / STORE
     if where.resume:
         check_resumable(path)
     lock = Lock(path.parent)
@@ -86,19 +85,19 @@ def run(cut: Callable[[int], BlockSweep], count: int, settings: Settings, where:
                 sweep = cut(task_size(count, max(1, workers.threads)))
                 store = begun(path, sweep, settings, workers.kind)
             job = Job(store, isinstance(sweep, GridSweep), sweep.template, settings)
-            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, path, where)
+            return _solved(spread(client, workers, solve_block, job, sweep.blocks()), sweep, count, store, where)
     finally:
         lock.release()
 
 
 def _solved(
-    reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: Path, where: Where
+    reports: Generator[Report, None, None], sweep: BlockSweep, count: int, store: Store, where: Where
 ) -> StoredSweep:
     """Wait for all blocks."""
     outcomes, verdicts, done = Counter[int](), Counter[int](), 0
 
     def so_far() -> StoredSweep:
-        return StoredSweep(store, sweep, count, done, dict(outcomes), dict(verdicts))
+        return StoredSweep(store.path, sweep, count, done, dict(outcomes), dict(verdicts), store.token)
 
     try:
         for report in reports:
@@ -111,7 +110,7 @@ def _solved(
         raise StoredInterrupted(so_far()) from None
     except OSError as error:
         name = sweep.mechanism.view.run_name
-        there = f"{done} of {count} {name}s are known to be in {store}; resuming goes on with them"
+        there = f"{done} of {count} {name}s are known to be in {store.path}; resuming goes on with them"
         if error.errno is None:
             raise ConnectionError(f"{error}; {there}") from None
         raise OSError(error.errno, f"{error.strerror}; {there}", error.filename) from None

@@ -42,7 +42,7 @@ def completed(
     waiting, running = iter(items), set[Future[R]]()
     try:
         while True:
-            running |= {pool.submit(call, item) for item in itertools.islice(waiting, 2 * workers - len(running))}
+            running |= {_submitted(pool, call, item) for item in itertools.islice(waiting, 2 * workers - len(running))}
             if not running:
                 return
             finished, running = wait(running, return_when=FIRST_COMPLETED)
@@ -55,6 +55,16 @@ def completed(
             future.cancel()
         if executor is None:
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _submitted(pool: Executor, call: Callable[[I], R], item: I) -> Future[R]:
+    """Hand out a call. **Raises:** `InputError` where the executor takes none, because it was shut down."""
+    try:
+        return pool.submit(call, item)
+    except BrokenExecutor:
+        raise
+    except RuntimeError as error:
+        raise InputError(f"the executor takes no calls: {error}; give one that has not been shut down") from None
 
 
 def check_executor(executor: Any) -> None:

@@ -27,6 +27,7 @@ from ..hybrid import Automatic, name_of
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
 from ..programs.process import differing
+from ..programs.structure import user_code
 from ..run.trust import VERDICTS
 from ..version import version
 from . import zarr_format
@@ -37,6 +38,7 @@ from .cut import Block, BlockSweep, Cut
 STORE, FORMER = "sweep.zarr", "sweep.chunks"  # the second one was written by versions before this store
 DRAFT = ".sweep.zarr.draft"
 CHECKSUM = "checksum"
+CODE = "code"  # of the user's, a part of a sweep's identity where it uses some
 BLOCK, KIND, TOKEN = "block", "made_on", "token"  # attributes as `IDENTITY`, the last one a word, else JSON
 PERIOD = 1.0  # s between the moments at which a sweep in this process stores what it has finished
 
@@ -210,6 +212,8 @@ def identity(settings: Settings, sweep: BlockSweep) -> dict[str, str]:
     # No solver is the automatic one, which the command line names and a call in Python leaves out.
     settings = settings._replace(solver=settings.solver or Automatic())
     parts = {"options": (sweep.duration, *settings), "quantities": column_names(sweep.mechanism)}
+    if code := user_code(sweep.mechanism, settings.solver, sweep.template, words=sweep.choices()):
+        hashes[CODE] = code
     for name, part in {**sweep.identity(), **parts}.items():
         leaves, structure = jax.tree.flatten(part)
         content = hashlib.sha256(str(structure).encode())
@@ -243,13 +247,19 @@ def resumed(path: Path, sweep: BlockSweep, settings: Settings) -> tuple[Store, d
         cut = Cut(sweep.cut.sizes, tuple(map(int, block)))
     except (KeyError, ValueError, TypeError):
         raise InputError(f"{path} is damaged and cannot be resumed; it is left as it is") from None
-    if differ := differing(own, other):
+    if differ := differences(own, other):
         remedy = "repeat the study, the options and the same --over of the first, or choose another --output"
-        raise InputError(f"{path} holds another sweep, differing in {in_a_row(differ)}; {remedy}; it is left as it is")
+        raise InputError(f"{path} holds another sweep, differing in {differ}; {remedy}; it is left as it is")
     for draft in path.rglob(f"*{zarr_format.PARTIAL}"):  # what killed processes left half written
         draft.unlink(missing_ok=True)
     sweep.cut = cut
     return Store(path, token, column_types(sweep.mechanism), cut), made_on
+
+
+def differences(own: Mapping[str, str], other: Mapping[str, str]) -> str:
+    """Return in which parts two sweeps' identities differ, in words; "" where they do not."""
+    words = {CODE: "the code of your own that its runs use"}
+    return in_a_row([words.get(name, name) for name in differing(own, other)])
 
 
 def identity_of(attributes: Mapping[str, Any]) -> dict[str, str] | None:
@@ -282,12 +292,28 @@ def check_resumable(path: Path) -> None:
 
 
 def is_unfinished(path: Path) -> bool:
-    """Return whether a store lacks blocks."""
+    """Return whether a store lacks runs, of which a block may have some only."""
     try:
         count = json.loads((path / CHECKSUM / zarr_format.ARRAY).read_text(encoding="utf-8"))["shape"][0]
+        if sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count:
+            return True
+        described = json.loads((path / "code" / zarr_format.ARRAY).read_text(encoding="utf-8"))
+        cut = Cut(tuple(described["shape"]), tuple(described["chunks"]))
     except (OSError, ValueError, KeyError, TypeError, IndexError):
         return False
-    return sum(file.name.isdigit() for file in (path / CHECKSUM).iterdir()) < count
+    store = Store(path, "", {"code": "<i8"}, cut)
+    return not all(_is_whole(store, number) for number in range(len(cut)))
+
+
+def _is_whole(store: Store, number: int) -> bool:
+    """Whether every run of a block is there."""
+    region = store.cut.region(number)
+    inside = tuple(slice(part.stop - part.start) for part in region)
+    try:
+        codes = zarr_format.read(store.file("code", Block(number, region, {})), "<i8", store.cut.block)
+    except (OSError, ValueError, zlib.error):
+        return False
+    return bool(np.all(codes[inside] >= 0))
 
 
 def opened(path: Path) -> Dataset:
@@ -331,5 +357,5 @@ def _removed(path: Path) -> None:
 
 def in_a_row(words: Sequence[str]) -> str:
     """Return words as a sentence lists them."""
-    *others, last = words
+    *others, last = words or ("",)
     return f"{', '.join(others)} and {last}" if others else last

@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from .._types import Dataset
+from ..errors import InputError
 from ..mechanisms.mechanism import Mechanism
 from .columns import doubts, empty_columns
 from .cut import BlockSweep, RunsSweep
 from .result import Sweep
-from .store import existing, fill, identity_of, opened
+from .store import TOKEN, existing, fill, identity_of, opened
 from .zarr_format import attributes
 
 
@@ -21,6 +22,7 @@ class StoredSweep:
     - ``asked``: what was swept; ``count``: runs of it; ``done``: how many of these are in the store.
     - ``codes``: how many runs ended with each outcome's code.
     - ``verdicts``: how many have each verdict of `jb.trust`, by its index; -1 for none.
+    - ``token``: the store's own: where the folder is another sweep's by now, reading raises `InputError`.
 
     **Example:**
 
@@ -38,6 +40,14 @@ class StoredSweep:
     done: int
     codes: dict[int, int]
     verdicts: dict[int, int]
+    token: str = ""
+
+    def _check(self) -> None:
+        """Raise `InputError` where the folder has become another sweep's since."""
+        now = attributes(self.store).get(TOKEN)
+        if self.token and now != self.token:
+            what = "is gone" if now is None else "has become another sweep's"
+            raise InputError(f"{self.store} {what}: this sweep's numbers are no longer there; sweep again")
 
     @property
     def mechanism(self) -> Mechanism:
@@ -52,12 +62,15 @@ class StoredSweep:
     def to_xarray(self) -> Dataset:
         """The sweep as labelled arrays that are read when they are used: a dimension for each field of a grid, else
         ``run``, with units; `code` is the outcome, -1 where there is none yet."""
+        self._check()
         return opened(self.store)
 
     def load(self) -> Sweep:
         """All of it in memory, as the same sweep without a scheduler would have returned it."""
+        self._check()
         columns, identity = empty_columns(self.mechanism, self.count), identity_of(attributes(self.store))
         fill(existing(self.store, self.asked), self.asked, columns)
+        self._check()  # it may have become another one's meanwhile
         if isinstance(self.asked, RunsSweep):
             return Sweep(self.mechanism, columns, *self.asked.swept[:2], identity=identity)
         template = self.asked.template

@@ -17,7 +17,7 @@ from .._types import Scalar
 from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_number, check_single, check_whole
 from ..fields import POSITIVE, Part
-from ..files import Lock
+from ..files import Lock, user_path
 from ..hybrid import Solver, solver_named
 from ..mechanisms.registry import mechanism_of
 from ..programs.process import check_ready, kind
@@ -195,7 +195,7 @@ def _run(result: Sweep, cut: Cutter, duration: Any, settings: Settings, where: W
     saver = None
     if where.folder is not None:
         sweep = cut(task_size(count, workers))
-        saver = _saver(Path(where.folder) / STORE, sweep, settings, where.resume, result.columns, finished)
+        saver = _saver(user_path(where.folder) / STORE, sweep, settings, where.resume, result.columns, finished)
     elif where.resume:
         raise InputError("resume needs the folder of the sweep to go on with")
     try:

@@ -2,9 +2,7 @@
 
 import dataclasses
 import functools
-import hashlib
 import inspect
-import re
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -18,6 +16,7 @@ from ..errors import InputError, shown, suggest
 from ..fields.units import check_unit
 from ..mechanisms.quantity import Catalogue, Quantity
 from ..mechanisms.run import Run
+from ..programs.identity import digest
 
 EXAMPLE = "Derived(lambda peak_force, stroke: peak_force * stroke, 'N m')"
 RESERVED = frozenset(  # words of a study's tables and keys of a tuning's records
@@ -132,13 +131,8 @@ class Derived:
 
     @property
     def identity(self) -> str:
-        """A hash of the operations that JAX traces and the values that they read: the same in every process."""
-        jaxpr = _traced(self)
-        # JAX prints the place in memory of functions with rules of their own
-        content = hashlib.sha256(re.sub(r" at 0x[0-9a-f]+", "", str(jaxpr)).encode())
-        for value in jaxpr.consts:
-            content.update(np.asarray(value).tobytes())
-        return content.hexdigest()[:16]
+        """A hash of the function and of all that it reads: the same in every process with this Python."""
+        return digest(self.function)
 
 
 def check_traced(derived: Derived) -> None:

@@ -4,7 +4,7 @@ Limits enter by an augmented Lagrangian (Nocedal and Wright, eq. 17.65): f + Σ 
 multipliers μ are raised every few steps. Maxima over impacts and load cases have the slope of the largest one.
 """
 
-import hashlib
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -24,6 +24,10 @@ from .tuned import Tuned, assess
 
 STIFFNESS = 20.0  # ρ, for an objective of about one and rows relative to their limits
 PATIENCE = 10  # steps between two rises of the multipliers
+USABLE = (
+    "a tuning gives value and gradient of the design it is at, a simulation each: take optax.adam(0.05),"
+    " optax.polyak_sgd(0.1) or optax.lbfgs(0.1, linesearch=None) say"
+)
 
 
 def optimizer_named(settings: Settings) -> Any:
@@ -33,16 +37,6 @@ def optimizer_named(settings: Settings) -> Any:
     import optax  # takes half a second
 
     return getattr(optax, settings.optimizer)(settings.learning_rate)
-
-
-def behaviour_of(optimizer: Any) -> str:
-    """Return a text that differs for optimisers whose first three steps differ: they are functions, without names."""
-    at = np.array([0.2, 0.5])
-    state, changes = optimizer.init(at), []
-    for slope in ([1.0, -0.3], [0.2, -0.3], [-0.4, 0.1]):
-        change, state = optimizer.update(np.array(slope), state, at)
-        changes.append(np.asarray(change, float))
-    return hashlib.sha256(np.array(changes).tobytes()).hexdigest()[:8]
 
 
 class Repeated:
@@ -73,6 +67,38 @@ def check_optimizer(problem: Problem, optimizer: Any) -> None:
         raise InputError(f"optimizer = {optimizer!r} is not an optax optimizer; write optax.adam(0.05) say")
     if problem.then is not None:
         raise InputError("a tuning by an optimizer has no second objective; leave out problem.then or optimizer")
+    at = problem.start()
+    try:
+        change, _ = step_of(optimizer, 0.1 * np.ones_like(at), optimizer.init(at), at, 1.0)
+    except InputError:
+        raise
+    except Exception as error:  # code of others, which fails in many ways; all mean the same
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise InputError(f"the optimizer cannot take a step, {reason}; {USABLE}") from None
+    if change.shape != at.shape:
+        raise InputError(f"the optimizer's step has the shape {change.shape}, not {at.shape}, a number each variable")
+
+
+def step_of(
+    optimizer: Any,
+    slope: Float[np.ndarray, " variables"],
+    state: Any,
+    at: Float[np.ndarray, " variables"],
+    value: float,
+) -> tuple[Float[np.ndarray, " variables"], Any]:
+    """Return an optimiser's step and its next state; those that ask for the function's value get it too.
+
+    **Raises:** `InputError` for one that evaluates the function by itself, in a line search.
+    """
+    import optax  # a caller who has an optimiser has it imported
+
+    update = optax.with_extra_args_support(optimizer).update
+    change, state = update(slope, state, at, value=value, grad=slope, value_fn=_no_line_search)
+    return np.asarray(change, float), state
+
+
+def _no_line_search(*_: Any, **__: Any) -> Any:
+    raise InputError(f"the optimizer evaluates the objective by itself, in a line search; {USABLE}")
 
 
 def descend(
@@ -138,14 +164,18 @@ def _descent(
         rows, slopes = _rows(goal, point)
         # The multipliers of the augmented Lagrangian's slope; they become its own only every few steps, because
         # estimates far from the optimum are no good.
-        estimates = np.maximum(0.0, multipliers + STIFFNESS * rows)
+        estimates, multipliers_before = np.maximum(0.0, multipliers + STIFFNESS * rows), multipliers
         if step % PATIENCE == 0:
             multipliers = estimates
         weights = goal.weights(goal.objective)
         cases = goal.objective.case_weights(point.quantities @ weights)
+        value = goal.value(point) / search.scale + np.sum(estimates**2 - multipliers_before**2) / (2.0 * STIFFNESS)
         slope = goal.slope(point, cases) / search.scale + estimates @ slopes
-        change, state = optimizer.update(slope, state, point.scaled)
-        (point,) = evaluator([np.clip(point.scaled + np.asarray(change), 0.0, 1.0)])
+        change, state = step_of(optimizer, slope, state, point.scaled, float(value))
+        if not np.all(np.isfinite(change)):
+            warnings.warn(f"step {step} of the optimizer is not finite; its search ends there", stacklevel=2)
+            break
+        (point,) = evaluator([np.clip(point.scaled + change, 0.0, 1.0)])
         left = residual(goal, Tangent.of(point), point.scaled, search.scale, SCREENING_PENALTY).predicted_reduction
         converged = left <= settings.tolerance and goal.feasible(point)
         branch = branch._replace(

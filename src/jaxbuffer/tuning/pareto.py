@@ -3,6 +3,8 @@
 import contextlib
 import dataclasses
 import itertools
+import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,17 +15,23 @@ from jaxtyping import Bool, Float
 from ..cluster.extra import require
 from ..errors import InputError, check_flag, check_names, check_type, check_whole, suggest
 from ..fields import Part
+from ..files import user_path, write
 from ..labelled.saved import Saved
+from ..programs.structure import user_code
 from ..tables import table, text
 from .objective import Objective
-from .problem import Problem
-from .store import LOG, Record
+from .problem import Problem, settings_of
+from .store import LOG, PREVIOUS, STATE, Record, identity_of
 from .tune import tune
 from .tuned import Tuned
 
 SAME = 1e-6  # relative: values that are no further apart are taken for one, well above their errors at rtol 1e-9
 ROOM = 1e-3  # relative room above the least value of an objective: there its design alone would be allowed
 MOST = 400  # points
+BEGUN = "front.json"  # says which front a folder's points are of
+POINT = re.compile(r"least-\w+|point-\d+(-again)?")  # names of their folders
+RESULT = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.txt", "tune.png", "tune.svg")
+OF_A_POINT = (LOG, STATE, PREVIOUS, *RESULT)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,6 +42,7 @@ class Front(Saved):
     - ``objectives``: k names; the first was lowered under ``limits`` (points, k - 1) on the others, in their units;
       infinite where there was none.
     - ``points``: a `Tuned` each: tight re-evaluation, first-order residual, error of its gradients, design.
+    - ``identity``: a hash of all that makes it the front it is, as its folder has it; "" where that is not known.
     - ``values`` (points, k): each objective's worst value over the cases at rtol 1e-9, in its unit.
 
     **Example:**
@@ -50,6 +59,7 @@ class Front(Saved):
     objectives: tuple[str, ...]
     limits: Float[np.ndarray, "points others"]
     points: tuple[Tuned, ...]
+    identity: str = ""
 
     @property
     def values(self) -> Float[np.ndarray, "points k"]:
@@ -143,7 +153,10 @@ def pareto(
     check_front(problem, objectives, points, limits)
     check_flag("save", save)
     names = tuple(objectives)
-    place = None if folder is None else Path(folder)
+    place = None if folder is None else user_path(folder)
+    identity = _identity(problem, names, points, limits, settings)
+    if place is not None:
+        _begin(place, identity, resume)
     with _connected(client, workers) as shared:
         options = {"workers": workers, "client": shared, "report": report, **settings}
         search = _Search(problem, names, folder=place, resume=resume, options=options)
@@ -152,9 +165,44 @@ def pareto(
         else:
             rows = np.array(list(itertools.product(*(sorted(limits[name], reverse=True) for name in names[1:]))), float)
             front = search.front(rows, None, problem.design, finished)
+    front = dataclasses.replace(front, identity=identity)
     if save and place is not None:
         front.save(place, force=True, figures=False)
     return front
+
+
+def _identity(
+    problem: Problem,
+    names: tuple[str, ...],
+    points: int,
+    limits: Mapping[str, Sequence[float]] | None,
+    settings: Mapping[str, Any],
+) -> str:
+    """Return a hash of all that makes a front the one it is."""
+    code = user_code(problem.mechanism, problem.design, *(case.scenario for case in problem.cases))
+    given = None if limits is None else {name: [float(x) for x in limits[name]] for name in names[1:]}
+    return identity_of(repr((problem.fingerprint(), code, names, points, given, settings_of(settings))))
+
+
+def _begin(folder: Path, identity: str, resume: bool) -> None:
+    """Say in a folder which front is begun there, without the points of another one unless it is resumed."""
+    if not resume:
+        for place in folder.glob("*") if folder.is_dir() else ():
+            if POINT.fullmatch(place.name) and any((place / name).exists() for name in (LOG, STATE, PREVIOUS)):
+                for name in OF_A_POINT:
+                    (place / name).unlink(missing_ok=True)
+                with contextlib.suppress(OSError):  # something else is in it
+                    place.rmdir()
+    folder.mkdir(parents=True, exist_ok=True)
+    write(folder / BEGUN, json.dumps({"identity": identity}) + "\n")
+
+
+def begun_identity(folder: Path) -> str | None:
+    """Return which front was begun in a folder; None where there is none."""
+    try:
+        return str(json.loads((folder / BEGUN).read_text(encoding="utf-8"))["identity"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _between_ends(search: "_Search", points: int, finished: Callable[[int, int], None] | None) -> Front:

@@ -6,6 +6,7 @@ the two is enough to resume: lines of a step that was cut short are dropped from
 `record_of` makes the log's lines, `Progress` the state's arrays.
 """
 
+import contextlib
 import hashlib
 import io
 import json
@@ -28,6 +29,7 @@ from .search import Branch
 
 LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
+OPTIMIZER, CODE = "optimizer_steps", "own_code"  # in a fingerprint: hashes, which say nothing to people
 _SETTING = re.compile(r"(\w+)(?: \[[^\]]*\])? ?= ?([^,\n)]+)")  # "seed=0" or "tolerance [-] = 0.0001"
 FIGURES = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}  # units that people are shown
 STATUS = ("running", "converged", "stalled", "behind")
@@ -140,13 +142,27 @@ def read_state(folder: Path, fingerprint: str) -> tuple[dict[str, np.ndarray], b
     raise InputError(f"{folder}: the run cannot be resumed: {', '.join(damage)}; everything is left as it is")
 
 
+def identity_of(fingerprint: str) -> str:
+    """Return a short hash of a fingerprint, which a result's record has."""
+    return hashlib.sha256(fingerprint.encode()).hexdigest()[:16]
+
+
+def stored_identity(folder: Path) -> str | None:
+    """Return which tuning was begun in a folder, as of `identity_of`; None where there is none that is whole."""
+    for name in (STATE, PREVIOUS):
+        with contextlib.suppress(InputError, KeyError):
+            return identity_of(str(_read(folder / name)[FINGERPRINT]))
+    return None
+
+
 def _difference(stored: str, present: str) -> str:
     """Say what differs between two fingerprints, of the problem and, behind a dash, of the settings by name."""
     (problem, _, there), (other, _, here) = stored.partition("-"), present.partition("-")
     settings, others = (dict(_SETTING.findall(text)) for text in (there, here))
     lines = [] if problem == other else ["its study is another one (design, scenarios, [problem] or options)"]
+    words = {OPTIMIZER: "its optimizer is another one", CODE: "the code of its mechanism, laws or solver has changed"}
     lines += [
-        f"{name} is {settings.get(name)} there, {value} here"
+        words.get(name, f"{name} is {settings.get(name)} there, {value} here")
         for name, value in others.items()
         if value != settings.get(name)
     ]

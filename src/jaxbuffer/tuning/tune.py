@@ -1,5 +1,6 @@
 """`tune`: search for the best design of a problem, or tell the best one of an interrupted run."""
 
+import dataclasses
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
@@ -7,14 +8,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import InputError, check_flag, check_type, check_whole
 from ..fields import Part
+from ..files import user_path
 from ..hybrid import Automatic, Solver, name_of, solver_named
+from ..programs.identity import digest
+from ..programs.structure import user_code
 from ..progress import reported
-from .descent import behaviour_of, check_optimizer, descend, optimizer_named
+from .descent import check_optimizer, descend, optimizer_named
 from .evaluation import Evaluator
 from .goal import Goal
 from .problem import Problem, Settings, settings_of
 from .rounds import Rounds, best_branch, stage_search
-from .store import Progress, Record, Store, evaluations_of, in_words, read_state
+from .store import CODE, OPTIMIZER, Progress, Record, Store, evaluations_of, identity_of, in_words, read_state
 from .tuned import Tuned
 
 if TYPE_CHECKING:
@@ -85,7 +89,7 @@ def tune(
         check_optimizer(problem, optimizer)
     identity = _fingerprint(problem, chosen, optimizer, solver)
     with (
-        Store(None if folder is None else Path(folder), identity, resume) as store,
+        Store(None if folder is None else user_path(folder), identity, resume) as store,
         Evaluator(problem, workers, True, client, solver) as evaluator,
         reported(report, lambda record: in_words(record, problem.mechanism.success_of(problem.design))) as show,
     ):
@@ -98,6 +102,7 @@ def tune(
         else:
             rounds = Rounds(problem, chosen, evaluator, store)
             tuned = rounds.result(rounds.run(Progress.read(store.state)))
+    tuned = dataclasses.replace(tuned, identity=identity_of(identity))
     if save and folder is not None:
         tuned.save(folder, force=True, figures=False)
     return tuned
@@ -131,7 +136,7 @@ def best_so_far(
     **Arguments:** as for `tune`; ``settings``: those that the run was started with.
     """
     chosen, optimizer = _chosen(optimizer, settings)
-    state, lines = read_state(Path(folder), _fingerprint(problem, chosen, optimizer, solver))
+    state, lines = read_state(user_path(folder), _fingerprint(problem, chosen, optimizer, solver))
     stage, goal = 0, Goal(problem, problem.objective)
     if points := evaluations_of(state):  # of an optimiser's
         best = min(points, key=lambda point: (not goal.feasible(point), goal.value(point)))
@@ -164,5 +169,6 @@ def _fingerprint(problem: Problem, settings: Settings, optimizer: Any, solver: S
     except InputError:  # it has none
         name = hashlib.sha256(repr(used).encode()).hexdigest()[:8]
     named = optimizer is None or settings.optimizer != "quadratic"
-    steps = "as named" if named else behaviour_of(optimizer)
-    return f"{problem.fingerprint()}-{settings}, solver = {name}, optimizer_steps = {steps}"
+    steps = "as named" if named else digest(optimizer)
+    code = user_code(problem.mechanism, used, problem.design, *(case.scenario for case in problem.cases)) or "none"
+    return f"{problem.fingerprint()}-{settings}, solver = {name}, {OPTIMIZER} = {steps}, {CODE} = {code}"

@@ -44,6 +44,7 @@ class Tuned(Saved):
     - ``records``: every evaluation, as in the log.
     - ``captures``: solved in all, the last check included.
     - ``corners``: the design in the corners of the ranges that the problem scatters over; None where nothing scatters.
+    - ``identity``: a hash of all that makes it the tuning it is, as its folder has it; "" where that is not known.
 
     **Example:**
 
@@ -69,6 +70,7 @@ class Tuned(Saved):
     captures: int
     corners: Corners | None = None
     tight: float = 1e-9
+    identity: str = ""
 
     @property
     def objective(self) -> tuple[float, float]:

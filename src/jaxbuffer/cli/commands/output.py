@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ...files import Lock
+from ...output.companions import stale
 from ...output.formats import Contents, check_folder, check_free, write_all
 from ..streams import note, show
 
@@ -30,7 +31,8 @@ class Output:
         begun = [str(folder / name) for name in resumable if (folder / name).exists()]
         goes_on = "--resume goes on, " if begun else ""
         ways = f"{goes_on}--force overwrites, another --output keeps {{}}"
-        check_free(folder, [*names, *twins, *resumable], self.force, ways)
+        left = [path.name for path in stale(folder, [*names, *twins])]
+        check_free(folder, [*names, *twins, *resumable, *left], self.force, ways)
         if begun and not resume:
             note(f"--force: an earlier run is overwritten, {', '.join(begun)}")
 

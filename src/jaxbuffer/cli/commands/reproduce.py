@@ -25,7 +25,7 @@ def reproduce(output: Path, paper: str, published: bool, force: bool) -> int:
         raise InputError(f"--published: {paper} has no second set of equations; {', '.join(others)} has: leave it out")
     chosen = chosen._replace(parts=chosen.parts + chosen.published * published)
     style.require_matplotlib()
-    process.configure(cache=process.cache_folder())
+    process.configure(cache=process.cache_folder() or True)
     process.check_ready()
     figures = [f"{study.name}.png" for study in chosen.studies]
     tables = [f"{study.name}.csv" for study in chosen.studies if chosen.part_of(study).table is not None]

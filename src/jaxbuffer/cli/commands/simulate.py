@@ -3,7 +3,7 @@
 import dataclasses
 import sys
 
-from ...errors import InputError
+from ...errors import InputError, check_choice
 from ...mechanisms.run import Run
 from ...output.animation import FORMATS, animation, check_format, frames_of
 from ...output.field_files import left_out
@@ -21,6 +21,9 @@ from ..exits import LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import sweeping, working
 from .request import CommandLine, asked_for
+
+# endings that name a film, or a picture, which is not made here
+OTHER_FILMS = frozenset("apng avi flv m4v mkv mov mpeg mpg ogv png svg webm webp wmv".split())  # noqa: SIM905
 
 
 def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> int:
@@ -50,6 +53,8 @@ def animate(request: CommandLine, scenario_number: str | None, kind: str | None)
     if request.output is None:
         raise InputError("animate needs --output DIR, the folder for its file, or the file")
     ending = request.output.suffix.removeprefix(".").lower()
+    if ending in OTHER_FILMS and not request.output.is_dir():
+        check_choice("format", ending, FORMATS)
     if ending in FORMATS and not request.output.is_dir():
         if kind not in (None, ending):
             raise InputError(f"--format {kind} and --output {request.output} contradict; keep one")

@@ -30,7 +30,7 @@ def init(file: Path, kind: str, force: bool) -> int:
 
 def check(file: Path) -> int:
     """Print what a study says."""
-    process.configure(cache=process.cache_folder())
+    process.configure(cache=process.cache_folder() or True)
     try:
         show(explained(load(file), str(file)))
     except InputError as error:
