@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._types import Axes, Figure
-from ..fields import get
+from ..fields import get, relative_change
 from ..mechanisms.run import Run
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned
@@ -81,7 +81,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
         met = point.succeeded[drawn]
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
-            missed = f"{name}, not {problem.mechanism.success_of(problem.design) or 'solved'}"
+            missed = f"{name}, not {problem.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if floor is not None:
         axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
@@ -172,10 +172,8 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
-    of = np.array([it.before if it.limit is None else it.limit for it in rows])
     for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
-        values = np.array([getattr(it, side) for it in rows])
-        share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
+        share = np.array([_share(it, getattr(it, side)) for it in rows])
         beyond = share > WIDEST
         axes.plot(share[~beyond], row[~beyond], marker, color=colour, markersize=5, label=name)
         axes.plot(np.full(beyond.sum(), WIDEST), row[beyond], ">", color=colour, markersize=6)
@@ -187,6 +185,15 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"
     label(axes, "Worst over the scenarios, before → after", x, "", False)
+
+
+def _share(row: Row, value: float) -> float:
+    """Return what share of its limit a value is [%], or of the value before where it has none; NaN, which is not drawn,
+    where that has no meaning: of a value before that is zero or has another sign."""
+    if row.limit is not None:
+        return 100.0 * value / row.limit
+    change = relative_change(row.before, value)
+    return float("nan") if change is None else 100.0 * (1.0 + change)
 
 
 def _search(axes: Axes, tuned: Tuned, stage: int) -> None:
