@@ -215,8 +215,8 @@ class Goal:
         if not evaluation.solved[k]:
             own = f" or {', '.join(problem.quantities)} is not finite" if problem.quantities else ""
             return [f"the simulation failed{own}"]
-        lines = []
-        if self.must_succeed and evaluation.margin[k] < 0.0:
+        lines, stricter = [], problem.end is not None and not evaluation.succeeded[k]
+        if self.must_succeed and (evaluation.margin[k] < 0.0 or stricter):
             lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
         elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
             lines.append(outcome.reason)

@@ -217,7 +217,8 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
-    return [headline(tuned.message, tuned.goal.feasible(tuned.after)), *(it for it in tables if it is not None), *lines]
+    first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_counted(tuned.after))
+    return [first, *(it for it in tables if it is not None), *lines]
 
 
 def _tuned_objective(tuned: Tuned) -> Table:
