@@ -55,7 +55,9 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
     before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
-    figure.suptitle(f"{_objective_text(problem, problem.objective)}: {before} before, {after} after")
+    counts = [f", {text}" if (text := tuned.end_counted(point)) else "" for point in (tuned.before, tuned.after)]
+    whole = f"{before} before{counts[0]}; {after} after{counts[1]}" if counts[0] else f"{before} before, {after} after"
+    figure.suptitle(f"{_objective_text(problem, problem.objective)}: {whole}")
     return figure
 
 
@@ -158,10 +160,11 @@ def _rows(tuned: Tuned) -> list[Row]:
         lowest = name in problem.limits.at_least and name not in allowed
         limit = problem.limits.at_least[name] if lowest else allowed.get(name)
         worst = np.min if lowest else np.max
-        before, after = (float(worst(point.quantities[:, k])) for point in (tuned.before, tuned.after))
+        before, after = (float(worst(tuned.reported(point)[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
         symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        text = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
+        figures = ["–" if np.isnan(value) else f"{factor * value:.4g}" for value in (before, after)]
+        text = f"{' → '.join(figures)}{symbol}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
         rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"))

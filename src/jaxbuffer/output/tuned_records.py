@@ -117,7 +117,6 @@ def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
     problem = tuned.problem
     units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
-    known = problem.known(point.code)
     if problem.end is not None and problem.end.quantity:  # then the margin is that of this end
         margin = None
     return [
@@ -129,7 +128,7 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
             **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
-            point.code, point.impacts, point.first, np.where(known, point.quantities, np.nan), point.margin, strict=True
+            point.code, point.impacts, point.first, tuned.reported(point), point.margin, strict=True
         )
     ]
 

@@ -183,7 +183,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
     after it was tried, None for a start.
     """
     problem = goal.problem
-    values = map(float, problem.values(point.scaled))
+    values, known = map(float, problem.values(point.scaled)), problem.known(point.code)
     return {
         "evaluation": number,
         "stage": stage,
@@ -204,7 +204,10 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "succeeded": [bool(success) for success in point.succeeded],
         "impacts": [int(count) for count in point.impacts],
         "margin": point.margin.tolist(),
-        **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.names)},
+        **{
+            name: [float(x) if there else None for x, there in zip(point.quantities[:, q], known[:, q], strict=True)]
+            for q, name in enumerate(problem.names)
+        },
     }
 
 

@@ -124,6 +124,11 @@ class Tuned(Saved):
         )
         return float("nan") if above is None else above
 
+    def reported(self, point: Evaluation) -> Float[np.ndarray, "cases quantities"]:
+        """Return the quantities of `before` or `after` in the order of `Problem.names`: NaN where a run waited for one
+        in vain."""
+        return np.where(self.problem.known(point.code), point.quantities, np.nan)
+
     def end_counted(self, point: Evaluation) -> str:
         """Return in how many load cases the strictest end was reached that a design can have: "held in 36 of 36"; ""
         where there is none. ``point``: `before` or `after`."""
@@ -362,11 +367,8 @@ def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
     """A quantity of a load case before and after, in its unit in figures."""
     problem = tuned.problem
     factor, q = problem.catalogue[name].in_figures[1], problem.names.index(name)
-    texts = [
-        f"{factor * point.quantities[case, q]:.4g}" if problem.known(point.code)[case, q] else "–"
-        for point in (tuned.before, tuned.after)
-    ]
-    return " → ".join(texts)
+    values = [tuned.reported(point)[case, q] for point in (tuned.before, tuned.after)]
+    return " → ".join("–" if np.isnan(value) else f"{factor * value:.4g}" for value in values)
 
 
 def _tuned_variables(tuned: Tuned) -> Table:
@@ -398,6 +400,7 @@ def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
     rows: list[Sequence[Any]] = []
     for it in tuned.records:
-        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
+        row = [it[name] for name in plain] + [it[name] for name in numbers]
+        row += [None if None in it[name] else max(it[name]) for name in worst]
         rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
     return header, rows
