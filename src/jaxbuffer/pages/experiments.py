@@ -49,11 +49,12 @@ def reached(results: Results, counts: Mapping[str, int]) -> str:
 
     It is "" where the design can have none. ``counts``: as of `outcome_counts`.
     """
-    if results.design is None:
+    design = results.design
+    if design is None:
         return ""
     axes = [*results.records.get("sweep", {}).get("axes", ()), *results.records.get("sample", {}).get("ranges", ())]
     moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
-    found = results.mechanism.end_counted(lambda path: path in moved or get(results.design, path), computed)
+    found = results.mechanism.end_counted(lambda path: path in moved or get(design, path), computed)
     return f", {found}" if found else ""
 
 

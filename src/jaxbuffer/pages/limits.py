@@ -131,7 +131,8 @@ def end_counted(results: Results, side: str = "after") -> str:
     """Return in how many runs of a folder the strictest end was reached that its design can have: "held in 36 of 36".
 
     It is "" where there is none. ``side``: of a tuning, as of `limit_check`."""
-    if results.design is None:
+    design = results.design
+    if design is None:
         return ""
     if results.tuned is not None:
         outcomes = [case[side]["outcome"] for case in results.tuned["scenarios"]]
@@ -139,7 +140,7 @@ def end_counted(results: Results, side: str = "after") -> str:
         outcomes = [results.records["run"]["outcome"]]
     else:
         return ""
-    return results.mechanism.end_counted(lambda path: get(results.design, path), Counter(outcomes))
+    return results.mechanism.end_counted(lambda path: get(design, path), Counter(outcomes))
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:

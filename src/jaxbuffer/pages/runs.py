@@ -120,8 +120,8 @@ def scenarios(results: Results) -> Section | None:
     worst = results.records.get("force", {}).get("scenario", "")
     curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
     tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
-    before, after = (end_counted(results, side) for side in ("before", "after"))
-    reached = [f"Before tuning {before} scenarios, after it {after}."] if after else []
+    counts = [end_counted(results, side) for side in ("before", "after")]
+    reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
     if corners is None:
         return Section("Scenarios", reached, curves=curves, tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]

@@ -166,7 +166,7 @@ class Limits:
         check_known(also, known, "constraints")
         for name, asked in also.items():
             check_flag(f"constraints.{name}", asked)
-        given = {"captured": captured, "impacts": impacts}
+        given: dict[str, Any] = {"captured": captured, "impacts": impacts}
         given |= {"at_most": {} if at_most is None else at_most, "at_least": {} if at_least is None else at_least}
         given["ends"] = tuple(name for name in known if also.get(name, name in ends))
         for name, value in given.items():
