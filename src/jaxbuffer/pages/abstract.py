@@ -254,7 +254,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
     envelope = results.records.get("sweep", {}).get("envelope")
-    safe = "" if envelope is None else f" {safe_of(envelope)} keep every limit."
+    safe = "" if envelope is None else f" {safe_of(envelope).removesuffix(' runs')} keep every limit."
     return text + safe
 
 
