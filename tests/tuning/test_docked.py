@@ -52,3 +52,24 @@ def test_derivatives_by_a_curves_points_are_those_of_differences():
     step = 1e-3  # N
     differences = (values(6.0 + step) - values(6.0 - step)) / (2.0 * step)
     np.testing.assert_allclose(found.gradients[:, 0], differences, rtol=1e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "limits", [Limits(held=True, at_most={"stroke": 0.025}), Limits(at_most={"settling_time": 1.8})]
+)
+def test_a_design_that_is_not_held_is_led_back_to_it(limits):
+    """Latched and not held within 3 s to begin with; slopes through the energy left lead on, and the first impact of a
+    free start is known: with the buffer it can only be higher."""
+    parts = {"latch.stiffness": 2e3, "latch.damping": 50.0, "latch.quiet": 1e-2, "buffer.c_A": 10.0}
+    scenarios = [Scenario(start="free", offset=0.01, approach_speed=speed) for speed in (0.1, 0.15)]
+    variables = [Variable("buffer.k_A", 200.0, 2000.0), Variable("buffer.c_A", 1.0, 60.0)]
+    problem = Problem(replace(table2(), parts), scenarios, variables, limits=limits, duration=3.0)
+    tuned = tune(problem, iterations=8, starts=1)
+    assert tuned.end_counted(tuned.before) == "held in 0 of 2"
+    assert tuned.feasible and tuned.end_counted(tuned.after) == "held in 2 of 2"
+    settling = tuned.reported(tuned.after)[:, problem.names.index("settling_time")]
+    assert np.all(settling <= limits.at_most.get("settling_time", 3.0))
+    for scenario in scenarios:
+        assert simulate(tuned.design, scenario, 3.0).outcome.name == "held"
+    assert tuned.floor.unknown == 0 and 0.0 < tuned.above_floor < 0.02

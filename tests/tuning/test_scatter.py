@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.output.folder import load
 from jaxbuffer.output.tuned_records import tuned_record
+from jaxbuffer.pages.review import review
 from jaxbuffer.study.config import loads
 from jaxbuffer.tuning import Case, Distribution, Scatter
 
@@ -88,6 +90,18 @@ def test_the_result_is_run_in_the_corners(tuned):
     assert corners.largest == max(corners.values) > tuned.objective[1]
     kept = [peak <= MOST for peak in peaks.values()]
     assert 0 < sum(kept) < 4 and corners.holding == sum(kept)
+
+
+def test_a_design_that_fails_in_a_corner_is_not_feasible(tuned, tmp_path):
+    """One verdict: the samples keep the limit, some corners do not."""
+    holding = f"the design holds in {tuned.corners.holding} of 4 corners of the sampled ranges only"
+    assert tuned.goal.feasible(tuned.after) and not tuned.feasible
+    assert tuned.why == [holding] and tuned.message.startswith(holding)
+    (tmp_path / "tuned.json").write_text(json.dumps(tuned_record(tuned)))
+    page = review([load(tmp_path)])
+    badges = {badge.text: badge.mark for badge in page.verdicts}
+    assert badges[f"the design holds in {tuned.corners.holding} of 4 corners only"] == "bad"
+    assert not any("all limits kept" in text for text in badges)
 
 
 def test_the_worst_of_samples_is_said_to_be_no_bound(tuned):

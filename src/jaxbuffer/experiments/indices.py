@@ -75,8 +75,9 @@ class Indices:
                 parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
             elif it.rows < self.asked:
                 parts.append(
-                    f"  {self.asked - it.rows} of {self.asked} rows are left out: a run of theirs failed or ended"
-                    " otherwise; the indices are those of the rest, whose numbers are no longer quite independent"
+                    f"  {self.asked - it.rows} of {self.asked} rows are left out: a run of theirs failed, ended"
+                    " otherwise or was not computed; the indices are those of the rest, whose numbers are no longer"
+                    " quite independent"
                 )
         return text(*parts)
 

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
 from ..fields import Part, as_typed, get
+from ..mechanisms.limit import Limit
 from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from ..tables import text
@@ -20,12 +21,13 @@ ROUNDING = 1e-9  # of a range: a value so near to its end is in it
 
 
 class Between(NamedTuple):
-    """The ``runs`` within the ranges of some scenarios: how many, how many of them are not safe (``unsafe``), and all
-    of it in a sentence (``words``)."""
+    """The runs within the ranges of some scenarios: how many were computed (``runs``), how many of these are not safe
+    (``unsafe``), all of it in a sentence (``words``), and how many there are to compute (``asked``)."""
 
     runs: int
     unsafe: int
     words: str
+    asked: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,9 +66,9 @@ class SafeRectangle:
     @property
     def between(self) -> Between | None:
         """How the runs between the ``scenarios`` do, at those included; None where both fields are not the scenario's,
-        or no run is there. A design that keeps its limits in each scenario may break them in between."""
+        or no run lies there. A design that keeps its limits in each scenario may break them in between."""
         prefix, ranges = "scenario.", []
-        inside = (self.reasons != UNDONE) & (len(self.scenarios) > 1)
+        inside = np.full(self.safe.shape, len(self.scenarios) > 1)
         for k, (axis, values) in enumerate(zip(self.axes, self.values, strict=True)):
             if not axis.path.startswith(prefix) or not self.scenarios:
                 return None
@@ -75,13 +77,32 @@ class SafeRectangle:
             within = (values >= min(met) - room) & (values <= max(met) + room)
             inside &= within[:, None] if k == 0 else within
             ranges.append(f"{axis.name.replace('_', ' ')} {_range_words(axis, (min(met), max(met)))}")
-        runs, unsafe = int(inside.sum()), int((inside & ~self.safe).sum())
-        if not runs:
+        asked, run = int(inside.sum()), inside & (self.reasons != UNDONE)
+        if not asked:
             return None
-        count, reasons = f"{runs} {self.swept.mechanism.view.run_name}s", Counter(self.reasons[inside & ~self.safe])
+        runs, unsafe = int(run.sum()), int((run & ~self.safe).sum())
+        name, reasons = f"{self.swept.mechanism.view.run_name}s", Counter(self.reasons[run & ~self.safe])
         broken = ", ".join(f"{reason} ({many})" for reason, many in reasons.items())
-        words = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
-        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {words}.")
+        if runs == asked:
+            count = f"{runs} {name}"
+            words = f"{unsafe} of {count} are not safe: {broken}" if unsafe else f"all {count} are safe"
+        else:
+            words = f"{runs} of {asked} {name} run, which says nothing of the others"
+            words += f"; {unsafe} of these are not safe: {broken}" if unsafe else "; none of these is unsafe"
+        return Between(runs, unsafe, f"Between the study's scenarios ({', '.join(ranges)}) {words}.", asked)
+
+    @property
+    def done(self) -> int:
+        """How many runs of the sweep were computed."""
+        return int((self.reasons != UNDONE).sum())
+
+    @property
+    def counted(self) -> str:
+        """How many runs are safe, in words: "22 of 48 captures", of an interrupted sweep "22 of 30 captures run, of
+        48"."""
+        name, size = f"{self.swept.mechanism.view.run_name}s", self.safe.size
+        of = f"{size} {name}" if self.done == size else f"{self.done} {name} run, of {size},"
+        return f"{int(self.safe.sum())} of {of}".rstrip(",")
 
     @property
     def asked(self) -> str:
@@ -90,6 +111,8 @@ class SafeRectangle:
         codes = {mechanism.outcomes[name]: name for name in mechanism.successes}
         names = [name for code, name in codes.items() if np.any(self.swept.code == code)]
         ends = (" or ".join(names) or mechanism.success or "solved") if self.limits.captured else "solved"
+        if (end := mechanism.required_end(self.limits.ends, self.limits.names)) is not None:
+            ends = end.name
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
         if self.limits.impacts is not None:
             limits.append(f"impacts ≤ {self.limits.impacts}")
@@ -97,9 +120,8 @@ class SafeRectangle:
 
     def __repr__(self) -> str:
         mechanism = self.swept.mechanism
-        count = int(self.safe.sum())
         between = [] if self.between is None else [self.between.words]
-        lines = [f"Safe ({self.asked}): {count} of {self.safe.size} {mechanism.view.run_name}s"]
+        lines = [f"Safe ({self.asked}): {self.counted}"]
         if self.first is None or self.second is None:
             return text(*lines, "  no run is safe", *between)
         parts = zip(self.values, (self.first, self.second), strict=True)
@@ -156,13 +178,19 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     def face(column: np.ndarray) -> np.ndarray:
         return column.reshape(len(first), len(second))[np.ix_(right, up)]
 
+    for name in limits.names:
+        if name not in (known := swept.mechanism.swept):
+            raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
+    moved = {axis.path for axis in swept.grid.axes}
+    limits.check(swept.mechanism, lambda path: path in moved or get(swept.design, path))
     share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
-    safe = reasons == ""
-    for name, of_limit, broken in _shares(swept, limits):
-        share = np.fmax(share, face(of_limit))
-        reasons[(face(of_limit) > 1.0) & (reasons == "")] = f"{name.replace('_', ' ')} {broken} its limit"
+    for limit, values in _limited(swept, limits):
+        share = np.fmax(share, face(limit.share(values)))
+        name, kept = limit.name.replace("_", " "), face(limit.keeps(values))
+        reasons[face(np.isnan(values)) & (reasons == "")] = f"{name} not known"
+        reasons[~kept & (reasons == "")] = f"{name} {limit.side} its limit"
     share = np.where(face(swept.solved), share, np.nan)
-    safe = safe & (np.nan_to_num(share, nan=np.inf) <= 1.0)
+    safe = reasons == ""
     rows, columns = largest_rectangle(safe)
     x, y = first.values[right], second.values[up]
     runs = (rows.stop - rows.start) * (columns.stop - columns.start)
@@ -183,29 +211,18 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
 
 def _ends(swept: Sweep, limits: Limits) -> np.ndarray:
     """How each run ended that is not safe for its end alone, "" for the others."""
-    mechanism = swept.mechanism
-    good = swept.solved
-    if limits.captured:
-        good = good & mechanism.succeeded(swept.code)
+    good = swept.solved & limits.ended(swept.mechanism, swept.code)
     named = [f"failed: {it.name}" if it.failed else it.name.replace("_", " ") for it in swept.outcomes]
     words = np.where(swept.done, np.array(named, object), UNDONE)
     return np.where(good, "", words).astype(object)
 
 
-def _shares(swept: Sweep, limits: Limits) -> Iterator[tuple[str, np.ndarray, str]]:
-    """Each limited quantity's share of its limit in every run, infinite where it is not known, and how it breaks it."""
-    known = swept.mechanism.swept
-    for name in limits.names:
-        if name not in known:
-            raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
-    for name, limit in limits.at_most.items():
-        share = swept.columns[name] / limit
-        yield name, np.where(np.isnan(share), np.inf, share), "above"
-    for name, limit in limits.at_least.items():
-        values = swept.columns[name]
-        yield name, np.where(values > 0.0, limit / np.where(values > 0.0, values, 1.0), np.inf), "below"
-    if limits.impacts is not None:
-        yield "impacts", swept.impact_count / limits.impacts, "above"
+def _limited(swept: Sweep, limits: Limits) -> Iterator[tuple[Limit, np.ndarray]]:
+    """Each limit, and what it limits in every run."""
+    for limit in limits.each:
+        yield limit, swept.columns[limit.name]
+    for limit in limits.of_impacts:
+        yield limit, swept.impact_count.astype(float)
 
 
 def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:

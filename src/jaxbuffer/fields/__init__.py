@@ -8,6 +8,9 @@ from .address import check_numbers as check_numbers
 from .address import unit_at as unit_at
 from .address import value_at as value_at
 from .address import with_values as with_values
+from .change import change_in_words as change_in_words
+from .change import percent as percent
+from .change import relative_change as relative_change
 from .curve import Curve as Curve
 from .curve import MonotoneCubic as MonotoneCubic
 from .curve import curve as curve

@@ -1,7 +1,7 @@
 """A mechanism: its physics, requests for runs of it, and who steps them. What is told of it is its `View`."""
 
 import dataclasses
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -65,12 +65,29 @@ class Floor:
 
 
 @dataclasses.dataclass(frozen=True)
+class RequiredEnd:
+    """An end of a run that a study may ask for, stricter than that the run succeeds: ``name = true`` in its limits.
+
+    ``outcomes``: those that have it; ``part``: path of the design's number without which no run ends so; ``quantity``:
+    what is above the design's number at the path ``threshold`` in a run that has the end before this one alone, so that
+    its slopes lead on; "" where the margin of success alone leads there.
+    """
+
+    name: str
+    outcomes: tuple[str, ...]
+    part: str
+    quantity: str = ""
+    threshold: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
 class TuningRules:
     """What tuning needs to know of a mechanism.
 
     ``always``: limits that hold unless a problem sets lower ones; ``check_problem``: raises `InputError` where a
-    problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``floor``: what is
-    known of the first impact without simulating it; ``unfinished``: from a problem and the evaluation of its tuned
+    problem makes no sense; ``margin``: the quantity that is positive exactly for successful runs; ``ends``: those that
+    a study may ask for besides, each stricter than the one before it; ``floor``: what is known of the first impact
+    without simulating it; ``unfinished``: from a problem and the evaluation of its tuned
     design, a line for what its runs leave open; ``left_open``: the quantities that say what the runs of a design leave
     open, from its numbers by their paths.
     """
@@ -78,6 +95,7 @@ class TuningRules:
     always: Mapping[str, float] = dataclasses.field(default_factory=dict)
     check_problem: Callable[[Any], None] = lambda problem: None
     margin: str | None = None
+    ends: tuple[RequiredEnd, ...] = ()
     floor: Floor | None = None
     unfinished: Callable[[Any, Any], list[str]] | None = None
     left_open: Callable[[Callable[[str], Any]], tuple[str, ...]] = lambda number: ()
@@ -204,6 +222,25 @@ class Mechanism:
     def success_of(self, design: Part) -> str | None:
         """Return how a run of a design should end, in a word: one with a latch "latched" rather than "captured"."""
         return self.defaults_for(design).success or self.success
+
+    def required_end(self, names: Collection[str], quantities: Iterable[str] = ()) -> RequiredEnd | None:
+        """Return the strictest of the ends that are named, or that some quantities wait for; None for no such end."""
+        wanted = {*names, *(self.quantities[it].awaits for it in quantities if it in self.quantities)}
+        return next((end for end in reversed(self.tuning.ends) if end.name in wanted), None)
+
+    def strictest_end(self, value_at: Callable[[str], Any]) -> RequiredEnd | None:
+        """Return the strictest end that a run of a design can have, given as its value at a path; None for no such."""
+        return next((end for end in reversed(self.tuning.ends) if value_at(end.part) is not None), None)
+
+    def end_counted(self, value_at: Callable[[str], Any], counts: Mapping[str, int]) -> str:
+        """Return in how many runs the strictest end was reached: "held in 36 of 36"; "" where a design has none.
+
+        **Arguments:** ``value_at``: as of `strictest_end`; ``counts``: how many runs had each outcome.
+        """
+        end = self.strictest_end(value_at)
+        if end is None:
+            return ""
+        return f"{end.name} in {sum(counts.get(name, 0) for name in end.outcomes)} of {sum(counts.values())}"
 
     def succeeded(self, code: Any) -> Any:
         """Return which outcomes, given as codes, are successes; all that did not fail, where any end will do."""

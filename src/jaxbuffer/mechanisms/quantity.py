@@ -20,7 +20,8 @@ class Quantity(NamedTuple):
     instead of elasticities; ``swept``: whether sweeps, records and summaries have it; ``tuned``: whether an objective
     or a limit may use it; ``shown``: unit in figures and how many of those a unit is (default: the unit itself);
     ``part``: path of the field of the design without which it means nothing (None or 0 there), or "";
-    ``differentiable``: whether it has derivatives; one without is read off a finished run alone.
+    ``differentiable``: whether it has derivatives; one without is read off a finished run alone; ``awaits``: name of
+    the `RequiredEnd` that it is the time of, "" for none: it is NaN in a run that does not end so.
     """
 
     unit: str
@@ -33,6 +34,7 @@ class Quantity(NamedTuple):
     shown: tuple[str, float] | None = None
     part: str = ""
     differentiable: bool = True
+    awaits: str = ""
 
     @property
     def in_figures(self) -> tuple[str, float]:

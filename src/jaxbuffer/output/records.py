@@ -82,6 +82,8 @@ def limits_record(limits: Limits, own: Mapping[str, Derived]) -> dict[str, Any]:
         "limits": dict(limits.at_most),
         "lower_limits": dict(limits.at_least),
         "most_impacts": limits.impacts,
+        "must_succeed": limits.captured,
+        "ends": list(limits.ends),
         "quantities": {
             name: {"unit": it.unit, "function": it.signature, "description": it.description} for name, it in own.items()
         },

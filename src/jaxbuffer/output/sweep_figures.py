@@ -256,6 +256,8 @@ def _title(swept: Sweep) -> str:
     parts = [f"Sweep of {len(swept.grid)} {mechanism.view.run_name}s"]
     names = _successes(swept) or ([] if mechanism.success is None else [mechanism.success])
     parts += [f"{int(np.sum(swept.done & (swept.code == mechanism.outcomes[name])))} {name}" for name in names]
+    done = int(swept.done.sum())
+    parts += [] if done == len(swept) else [f"{done} of {len(swept)} run"]
     return ", ".join([*parts, *fixed])
 
 
@@ -273,8 +275,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     _reasons(axes, rectangle, x * over, y * above)
     rows, columns = np.nonzero(rectangle.safe)
     axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
-    runs = f"{rectangle.swept.mechanism.view.run_name}s"
-    title = f"{int(rectangle.safe.sum())} of {rectangle.safe.size} {runs} are safe: {rectangle.asked}"
+    title = f"{rectangle.counted} are safe: {rectangle.asked}"
     if rectangle.first is not None and rectangle.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((rectangle.first, over), (rectangle.second, above)))
         corners = np.array([[low[0], high[0]], [low[1], high[0]], [low[1], high[1]], [low[0], high[1]]])

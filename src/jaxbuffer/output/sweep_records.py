@@ -36,6 +36,7 @@ def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
         "asked": rectangle.asked,
         "safe_runs": int(rectangle.safe.sum()),
         "runs": int(rectangle.safe.size),
+        "done": rectangle.done,
         "runs_in_rectangle": int(rectangle.runs),
         "rectangle": [
             {**_field(axis), "low": float(part[0]), "high": float(part[1])} for axis, part in ranges if part is not None
@@ -43,7 +44,12 @@ def _envelope(rectangle: SafeRectangle) -> dict[str, Any]:
         "reasons": dict(Counter(str(reason) for reason in rectangle.reasons[~rectangle.safe])),
         "between": None
         if (between := rectangle.between) is None
-        else {"runs": between.runs, "unsafe_runs": between.unsafe, "words": between.words},
+        else {
+            "runs": between.runs,
+            "asked_runs": between.asked,
+            "unsafe_runs": between.unsafe,
+            "words": between.words,
+        },
     }
 
 

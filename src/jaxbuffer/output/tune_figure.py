@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._types import Axes, Figure
-from ..fields import get
+from ..fields import get, relative_change
 from ..mechanisms.run import Run
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned
@@ -55,7 +55,9 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
     before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
-    figure.suptitle(f"{_objective_text(problem, problem.objective)}: {before} before, {after} after")
+    counts = [f", {text}" if (text := tuned.end_counted(point)) else "" for point in (tuned.before, tuned.after)]
+    whole = f"{before} before{counts[0]}; {after} after{counts[1]}" if counts[0] else f"{before} before, {after} after"
+    figure.suptitle(f"{_objective_text(problem, problem.objective)}: {whole}")
     return figure
 
 
@@ -81,7 +83,7 @@ def _cases(axes: Axes, tuned: Tuned) -> None:
         met = point.succeeded[drawn]
         axes.plot(forces[met], row[met], marker, color=colour, markersize=5, label=name)
         if not np.all(met):
-            missed = f"{name}, not {problem.mechanism.success_of(problem.design) or 'solved'}"
+            missed = f"{name}, not {problem.success or 'solved'}"
             axes.plot(forces[~met], row[~met], "x", color=colour, markersize=7, label=missed)
     if floor is not None:
         axes.plot(floor.simulated[drawn], row, "|", color="black", markersize=9, label="floor: first impact, no buffer")
@@ -158,10 +160,11 @@ def _rows(tuned: Tuned) -> list[Row]:
         lowest = name in problem.limits.at_least and name not in allowed
         limit = problem.limits.at_least[name] if lowest else allowed.get(name)
         worst = np.min if lowest else np.max
-        before, after = (float(worst(point.quantities[:, k])) for point in (tuned.before, tuned.after))
+        before, after = (float(worst(tuned.reported(point)[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
         symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        text = f"{factor * before:.4g} → {factor * after:.4g}{symbol}"
+        figures = ["–" if np.isnan(value) else f"{factor * value:.4g}" for value in (before, after)]
+        text = f"{' → '.join(figures)}{symbol}"
         if limit is not None:
             text += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
         rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"))
@@ -172,10 +175,8 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     """The worst of each quantity over the scenarios in shares of its limit, or of what it was where it has none."""
     rows = _rows(tuned)
     row = np.arange(len(rows))
-    of = np.array([it.before if it.limit is None else it.limit for it in rows])
     for (name, colour, marker), side in zip(POINTS, ("before", "after"), strict=True):
-        values = np.array([getattr(it, side) for it in rows])
-        share = 100.0 * np.divide(values, of, out=np.ones_like(values), where=of != 0.0)
+        share = np.array([_share(it, getattr(it, side)) for it in rows])
         beyond = share > WIDEST
         axes.plot(share[~beyond], row[~beyond], marker, color=colour, markersize=5, label=name)
         axes.plot(np.full(beyond.sum(), WIDEST), row[beyond], ">", color=colour, markersize=6)
@@ -187,6 +188,15 @@ def _limits(axes: Axes, tuned: Tuned) -> None:
     axes.set_xlim(0.0, min(axes.get_xlim()[1], 1.03 * WIDEST))
     x = "share of the limit (red), or of the value before [%]"
     label(axes, "Worst over the scenarios, before → after", x, "", False)
+
+
+def _share(row: Row, value: float) -> float:
+    """Return what share of its limit a value is [%], or of the value before where it has none; NaN, which is not drawn,
+    where that has no meaning: of a value before that is zero or has another sign."""
+    if row.limit is not None:
+        return 100.0 * value / row.limit
+    change = relative_change(row.before, value)
+    return float("nan") if change is None else 100.0 * (1.0 + change)
 
 
 def _search(axes: Axes, tuned: Tuned, stage: int) -> None:

@@ -89,6 +89,7 @@ def _scattered(tuned: Tuned) -> dict[str, Any]:
             "run": len(corners.cases),
             "all": corners.whole,
             "holding": corners.holding,
+            "holds": corners.hold,
             "largest_objective": json_number(corners.largest),
             "objective_in_the_middle": json_number(corners.middle),
             "each": [
@@ -117,6 +118,8 @@ def _floors(tuned: Tuned) -> list[dict[str, float | None]]:
 def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
     problem = tuned.problem
     units, margin = {name: problem.catalogue[name].unit for name in problem.names}, problem.mechanism.tuning.margin
+    if problem.end is not None and problem.end.quantity:  # then the margin is that of this end
+        margin = None
     return [
         {
             "outcome": problem.mechanism.outcomes(int(code)).name,
@@ -126,7 +129,7 @@ def _cases(tuned: Tuned, point: Evaluation) -> list[dict[str, Any]]:
             **({} if margin is None else {f"{margin} [{problem.catalogue[margin].unit}]": json_number(room)}),
         }
         for code, impacts, first, row, room in zip(
-            point.code, point.impacts, point.first, point.quantities, point.margin, strict=True
+            point.code, point.impacts, point.first, tuned.reported(point), point.margin, strict=True
         )
     ]
 
@@ -137,7 +140,7 @@ def tuned_comment(tuned: Tuned) -> str:
     limits = problem.limits.lines(problem.catalogue)
     before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
     lines = [
-        f"{headline(tuned.message, tuned.feasible)}.",
+        f"{headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_counted(tuned.after))}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",
@@ -173,7 +176,12 @@ def front_rows(front: Front) -> Table:
     rows: list[Sequence[Any]] = []
     for k, (point, values, limits) in enumerate(zip(front.points, front.values, front.limits, strict=True)):
         finite = [None if np.isinf(limit) else float(limit) for limit in limits]
-        status = [float(point.residual), float(point.gradient_error), point.converged, point_status(front, k)]
+        status = [
+            json_number(point.residual),
+            json_number(point.gradient_error),
+            point.converged,
+            point_status(front, k),
+        ]
         variables = [float(get(point.design, v.path)) for v in problem.variables]
         rows.append([k + 1, *map(float, values), *finite, *status, *variables])
     return header, rows

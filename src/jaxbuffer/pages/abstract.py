@@ -5,11 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from ..fields import as_typed, unit
+from ..fields import as_typed, change_in_words, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, swept_fields
-from .limits import LimitCounts, limit_check, limit_counts
+from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, reached, safe_of, swept_fields
+from .limits import (
+    LimitCounts,
+    corners_verdict,
+    end_counted,
+    fails_in_corners_alone,
+    limit_check,
+    limit_counts,
+)
 from .page import Cell, shown
 from .records import by_name, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
@@ -38,8 +45,12 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
     counts = limit_counts(results, others)
     feasible = tuned["feasible"] and (counts is None or not counts.faults)
     force = _of_objective(results, others, feasible)
+    if fails_in_corners_alone(results, others):
+        return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search({**tuned, "feasible": True})]
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
+    if counts is None and (ended := end_counted(results)):
+        limits = [Cell(ended, "good" if all_reached(ended) else "unsure")]
     return [*first, *limits, force, *_of_search(tuned)]
 
 
@@ -52,17 +63,27 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
         return Cell(text)
     start = limit_check(results, others, "before")
     allowed = start is None or all(start.keeping)
-    text += f" ({100 * (after / before - 1):+.2g} %)" if before else ""
+    text += f" ({change})" if (change := change_in_words(before, after, "+.2g")) != "–" else ""
     text += "" if allowed else ", from a start that breaks limits"
     return Cell(text, "" if not feasible else "good" if after <= before or not allowed else "unsure")
 
 
 def _of_limits(results: Results, counts: LimitCounts) -> Cell:
-    """Which limits are broken, or how sure it is that all are kept."""
-    missed = [f"{counts.missed} of {counts.runs} not {words(results.success or '')}"] if counts.missed else []
+    """Which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
+    missed = [f"{counts.missed} of {counts.runs} not {words(counts.success or '')}"] if counts.missed else []
+    ended = end_counted(results)
+    reached = [ended] if ended else []
     if counts.faults:
-        return Cell(", ".join([*_broken(counts), *missed]), "bad")
-    return Cell(", ".join(["all limits kept", *_nearly(counts)]), "unsure" if _nearly(counts) else "good")
+        return Cell(", ".join([*_broken(counts), *missed, *reached]), "bad")
+    unsure = bool(_nearly(counts)) or not all_reached(ended)
+    kept = "limits kept as far as known" if counts.unknown else "all limits kept"
+    return Cell(", ".join([kept, *_nearly(counts), *reached]), "unsure" if unsure else "good")
+
+
+def all_reached(ended: str) -> bool:
+    """Return whether all runs have the end of "held in 36 of 36"; true of ""."""
+    count, _, every = ended.rpartition(" in ")[2].partition(" of ")
+    return count == every
 
 
 def _broken(counts: LimitCounts) -> list[str]:
@@ -105,15 +126,17 @@ def _with_limits(counts: LimitCounts | None, mark: str) -> tuple[list[str], str]
     if counts is None:
         return [], mark
     if counts.faults:
-        return _broken(counts), "bad"
-    return ["limits kept", *_nearly(counts)], "unsure" if mark == "good" and _nearly(counts) else mark
+        missed = [f"not {words(counts.success or '')}"] if counts.missed else []
+        return [*_broken(counts), *missed], "bad"
+    kept = "limits kept as far as known" if counts.unknown else "limits kept"
+    return [kept, *_nearly(counts)], "unsure" if mark == "good" and _nearly(counts) else mark
 
 
 def _of_many(results: Results) -> list[Cell]:
     cells, points = [], results.records.get("front", {}).get("points")
     if envelope := results.records.get("sweep", {}).get("envelope"):
         safe, runs = envelope["safe_runs"], envelope["runs"]
-        cells.append(Cell(f"{safe} of {runs} runs of the sweep are safe", "good" if safe == runs else "unsure"))
+        cells.append(Cell(f"{safe_of(envelope)} of the sweep are safe", "good" if safe == runs else "unsure"))
         if (between := envelope.get("between")) and between["unsafe_runs"]:
             count = f"{between['unsafe_runs']} of {between['runs']} runs"
             cells.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
@@ -141,13 +164,14 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
     tuned, mechanism = results.tuned, results.mechanism
     if tuned is None:
         return ""
-    if not tuned["feasible"]:
+    if not tuned["feasible"] and not fails_in_corners_alone(results, every):
         return f"No design was found that keeps every limit: {'; '.join(tuned.get('why') or [tuned['message']])}."
     count = len(tuned["scenarios"])
     counts = limit_counts(results, every)
     verdict = " keeps every limit" if counts is None or not counts.faults else " does not keep every limit"
     where = "its scenario" if count == 1 else f"the {count} scenarios"
-    text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}."
+    ended = f", {ended}" if (ended := end_counted(results)) else ""
+    text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}{ended}."
     ended = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
@@ -169,7 +193,7 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
     if before is None:
         return f"Tuning brought {objective} {end}, from a start whose runs failed"
     way = "left" if same(before, after) else "lowered" if after < before else "raised"
-    change = f" ({100.0 * (after / before - 1.0):+.2g} %)" if before > 0.0 else ""
+    change = f" ({change})" if (change := change_in_words(before, after, "+.2g")) != "–" else ""
     return f"Tuning {way} {objective}, from {factor * before:.4g} {end}{change}"
 
 
@@ -198,8 +222,9 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     if counts is None:
         return text
     faults = [f"{counts.broken} limit{'s are' if counts.broken > 1 else ' is'} broken."] if counts.broken else []
-    faults += [f"It does not end {words(results.success or '')}, as it must."] if counts.missed else []
-    return " ".join([text, *(faults or ["It keeps every limit."])])
+    faults += [f"It does not end {words(counts.success or '')}, as it must."] if counts.missed else []
+    unknown = f"It keeps the limits that are known; {counts.unknown} are not."
+    return " ".join([text, *(faults or [unknown if counts.unknown else "It keeps every limit."])])
 
 
 def _sensitivity(results: Results, every: Sequence[Results]) -> str:
@@ -223,12 +248,13 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
         return ""
     over = " and ".join(swept_fields(results))
     over = f"over {over}" if over else "of runs given one by one"
-    text = f"{_ended(results.mechanism, outcome_counts(results))} in a sweep {over}."
+    counts = outcome_counts(results)
+    text = f"{_ended(results.mechanism, counts)} in a sweep {over}{reached(results, counts)}."
     force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
         text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
     envelope = results.records.get("sweep", {}).get("envelope")
-    safe = "" if envelope is None else f" {envelope['safe_runs']} of {envelope['runs']} keep every limit."
+    safe = "" if envelope is None else f" {safe_of(envelope).removesuffix(' runs')} keep every limit."
     return text + safe
 
 
@@ -237,7 +263,9 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     record, mechanism = results.records.get("sample"), results.mechanism
     if record is None:
         return ""
-    text = f"{_ended(mechanism, record['outcomes'])} in a sample of {len(record['ranges'])} numbers."
+    left = record["runs"] - record["done"]
+    counts = {**record["outcomes"], **({OPEN: left} if left else {})}
+    text = f"{_ended(mechanism, counts)} in a sample of {len(record['ranges'])} numbers{reached(results, counts)}."
     largest: dict[str, Record] = {}
     for row in record["indices"]:
         if row["total [-]"] > largest.get(row["quantity"], {"total [-]": -np.inf})["total [-]"]:

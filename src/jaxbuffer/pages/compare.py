@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..fields import get, paths, unit
+from ..fields import get, paths, relative_change, unit
+from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .abstract import abstract, badges
-from .limits import Limit, case_labels, limit_check, limits, limits_of
+from .limits import bound_text, case_labels, end_counted, limit_check, limits, limits_of
 from .origin import origin
 from .page import Cell, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
@@ -109,8 +110,20 @@ def compared(every: Sequence[Results]) -> list[Table]:
     if all("run" in results.records for results in every):
         tables += _runs(every, folders)
     if all(results.tuned is not None for results in every):
+        tables += _ends(every, folders)
         tables.append(by_scenario(every, folders, "peak_force"))
     return tables[1:] and tables
+
+
+def _ends(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
+    """In how many scenarios of each tuning the strictest end was reached that its design can have, before and after."""
+    counts = [[end_counted(results, side) for side in ("before", "after")] for results in every]
+    if not any(after for _, after in counts):
+        return []
+    rows: list[list[str | Cell]] = [
+        [side, *(Cell(pair[k] or "–") for pair in counts)] for k, side in enumerate(("before tuning", "after tuning"))
+    ]
+    return [Table("How many scenarios end so", ("of", *folders), rows)]
 
 
 def _designs(every: Sequence[Results], folders: Sequence[str]) -> Table:
@@ -162,9 +175,12 @@ def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
 
 
 def _change(first: float, value: float) -> str:
-    """A relative difference in per cent; as a multiple from ten times on."""
+    """A relative difference in per cent; as a multiple from ten times on; "" where it has no meaning."""
+    change = relative_change(first, value)
+    if change is None:
+        return ""
     ratio = value / first
-    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({100 * (ratio - 1.0):+.3g} %)"
+    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({100 * change:+.3g} %)"
 
 
 def differing(every: Sequence[Results]) -> list[str]:
@@ -175,7 +191,7 @@ def differing(every: Sequence[Results]) -> list[str]:
         if len({known.get(key) for known in by_folder}) > 1:
             title, symbol, factor = _shown(every, key[0])
             bounds = [known.get(key) for known in by_folder]
-            said = ["not limited" if limit is None else limit.text(factor, symbol) for limit in bounds]
+            said = ["not limited" if limit is None else bound_text(limit, factor, symbol) for limit in bounds]
             sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
             texts.append(f"{title}: {sides}")
     return texts
@@ -240,7 +256,7 @@ def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str
     safe = [True] * len(cases) if check is None else check.keeping
     sides = [limit for (limited, _), limit in limits.items() if limited == name]
     values = [by_name(case["after"]).get(name) for case in cases]
-    beyond = [any(it.broken_by(value) for it in sides) for value in values]
+    beyond = [any(not it.keeps(value) for it in sides) for value in values]
     names = [_case(results.mechanism, case) for case in cases]
     return dict(zip(names, zip(values, beyond, safe, strict=True), strict=True))
 

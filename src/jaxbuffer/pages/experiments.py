@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..fields import as_typed
+from ..fields import as_typed, get
 from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
@@ -27,16 +27,44 @@ def sweep(results: Results) -> Section | None:
     outcomes = outcome_counts(results)
     record = results.records.get("sweep", {})
     envelope = record.get("envelope")
-    text = [f"{sum(outcomes.values())} runs: {sizes}."] + ([] if envelope is None else envelope_in_words(envelope))
+    every, left = sum(outcomes.values()), outcomes.get(OPEN, 0)
+    computed = f"{every} runs" if not left else f"{every - left} of {every} runs, the others are not computed"
+    text = [f"{computed}: {sizes}{reached(results, outcomes)}."] + (
+        [] if envelope is None else envelope_in_words(envelope)
+    )
     figures = figure(results, "envelope", "Which runs are safe, and the largest rectangle of them")
     figures += figure(results, "sweep", "The sweep's quantities over the swept numbers")
     title, tables = "Sweep" if envelope is None else "Envelope", [_outcomes(results.mechanism, outcomes)]
     if envelope is None:
         return Section(title, text, figures, tables)
     between = envelope.get("between")
-    warnings = [between["words"]] if between and between["unsafe_runs"] else []
-    text += [between["words"]] if between and not between["unsafe_runs"] else []
+    safe = between and not between["unsafe_runs"] and between["runs"] == between.get("asked_runs", between["runs"])
+    warnings = [between["words"]] if between and not safe else []
+    text += [between["words"]] if between and safe else []
     return Section(title, text, figures, tables, warnings=[*warnings, *not_found(envelope, record["axes"])])
+
+
+def reached(results: Results, counts: Mapping[str, int]) -> str:
+    """Return in how many computed runs of a sweep or sample the strictest end was reached, after a comma.
+
+    It is "" where the design can have none. ``counts``: as of `outcome_counts`.
+    """
+    design = results.design
+    if design is None:
+        return ""
+    axes = [*results.records.get("sweep", {}).get("axes", ()), *results.records.get("sample", {}).get("ranges", ())]
+    moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
+    found = results.mechanism.end_counted(lambda path: path in moved or get(design, path), computed)
+    return f", {found}" if found else ""
+
+
+def safe_of(envelope: Record) -> str:
+    """Return how many runs of an envelope are safe: "22 of 48 runs".
+
+    Of an interrupted sweep it is "22 of 30 computed runs, of 48 asked for,".
+    """
+    safe, runs, done = envelope["safe_runs"], envelope["runs"], envelope.get("done", envelope["runs"])
+    return f"{safe} of {runs} runs" if done == runs else f"{safe} of {done} computed runs, of {runs} asked for,"
 
 
 def outcome_counts(results: Results) -> dict[str, int]:
@@ -58,7 +86,7 @@ def swept_fields(results: Results) -> dict[str, int]:
 
 def envelope_in_words(envelope: Record) -> list[str]:
     """How many runs are safe, and the ranges of the largest rectangle of them."""
-    texts = [f"Safe means: {envelope['asked']}. {envelope['safe_runs']} of {envelope['runs']} runs are."]
+    texts = [f"Safe means: {envelope['asked']}. {safe_of(envelope)} are."]
     if not envelope["rectangle"]:
         return [*texts, "No run is safe, so there is no safe rectangle."]
     ranges = " by ".join(f"{field_name(part['path'])} from {_ends(part)}" for part in envelope["rectangle"])
@@ -117,7 +145,14 @@ def sample(results: Results) -> Section | None:
         for it in record["surfaces"]
         if not it["trusted"]
     ]
-    text = [f"{record['done']} of {record['runs']} runs, {words(record['method'])}, seed {record['seed']}."]
+    counted = reached(results, record["outcomes"])
+    text = [f"{record['done']} of {record['runs']} runs, {words(record['method'])}, seed {record['seed']}{counted}."]
+    warnings += [
+        f"The surface of {words(it['quantity'])} is fitted as if the {it['left_out'][OPEN]} runs that are not computed"
+        " did not exist."
+        for it in record["surfaces"]
+        if it.get("left_out", {}).get(OPEN)
+    ]
     figures = figure(results, "indices", "First-order and total index of each number, with intervals")
     figures += figure(results, "surface", "What a surface says of runs it has not seen, against what was computed")
     figures += figure(results, "sample", "The quantities over each sampled number")

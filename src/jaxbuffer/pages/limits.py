@@ -1,17 +1,19 @@
 """What is held against limits, a run or every scenario of a tuning, and how it stands to them."""
 
 import dataclasses
+import math
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ..mechanisms.mechanism import Mechanism
+from ..fields import get
+from ..mechanisms.limit import IMPACTS, Limit, digits_apart
+from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..output.folder import Record, Results
-from .page import Cell, Section, Table, shown
-from .records import ROUNDING, by_name, in_figures, same, scenario_of, words
+from .page import WHOLE, Cell, Section, Table, shown
+from .records import by_name, in_figures, same, scenario_of, words
 
-LIMITS = ("limits", "lower_limits", "most_impacts")  # what a record has that its study limits
-IMPACTS = "impacts"  # the number of them is limited as quantities are
+LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits
 HEADINGS = ("quantity", "unit", "worst", "in scenario", "limit", "margin", "verdict")
 BEYOND = ("scenario", "quantity", "unit", "value", "limit", "beyond it")
 CLOSE = 1e-3  # relative margin below which a value is at its limit
@@ -21,35 +23,23 @@ UNKNOWN = Cell("not known", "unsure")
 Row = list[str | Cell]
 
 
-class Limit(NamedTuple):
-    """A limit of the quantity called ``name``, its ``value`` in the quantity's unit; ``lowest``: a lower limit."""
+def bound_text(limit: Limit, factor: float = 1.0, symbol: str = "") -> str:
+    """Return "≤ 25 mm"; ``factor``: how many of the unit with this ``symbol`` the quantity's own unit is."""
+    return f"{limit.symbol} {_bound(factor * limit.bound)} {symbol}".rstrip(" -")
 
-    name: str
-    value: float
-    lowest: bool = False
 
-    def text(self, factor: float = 1.0, symbol: str = "") -> str:
-        """Return "≤ 25 mm"; ``factor``: how many of the unit with this ``symbol`` the quantity's own unit is."""
-        return f"{'≥' if self.lowest else '≤'} {shown(factor * self.value)} {symbol}".rstrip(" -")
+def _bound(bound: float) -> str:
+    """A bound as it was given, to six digits."""
+    text = shown(bound)
+    return text if math.isclose(float(text), bound, rel_tol=1e-12) or abs(bound) >= WHOLE else f"{bound:.6g}"
 
-    def broken_by(self, value: float | None) -> bool:
-        """Return whether a value is beyond the limit, rounding aside; one that is not known is."""
-        if value is None:
-            return True
-        return value < self.value * (1.0 - ROUNDING) if self.lowest else value > self.value * (1.0 + ROUNDING)
 
-    def margin(self, value: float | None) -> float | None:
-        """Return how far a value keeps from the limit, relative to that; None where it is not known."""
-        if value is None or self.value == 0.0:
-            return None
-        return (value / self.value - 1.0) if self.lowest else (1.0 - value / self.value)
-
-    def worst(self, values: Sequence[float | None]) -> float | None:
-        """Return the value nearest to the limit or farthest beyond it; None where one is not known."""
-        known = [value for value in values if value is not None]
-        if len(known) < len(values):
-            return None
-        return min(known) if self.lowest else max(known)
+def _value(value: float | None, limit: Limit, factor: float) -> str:
+    """A value beside its limit: with as many digits as tell it from a bound that it breaks."""
+    if value is None or limit.keeps(value):
+        return shown(None if value is None else factor * value)
+    text, bound = shown(factor * value), _bound(factor * limit.bound)
+    return text if text != bound else f"{factor * value:.{digits_apart(factor * value, factor * limit.bound)}g}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,10 +68,19 @@ class LimitCheck:
         return named if most is None else [*named, Limit(IMPACTS, most)]
 
     @property
+    def end(self) -> RequiredEnd | None:
+        """The end that the limits ask for beside success, or that a limited quantity waits for; None for none."""
+        return required_end(self.mechanism, self.source)
+
+    @property
     def missed(self) -> list[int]:
         """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
-        successes, margin = self.mechanism.successes, self.mechanism.tuning.margin or ""
-        missed = [k for k, it in enumerate(self.outcomes) if successes and it not in successes]
+        margin, end = self.mechanism.tuning.margin or "", self.end
+        successes = self.mechanism.successes if end is None else end.outcomes
+        failed = [name for name in self.mechanism.outcomes.__members__ if self.mechanism.outcomes[name].failed]
+        if end is None and not self.source.get("must_succeed", True):
+            successes = ()
+        missed = [k for k, it in enumerate(self.outcomes) if (successes and it not in successes) or it in failed]
         return sorted(missed, key=lambda k: float(self.values[k].get(margin) or 0.0))
 
     @property
@@ -110,14 +109,38 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
     name = "" if limiting is results else str(limiting.folder)
+    end = required_end(mechanism, source)
+    success = results.success if end is None else end.name
+    success = success if end is not None or source.get("must_succeed", True) else None
     if results.tuned is None:
         values = by_name(record) | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])}
         said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
-        return LimitCheck(mechanism, source, name, [said], [values], [record["outcome"]], results.success)
+        return LimitCheck(mechanism, source, name, [said], [values], [record["outcome"]], success)
     cases = [by_name(case[side]) for case in record["scenarios"]]
-    return LimitCheck(
-        mechanism, source, name, case_labels(results), cases, [case["outcome"] for case in cases], results.success
-    )
+    outcomes = [case["outcome"] for case in cases]
+    return LimitCheck(mechanism, source, name, case_labels(results), cases, outcomes, success)
+
+
+def required_end(mechanism: Mechanism, source: Record) -> RequiredEnd | None:
+    """Return the end that a record's limits ask for beside success, or that what they limit waits for; None for
+    none."""
+    return mechanism.required_end(source.get("ends", ()), limited(source))
+
+
+def end_counted(results: Results, side: str = "after") -> str:
+    """Return in how many runs of a folder the strictest end was reached that its design can have: "held in 36 of 36".
+
+    It is "" where there is none. ``side``: of a tuning, as of `limit_check`."""
+    design = results.design
+    if design is None:
+        return ""
+    if results.tuned is not None:
+        outcomes = [case[side]["outcome"] for case in results.tuned["scenarios"]]
+    elif "run" in results.records:
+        outcomes = [results.records["run"]["outcome"]]
+    else:
+        return ""
+    return results.mechanism.end_counted(lambda path: get(design, path), Counter(outcomes))
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
@@ -212,13 +235,14 @@ def limits(results: Results, every: Sequence[Results] = (), named: bool = False)
 
 class LimitCounts(NamedTuple):
     """How many limits are ``broken``, kept ``at_limit``, and ``unknown``; how many ``runs`` there are, and of these
-    ``missed``: ended otherwise than they must."""
+    ``missed``: ended otherwise than they must; ``success``: how they must end, in a word."""
 
     broken: int
     at_limit: int
     unknown: int
     missed: int
     runs: int
+    success: str | None = None
 
     @property
     def faults(self) -> int:
@@ -233,11 +257,27 @@ def limit_counts(results: Results, every: Sequence[Results] = ()) -> LimitCounts
         return None
     verdicts = [_row(check, limit)[-1] for limit in check.limits]
     broken, at_limit, unknown = map(verdicts.count, (BROKEN, AT_LIMIT, UNKNOWN))
-    return LimitCounts(broken, at_limit, unknown, len(check.missed), len(check.outcomes))
+    return LimitCounts(broken, at_limit, unknown, len(check.missed), len(check.outcomes), check.success)
+
+
+def corners_verdict(tuned: Record) -> str:
+    """Return in how many corners of what scatters a tuned design holds, where it fails in some; "" elsewhere."""
+    corners = tuned.get("corners")
+    if corners is None:
+        return ""
+    if corners["holding"] < corners["run"]:
+        return f"holds in {corners['holding']} of {corners['run']} corners only"
+    return "" if corners.get("holds", True) else "does not hold in the middle of what scatters"
+
+
+def fails_in_corners_alone(results: Results, every: Sequence[Results] = ()) -> bool:
+    """Return whether a tuned design keeps its limits in every scenario, and not in the corners of what scatters."""
+    counts = limit_counts(results, every)
+    return bool(results.tuned and corners_verdict(results.tuned)) and (counts is None or not counts.faults)
 
 
 def _breaks(case: Mapping[str, Any], limit: Limit) -> bool:
-    return limit.name in case and limit.broken_by(case[limit.name])
+    return limit.name in case and not limit.keeps(case[limit.name])
 
 
 def _rows(check: LimitCheck) -> list[Row]:
@@ -261,23 +301,23 @@ def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None
     those that the study limits."""
     among = limited(source) if among is None else among
     upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **source["limits"]}.items()]
-    lower = [Limit(name, limit, True) for name, limit in source.get("lower_limits", {}).items()]
+    lower = [Limit(name, limit, lowest=True) for name, limit in source.get("lower_limits", {}).items()]
     return [limit for limit in (*upper, *lower) if limit.name in among]
 
 
 def _row(check: LimitCheck, limit: Limit) -> Row:
     name, symbol, factor = check.title(limit.name)
-    bound = limit.text(factor)
+    bound = bound_text(limit, factor)
     if limit.name not in check.values[0]:  # a limit of another folder on what this one does not know
         return [name, symbol, "–", "–", bound, "–", UNKNOWN]
     values = [case[limit.name] for case in check.values]
     value = limit.worst(values)
-    where, of = check.labels[values.index(value)], None if value is None else factor * value
+    where = check.labels[values.index(value)]
     share = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
     margin = "–" if share is None else f"{100 * share:.3g} %"
     close = share is not None and share < CLOSE
-    verdict = BROKEN if limit.broken_by(value) else AT_LIMIT if close else KEPT
-    return [name, symbol, shown(of), where, bound, margin, verdict]
+    verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if close else KEPT
+    return [name, symbol, _value(value, limit, factor), where, bound, margin, verdict]
 
 
 def _beyond(check: LimitCheck) -> list[Row]:
@@ -290,9 +330,9 @@ def _beyond(check: LimitCheck) -> list[Row]:
         for where, case in zip(check.labels, check.values, strict=True):
             if _breaks(case, limit):
                 value = case[limit.name]
-                share, of = limit.margin(value), None if value is None else factor * value
+                share = limit.margin(value)
                 by = "–" if share is None else f"{-100 * share:.3g} %"
-                row: Row = [where, name, symbol, shown(of), limit.text(factor), by]
+                row: Row = [where, name, symbol, _value(value, limit, factor), bound_text(limit, factor), by]
                 excesses.append((share or 0.0, row))
     return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]
 

@@ -11,7 +11,7 @@ from ..output.folder import Results, load_finished
 from .abstract import INFEASIBLE, abstract, badges
 from .designs import design, requirements
 from .experiments import front, sample, sweep
-from .limits import limits, repeats_tuning
+from .limits import fails_in_corners_alone, limits, repeats_tuning
 from .origin import origin, verification
 from .page import Page, Section, write_page
 from .runs import diagnosis, run, scenarios, search
@@ -66,7 +66,7 @@ def review(every: Sequence[Results], title: str = "") -> Page:
     made += [(results, make(results)) for make in (search, sweep, sample, front) for results in every]
     parts = distinct([(results, section) for results, section in made if section is not None])
     subtitle = f"{first.mechanism.view.title} · {', '.join(str(results.folder) for results in every)}"
-    if first.tuned is None or first.tuned["feasible"]:
+    if first.tuned is None or first.tuned["feasible"] or fails_in_corners_alone(first, every):
         title = title or f"{first.mechanism.view.title}: design review"
     else:
         title = f"{title or f'{first.mechanism.view.title}, design review'}: {INFEASIBLE}"

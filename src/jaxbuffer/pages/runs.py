@@ -3,11 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import as_typed, unit
+from ..fields import as_typed, percent, unit
+from ..mechanisms.limit import Limit
 from ..output.folder import Results
 from ..tuning.problem import Variable
 from .designs import other_design
-from .limits import Limit, case_labels, elsewhere
+from .limits import case_labels, corners_verdict, elsewhere, end_counted
 from .page import Cell, Section, Table, shown
 from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
 
@@ -109,7 +110,7 @@ def scenarios(results: Results) -> Section | None:
         for name in names:
             factor, upper = in_figures(mechanism, name, own)[2], tuned["limits"]
             sides = [Limit(name, upper[name])] if name in upper else []
-            sides += [Limit(name, lower[name], True)] if name in lower else []
+            sides += [Limit(name, lower[name], lowest=True)] if name in lower else []
             row += [_value(values[name], factor, sides) for values in (before, after)]
         rows.append(row)
     headings = ["scenario", "outcome\nbefore", "\nafter"]
@@ -119,18 +120,20 @@ def scenarios(results: Results) -> Section | None:
     worst = results.records.get("force", {}).get("scenario", "")
     curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
     tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
+    counts = [end_counted(results, side) for side in ("before", "after")]
+    reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
     if corners is None:
-        return Section("Scenarios", curves=curves, tables=tables)
+        return Section("Scenarios", reached, curves=curves, tables=tables)
     said = [f"{line[:1].upper()}{line[1:]}." for line in corners["said"]]
-    holds = corners["holding"] == corners["run"]
+    holds = not corners_verdict(tuned)
     text = [f"The scenarios are {tuned['sample']['count']} samples of what scatters, which are no bound.", said[-1]]
     of_corners = said[:-1]
     text, warnings = ([text[0], *of_corners, text[1]], []) if holds else (text, of_corners)
-    return Section("Scenarios", text, curves=curves, tables=tables, warnings=warnings)
+    return Section("Scenarios", [*reached, *text], curves=curves, tables=tables, warnings=warnings)
 
 
 def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
-    beyond = any(limit.broken_by(value) for limit in sides)
+    beyond = any(not limit.keeps(value) for limit in sides)
     return Cell(shown(None if value is None else factor * value), "bad" if beyond else "")
 
 
@@ -149,9 +152,9 @@ def search(results: Results) -> Section | None:
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
-        f"{tuned['captures']} {results.mechanism.view.run_name}s; {100.0 * residual:.2g} % of the objective left to"
+        f"{tuned['captures']} {results.mechanism.view.run_name}s; {percent(residual)} of the objective left to"
         f" gain by small changes (checked at rtol {tuned.get('rtol_of_check [-]', 1e-9):g}), the search's slopes right"
-        f" to {100.0 * error:.2g} %.",
+        f" to {percent(error)}.",
     ]
     if (above := tuned.get("above_floor [-]")) is not None:
         facts.append(f"The largest force is {100 * above:.3g} % above the first impact's, which no buffer softens.")

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from ..mechanisms.limit import Limit
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
 from .designs import other_design
-from .limits import Limit, elsewhere, limits_of, source_of_limits
+from .limits import bound_text, elsewhere, limits_of, source_of_limits
 from .page import Cell, Section, Table, shown
 from .records import by_name, by_quantity, in_figures, scenario_of, title, words
 
@@ -86,9 +87,9 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
     for limit in limits_of(results.mechanism, source, of_quantity):
         title, symbol, factor = in_figures(results.mechanism, limit.name)
         value = values[limit.name]
-        verdict = Cell("broken here", "bad") if limit.broken_by(value) else None
+        verdict = None if limit.keeps(value) else Cell("broken here", "bad")
         verdict = verdict or _smallest(value, limit, of_quantity[limit.name])
-        rows.append([title, symbol, shown(factor * value), limit.text(factor), verdict])
+        rows.append([title, symbol, shown(factor * value), bound_text(limit, factor), verdict])
     headings = ("quantity", "unit", "here", "limit", "what breaks it")
     caption = "What smallest change of a number breaks a limit in this scenario, to first order"
     return [Table(caption, headings, rows)] if rows else []
@@ -97,7 +98,7 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
 def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     """The number that alone would have to change least, by (limit / value - 1) / elasticity."""
     known = [row for row in rows if value and row["elasticity [-]"]]
-    changes = [((limit.value / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
+    changes = [((limit.bound / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
     return Cell(
         f"{path} {100 * change:+.3g} %" if abs(change) <= FAR else f"no number alone by less than {100 * FAR:g} %"

@@ -92,6 +92,7 @@ def _limits_toml(problem: Problem) -> str:
     limits, lines = problem.limits, ["[problem.constraints]"]
     if problem.mechanism.success is not None or not limits.captured:
         lines.append(f"captured = {str(limits.captured).lower()}")
+    lines += [f"{name} = true" for name in limits.ends]
     if limits.impacts is not None:
         lines.append(f"impacts = {limits.impacts}")
     for name in dict.fromkeys(limits.names):

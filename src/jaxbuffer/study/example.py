@@ -102,6 +102,8 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
         yield _line(_entry(name, limit), f"{catalogue[name].unit}, {catalogue[name].description}")
     yield _line("# end_time = {min = 0.1, max = 1.0}", "s, both sides")
     yield _line("# impacts = 20", "at most so many touchdowns")
+    if (end := mechanism.strictest_end(lambda path: get(design, path))) is not None:
+        yield _line(f"# {end.name} = true", f"each {mechanism.view.run_name} must end {end.name} within the duration")
     yield ""
     first = next(f.name for f in dataclasses.fields(mechanism.scenario) if "unit" in f.metadata)
     yield "# [problem.grid]  # for every combination of these values; or list scenarios, each under [[scenarios]]"

@@ -119,7 +119,8 @@ def _limits(problem: Problem) -> list[str]:
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     if limits.captured and mechanism.successes:
-        lines.append(f"every case must end {' or '.join(mechanism.successes)}")
+        ends = mechanism.successes if problem.end is None else (problem.end.name,)
+        lines.append(f"every case must end {' or '.join(ends)}")
     return lines
 
 

@@ -28,6 +28,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
 from ..sweeps.axis import EXAMPLE, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
+from ..tuning.objective import end_names
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
@@ -228,7 +229,8 @@ def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -
 
 
 def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
-    check_known(table, ("captured", "impacts", *units), "problem.constraints")
+    asked = {name: value for name, value in table.items() if name in end_names()}
+    check_known(table, ("captured", *end_names(), "impacts", *units), "problem.constraints")
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
@@ -244,7 +246,7 @@ def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
             value = in_unit(where, text, symbol, low=0.0, low_open=True)
             check_number(where, value, symbol, low=0.0, low_open=True)
             (at_most if side == "max" else at_least)[name] = value
-    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least)
+    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least, **asked)
 
 
 def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:

@@ -173,6 +173,7 @@ def _problem(mechanism: Mechanism, design: Part, scenario: Part) -> Schema:
     sides: Schema = {"anyOf": [bound, _object({"min": bound, "max": bound}, minProperties=1)]}
     over: dict[str, Schema] = {"over": {"enum": ["worst", "mean", "cvar"]}, "level": {"type": "number", "minimum": 0}}
     limits: dict[str, Schema] = {"captured": {"type": "boolean"}, "impacts": {"type": "integer", "minimum": 1}}
+    limits |= {end.name: {"type": "boolean"} for end in mechanism.tuning.ends}
     return _object(
         {
             "variables": _by_path(numbers, lambda known: _range(known, SCALES)),

@@ -32,7 +32,10 @@ def sweep_table(sweep: RunTable) -> Table:
     ends = ", ".join(
         f"{count} {sweep.mechanism.outcomes(int(code)).reason}" for code, count in zip(codes, counts, strict=True)
     )
+    done = int(sweep.done.sum())
     title = f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: {ends}"
+    title += "" if done == len(sweep) else f"; interrupted, {done} of them done"
+    title += f"; {reached}" if (reached := end_counted(sweep)) else ""
     shown = table(title, ("quantity",), ("least", "median", "greatest"))
     for name in sweep.mechanism.swept:
         values, (symbol, factor) = sweep.columns[name], sweep.mechanism.quantities[name].in_figures
@@ -41,6 +44,16 @@ def sweep_table(sweep: RunTable) -> Table:
         shown.add_row(f"{name} [{symbol}]", *figures)
     shown.caption = "\n".join(sweep.doubts("see trust")) or None
     return shown
+
+
+def end_counted(sweep: RunTable) -> str:
+    """Return in how many of the runs that were computed the strictest end was reached: "held in 36 of 36"; "" where
+    their design can have none."""
+    moved = set() if sweep.grid is None else {axis.path for axis in sweep.grid.axes}
+    designs = sweep.design if sweep.design is not None else sweep.mechanism.design()
+    codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
+    named = {sweep.mechanism.outcomes(int(code)).name: int(n) for code, n in zip(codes, counts, strict=True)}
+    return sweep.mechanism.end_counted(lambda path: True if path in moved else get(designs, path), named)
 
 
 def _outcomes(sweep: RunTable) -> Table:
@@ -61,7 +74,8 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
     ``fields``: what differs between the runs, by its path, in words; ``file``: where all runs can be looked up.
     """
     done = int(sweep.done.sum())
-    parts: list[str | Table] = [title if done == len(sweep) else f"{title}; interrupted, {done} of them done"]
+    title = title if done == len(sweep) else f"{title}; interrupted, {done} of them done"
+    parts: list[str | Table] = [f"{title}; {reached}" if (reached := end_counted(sweep)) else title]
     parts += [*(f"  {path:26} {words}" for path, words in fields.items()), _outcomes(sweep)]
     if sweep.solved.any():
         parts += [_spread(sweep), *_extremes(sweep)]

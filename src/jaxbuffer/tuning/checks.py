@@ -10,22 +10,25 @@ A design tuned for samples is run in the corners of the ranges they come from, b
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 from jaxtyping import Float
 
 from ..fields import Curve, Part, get, replace
+from ..run.simulate import simulate
 from .cases import Case
 from .evaluation import Evaluator, built_design
 from .goal import Goal
-from .measurement import measure
+from .measurement import Measurement, measure
 from .problem import Problem
 
 GONE = 1e-6  # what is left of the buffer's springs and dampers
 DURATIONS = 4.0  # of an undamped Hertz impact, 2.943 δ/v each
 SHARPER = 0.1  # of the problem's tolerance
+LATE = 1e-3  # of a flight: by how much the touchdown may move without the buffer
+SPARE = 0.1  # of a flight: by how much that of another design within the bounds may be longer
 FAR = 10.0  # times the floor at the design: what counts for designs whose parts do not fit, or that fail
 
 
@@ -45,9 +48,25 @@ class Floor:
     at: dict[str, float]
 
     @property
+    def highest(self) -> float:
+        """The largest of all load cases [N]; NaN where one is not known."""
+        return float(np.max(self.simulated))
+
+    @property
     def unknown(self) -> int:
         """In how many load cases the floor is not known."""
         return int(np.sum(~np.isfinite(self.simulated)))
+
+
+class Flight(NamedTuple):
+    """A flight to the first touch.
+
+    ``duration`` of a run that has the first impact [s]; ``undisturbed``: whether the touchdown stays the same without
+    the buffer.
+    """
+
+    duration: float
+    undisturbed: bool
 
 
 def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | None:
@@ -55,9 +74,11 @@ def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | 
     known = problem.mechanism.tuning.floor
     if known is None:
         return None
-    simulated = _without_buffer(problem, scaled)[0]
-    lowest, best = _lowest(problem, scaled, simulated)
     built = [(built_design(problem, scaled, case), case.scenario) for case in problem.cases]
+    pairs = zip(built, problem.cases, strict=True)
+    flights = [None if design is None else _flight(problem, design, case) for (design, _), case in pairs]
+    simulated = _without_buffer(problem, scaled, flights)[0]
+    lowest, best = _lowest(problem, scaled, simulated, flights)
     closed = [None if design is None else known.first_impact(design, scenario) for design, scenario in built]
     at = dict(zip(problem.paths, map(float, problem.values(best)), strict=True))
     return Floor(
@@ -69,7 +90,9 @@ def floor(problem: Problem, scaled: Float[np.ndarray, " variables"]) -> Floor | 
     )
 
 
-def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[float, np.ndarray]:
+def _lowest(
+    problem: Problem, scaled: np.ndarray, peaks: np.ndarray, flights: Sequence[Flight | None]
+) -> tuple[float, np.ndarray]:
     """Search for the least floor within the bounds [N] and where it is, from the design with these ``peaks``."""
     here = problem.objective.aggregate(peaks)
     if not np.isfinite(here):
@@ -78,7 +101,7 @@ def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[fl
 
     def objective(where: np.ndarray) -> tuple[float, np.ndarray]:
         nonlocal best
-        peaks, slopes = _without_buffer(problem, where)
+        peaks, slopes = _without_buffer(problem, where, flights)
         weights = problem.objective.case_weights(peaks)
         value, slope = float(weights @ peaks), weights @ slopes
         if not (np.isfinite(value) and np.all(np.isfinite(slope))):
@@ -92,10 +115,12 @@ def _lowest(problem: Problem, scaled: np.ndarray, peaks: np.ndarray) -> tuple[fl
     return best
 
 
-def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _without_buffer(
+    problem: Problem, scaled: np.ndarray, flights: Sequence[Flight | None]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return first peaks [N] of all load cases with the buffer gone, and their slopes by the scaled variables.
 
-    They are NaN where there is none.
+    They are NaN where a first impact can not be simulated, and 0 where nothing is touched.
     """
     known, values = problem.mechanism.tuning.floor, problem.values(scaled)
     assert known is not None
@@ -104,17 +129,8 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
     for k, case in enumerate(problem.cases):
         if (built := built_design(problem, scaled, case)) is None:
             continue
-        design = replace(built, _gone(built, known.softeners))
-        duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
-        run = measure(
-            (design, case.scenario),
-            mechanism=problem.mechanism,
-            measured=problem.measured,
-            paths=problem.paths,
-            duration=duration,
-            rtol=SHARPER * problem.rtol,
-        )
-        if run.code >= problem.mechanism.outcomes["failed_steps"]:
+        run = _first_impact(problem, built, case, flights[k])
+        if run is None:
             continue
         factors = dict(case.factors)
         # The softeners are taken away whatever their variables say, so the floor has no slope by these.
@@ -122,8 +138,57 @@ def _without_buffer(problem: Problem, scaled: np.ndarray) -> tuple[np.ndarray, n
             v.slope(float(x)) * factors.get(v.path, 1.0) * (v.path not in gone)
             for v, x in zip(problem.variables, values, strict=True)
         ]
-        peaks[k], slopes[k] = float(run.peaks[0]), run.peaks_slope[0] * np.array(scale)
+        first = int(np.argmin(run.slots))  # a run that goes on for longer may have higher peaks
+        peaks[k], slopes[k] = float(run.peaks[first]), run.peaks_slope[first] * np.array(scale)
     return peaks, slopes
+
+
+def _flight(problem: Problem, built: Part, case: Case) -> Flight | None:
+    """Simulate the approach of a design to its first touch; None where the run starts with it, or fails."""
+    known = problem.mechanism.tuning.floor
+    assert known is not None
+    if np.isfinite(float(known.first_impact(built, case.scenario).duration)):
+        return None
+    with_buffer = simulate(built, case.scenario, problem.duration, rtol=problem.rtol)
+    if with_buffer.outcome.failed:
+        return None
+    end = float(with_buffer.end_time)
+    if not int(with_buffer.impact_count):
+        return Flight(end, True)
+    touch, release = float(with_buffer.impacts.time[0]), float(with_buffer.impacts.release_time[0])
+    # A little longer, for the bounds allow other lengths of the flight.
+    duration = (1.0 + SPARE) * touch + DURATIONS * (release - touch if np.isfinite(release) else end - touch)
+    without = simulate(_without_softeners(problem, built), case.scenario, duration, rtol=problem.rtol)
+    undisturbed = int(without.impact_count) > 0 and abs(float(without.impacts.time[0]) - touch) <= LATE * touch
+    return Flight(duration, undisturbed)
+
+
+def _first_impact(problem: Problem, built: Part, case: Case, flight: Flight | None) -> Measurement | None:
+    """Simulate the first impact of a design without its buffer; None where that fails.
+
+    Where the buffer takes part in the ``flight`` to it, under thrust say, it stays: it hardly moves within an impact.
+    """
+    known = problem.mechanism.tuning.floor
+    assert known is not None
+    design = _without_softeners(problem, built) if flight is None or flight.undisturbed else built
+    if flight is None:
+        duration = DURATIONS * float(known.first_impact(built, case.scenario).duration)
+    else:
+        duration = flight.duration
+    run = measure(
+        (design, case.scenario),
+        mechanism=problem.mechanism,
+        measured=problem.measured,
+        paths=problem.paths,
+        duration=duration,
+        rtol=SHARPER * problem.rtol,
+    )
+    return run if run.code < problem.mechanism.outcomes["failed_steps"] else None
+
+
+def _without_softeners(problem: Problem, built: Part) -> Part:
+    assert problem.mechanism.tuning.floor is not None
+    return replace(built, _gone(built, problem.mechanism.tuning.floor.softeners))
 
 
 def _gone(design: Part, softeners: Sequence[str]) -> dict[str, float]:
@@ -165,6 +230,18 @@ class Corners:
         return sum(not it for it in self.broken)
 
     @property
+    def hold(self) -> bool:
+        """Whether the design holds in all of them and in the middle."""
+        return self.holding == len(self.cases) and self.middle_holds
+
+    @property
+    def verdict(self) -> str:
+        """How many corners the design fails in, in words."""
+        if self.holding == len(self.cases):
+            return "the design holds in every corner of the sampled ranges, and not in their middle"
+        return f"the design holds in {self.holding} of {len(self.cases)} corners of the sampled ranges only"
+
+    @property
     def largest(self) -> float:
         """The objective's largest value, NaN where no corner has one."""
         return float(np.nanmax(self.values)) if np.any(np.isfinite(self.values)) else float("nan")
@@ -204,7 +281,8 @@ def corners(goal: Goal, evaluator: Evaluator, scaled: Float[np.ndarray, " variab
     first = Goal(problem, problem.objective)
     values = np.where(evaluation.solved, evaluation.quantities @ first.weights(problem.objective), np.nan)
     count, ranges = len(cases), len(problem.scatter.distributions)
-    broken = [tuple(first.broken_in(evaluation, k)) for k in range(len(evaluation.code))]
+    every = (*cases, *middle)
+    broken = [tuple(first.broken_in(evaluation, k, every)) for k in range(len(every))]
     return Corners(
         cases=cases,
         broken=tuple(broken[:count]),

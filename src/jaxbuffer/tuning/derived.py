@@ -23,7 +23,7 @@ RESERVED = frozenset(  # words of a study's tables and keys of a tuning's record
     [
         *("captured", "impacts", "over", "level", "slack", "evaluation", "stage", "search", "step", "accepted"),
         *("objective", "feasible", "excess", "radius", "residual", "status", "captures", "values", "outcome"),
-        *("succeeded", "margin", "first_peak", "unit"),
+        *("succeeded", "margin", "first_peak", "unit", "obstacle"),
     ]
 )
 

@@ -30,11 +30,11 @@ class Evaluation(NamedTuple):
     """A design in all load cases. Derivatives are by the scaled variables (see `Variable`).
 
     ``scaled`` [-]: the variables, 0 at the low bound and 1 at the high one; ``code`` of each outcome, ``solved``: which
-    cases have numbers, ``succeeded``: which ended as the mechanism's runs should (all solved ones where it says nothing
-    of that); ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts
-    they are; ``rest``: the problem's other quantities in their units; ``margin`` [-]: the mechanism's, positive where
-    the run succeeds; ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest peak,
-    ``by_peak`` [unit/N]: by that peak, zero for all but own quantities.
+    cases have numbers, ``succeeded``: which ended as the problem asks (all solved ones where it says nothing of that);
+    ``impacts``: touchdowns; ``peaks`` [N]: each case's highest impacts, falling, and ``slots``: which impacts they are;
+    ``rest``: the problem's other quantities in their units; ``margin`` [-]: positive where the run ends as the problem
+    asks (see `measurement.margin_of_end`); ``first`` [N]: the first impact's peak; ``rest_slope``: at a fixed largest
+    peak, ``by_peak`` [unit/N]: by that peak, zero for all but own quantities.
     """
 
     scaled: Float[np.ndarray, " variables"]
@@ -120,6 +120,7 @@ class Evaluator:
             paths=problem.paths,
             duration=problem.duration,
             rtol=rtol or problem.rtol,
+            end=problem.end,
             solver=self._solver,
             slopes=with_slopes,
         )
@@ -190,11 +191,12 @@ def _by_field(problem: Problem, stacked: dict[str, np.ndarray], lost: np.ndarray
     for array in run.values():
         array[lost] = 0.0
     run["margin"][lost] = LOST
-    succeeded = ~lost & problem.mechanism.succeeded(code)
-    ended_otherwise = ~succeeded & (code != outcomes[problem.mechanism.outcomes.time_is_up()])
+    ended_otherwise = (lost | ~problem.mechanism.succeeded(code)) & (
+        code != outcomes[problem.mechanism.outcomes.time_is_up()]
+    )
     # A run that breaks off early, by bouncing out say, must not pass for a quick one: its end time is the duration.
     time = problem.measured.index("end_time") - 1  # in the rest, which is without the peak force
     run["rest"][ended_otherwise, time] = problem.duration
     run["rest_slope"][ended_otherwise, time] = 0.0
-    states = {"code": code, "solved": ~lost, "succeeded": succeeded}
+    states = {"code": code, "solved": ~lost, "succeeded": ~lost & problem.succeeded(code)}
     return run | states | {name: stacked[name] for name in ("impacts", "slots")}

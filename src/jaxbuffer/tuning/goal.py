@@ -1,14 +1,18 @@
 """One stage of a tuning: an objective, the constraints as rows g ≤ 0, and both to first order in a step."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from ..fields import get
+from ..mechanisms.limit import Limit, beyond, digits_apart
+from .cases import Case
 from .evaluation import Evaluation
-from .objective import Objective
-from .problem import Problem
+from .objective import Limits, Objective
+from .problem import PEAK_FORCE, Problem
 
 ROOM = 1e-4  # relative distance from each limit that steps aim at, so that what the model neglects breaks none
 NO_PEAK = -1e9  # N, of a slot without an impact: below every peak, so that it is never the largest
@@ -86,26 +90,25 @@ class Goal:
         by_case = np.einsum("q,cqn->cn", self.weights(self.objective), evaluation.quantities_slope)
         return np.asarray(case_weights @ by_case)
 
-    def signed_limits(self) -> list[tuple[int, float]]:
-        """Return the index of each limited quantity in `Problem.names`, and its limit.
+    @property
+    def limits(self) -> Limits:
+        """The problem's limits and those that always hold."""
+        return self.problem.limits.with_always(self.problem.mechanism.always(self.problem.design))
 
-        A lower limit has a minus sign: then ``value / limit`` stays at most the limit's sign.
-        """
-        limits = self.problem.limits
-        most, least = {**self.problem.mechanism.always(self.problem.design), **limits.at_most}, limits.at_least
-        signed = [*most.items(), *((name, -limit) for name, limit in least.items())]
-        return [(self.problem.names.index(name), float(limit)) for name, limit in signed]
+    def indexed_limits(self) -> list[tuple[int, Limit]]:
+        """Return each limit with the index of its quantity in `Problem.names`."""
+        return [(self.problem.names.index(limit.name), limit) for limit in self.limits.each]
 
     @property
     def must_succeed(self) -> bool:
-        """Whether each load case must end as the mechanism's runs should, and a margin says how near it is to that."""
+        """Whether each load case must end as the problem asks, and a margin says how near it is to that."""
         return self.problem.limits.captured and self.problem.mechanism.tuning.margin is not None
 
     def rows(
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """Return all constraints that have slopes: limits by quantity, then margins, then the ceiling."""
-        parts = [quantities[:, q] / limit - np.sign(limit) for q, limit in self.signed_limits()]
+        parts = [limit.rows(quantities[:, q]) for q, limit in self.indexed_limits()]
         if self.must_succeed:
             parts.append(-margin)
         if self.ceiling is not None:
@@ -117,17 +120,17 @@ class Goal:
     def excess(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
         """Return by how much each row, and each load case's count of impacts, is above its limit."""
         rows = self.rows(evaluation.quantities, evaluation.margin)
-        return np.concatenate([np.maximum(rows, 0.0), self.without_slopes(evaluation)])
+        return np.concatenate([beyond(rows), self.without_slopes(evaluation)])
 
     def without_slopes(self, evaluation: Evaluation) -> Float[np.ndarray, " rows"]:
         """Return the part of `excess` without slopes: impacts above their limit, and load cases without numbers."""
-        most = self.problem.limits.impacts
-        counted = evaluation.impacts / most - 1.0 if most is not None else np.zeros(0)
-        return np.maximum(np.concatenate([counted, (~evaluation.solved).astype(float)]), 0.0)
+        counted = [limit.excess(evaluation.impacts) for limit in self.limits.of_impacts]
+        return np.concatenate([*counted, (~evaluation.solved).astype(float)])
 
     def feasible(self, evaluation: Evaluation) -> bool:
-        """Return whether every constraint holds in every load case."""
-        return not np.any(self.excess(evaluation))
+        """Return whether every constraint holds in every load case, and every one ends as it must."""
+        ended = not self.must_succeed or np.all(evaluation.succeeded)
+        return bool(ended) and not np.any(self.excess(evaluation))
 
     def merit(self, evaluation: Evaluation, scale: float, penalty: float) -> float:
         """Return what a step must lower: objective over ``scale`` plus ``penalty`` times the `excess`."""
@@ -138,12 +141,12 @@ class Goal:
     ) -> float:
         """Return the `merit` after a step to first order."""
         quantities, margin = tangent.after(step)
-        above = np.maximum(self.rows(quantities, margin), 0.0)
+        above = beyond(self.rows(quantities, margin))
         return self._value(self.objective, quantities) / scale + penalty * float(np.sum(above))
 
     def excess_after(self, tangent: Tangent, step: Float[np.ndarray, " variables"]) -> float:
         """Return by how much all rows together are above their limits after a step, to first order."""
-        return float(np.sum(np.maximum(self.rows(*tangent.after(step)), 0.0)))
+        return float(np.sum(beyond(self.rows(*tangent.after(step)))))
 
     def broken(self, evaluation: Evaluation) -> list[str]:
         """Return a sentence for each constraint that fails, naming the load case by its values, the worst one first."""
@@ -152,11 +155,45 @@ class Goal:
             if here := self.broken_in(evaluation, k):
                 where = cases[k].label(cases)
                 lines += [f"{where}: {text}" for text in here]
-        if self.ceiling is not None and (now := self.first_value(evaluation)) > self.ceiling.value:
-            objective, catalogue = self.ceiling.objective, self.problem.catalogue
-            limit = objective.said(self.ceiling.value, catalogue)
-            lines.append(f"{objective}: {objective.said(now, catalogue)} is above {limit}")
-        return lines
+        return lines if (above := self.above_ceiling(evaluation)) is None else [*lines, above]
+
+    def above_ceiling(self, evaluation: Evaluation) -> str | None:
+        """Return how far the objective under the ceiling is above it, in words; None where it is not."""
+        if self.ceiling is None:
+            return None
+        objective, value, scale = self.ceiling.objective, self.ceiling.value, self.ceiling.scale
+        now, catalogue = self.first_value(evaluation), self.problem.catalogue
+        if not np.any(beyond(np.array([now / scale - value / scale]))):
+            return None
+        digits = digits_apart(now, value, 5)
+        return f"{objective}: {objective.said(now, catalogue, digits)} is above {objective.said(value, catalogue, 6)}"
+
+    def obstacle(self, evaluation: Evaluation) -> str:
+        """Return the limit that a design is farthest beyond, in words; "" where it keeps all.
+
+        Beside a limit on the peak force stands the first impact, where that alone is above it: no buffer softens it.
+        """
+        found, solved, problem = list[tuple[float, str]](), evaluation.solved, self.problem
+        for q, limit in self.indexed_limits():
+            excess = np.where(solved, limit.excess(evaluation.quantities[:, q]), 0.0)
+            k, quantity = int(np.argmax(excess)), problem.catalogue[limit.name]
+            text = limit.sentence(float(evaluation.quantities[k, q]), quantity)
+            first = float(np.max(evaluation.first, initial=0.0))
+            softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.floor is None
+            if not softened and not limit.keeps(first):
+                text += f", and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"
+            found.append((float(excess[k]), text))
+        for limit in self.limits.of_impacts:
+            most = int(np.max(np.where(solved, evaluation.impacts, 0)))
+            found.append((float(limit.excess(most)), f"{most} impacts are above {limit.bound:.0f}"))
+        if self.must_succeed:
+            excess = np.where(solved, beyond(-evaluation.margin), 0.0)
+            k = int(np.argmax(excess))
+            found.append((float(excess[k]), f"not {problem.success} ({self.lack(evaluation, k)})"))
+        if not np.all(solved):
+            found.append((np.inf, f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"))
+        excess_of_worst, text = max(found, default=(0.0, ""), key=lambda it: it[0])
+        return text if excess_of_worst > 0.0 else ""
 
     def worst_first(self, evaluation: Evaluation) -> list[int]:
         """Return the load cases by how far they are above their limits, those without numbers first."""
@@ -172,18 +209,30 @@ class Goal:
         assert self.ceiling is not None
         return self._value(self.ceiling.objective, evaluation.quantities)
 
-    def broken_in(self, evaluation: Evaluation, k: int) -> list[str]:
-        """Return what fails in one load case."""
-        lines, margin, mechanism = [], evaluation.margin[k], self.problem.mechanism
-        limits = self.problem.limits
-        limits = dataclasses.replace(limits, at_most={**mechanism.always(self.problem.design), **limits.at_most})
-        outcome = mechanism.outcomes(int(evaluation.code[k]))
+    def broken_in(self, evaluation: Evaluation, k: int, cases: Sequence[Case] | None = None) -> list[str]:
+        """Return what fails in one load case. ``cases``: those of the evaluation, by default the problem's."""
+        problem, outcome = self.problem, self.problem.mechanism.outcomes(int(evaluation.code[k]))
         if not evaluation.solved[k]:
-            own = f" or {', '.join(self.problem.quantities)} is not finite" if self.problem.quantities else ""
-            lines.append(f"the simulation failed{own}")
-        elif self.must_succeed and margin < 0.0:
-            lines.append(f"not {mechanism.success_of(self.problem.design)} ({mechanism.tuning.margin} {margin:.3g})")
-        if evaluation.solved[k] and not evaluation.succeeded[k] and margin >= 0.0:
+            own = f" or {', '.join(problem.quantities)} is not finite" if problem.quantities else ""
+            return [f"the simulation failed{own}"]
+        lines, stricter = [], problem.end is not None and not evaluation.succeeded[k]
+        if self.must_succeed and (evaluation.margin[k] < 0.0 or stricter):
+            lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
+        elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
             lines.append(outcome.reason)
-        values = dict(zip(self.problem.names, evaluation.quantities[k].tolist(), strict=True))
-        return lines + limits.broken(values, int(evaluation.impacts[k]), self.problem.catalogue)
+        known = np.where(problem.known(evaluation.code[k : k + 1])[0], evaluation.quantities[k], np.nan)
+        values = dict(zip(problem.names, known.tolist(), strict=True))
+        return lines + self.limits.broken(values, int(evaluation.impacts[k]), problem.catalogue)
+
+    def lack(self, evaluation: Evaluation, k: int, cases: Sequence[Case] | None = None) -> str:
+        """Return how far a load case is from the end that it must have, in words."""
+        problem, mechanism = self.problem, self.problem.mechanism
+        outcome, end = mechanism.outcomes(int(evaluation.code[k])), problem.end
+        if end is None or not end.quantity:
+            return f"{mechanism.tuning.margin} {evaluation.margin[k]:.3g}"
+        if not mechanism.succeeded(int(outcome)):
+            return str(outcome.reason)
+        value = float(evaluation.quantities[k, problem.names.index(end.quantity)])
+        design = (problem.cases if cases is None else cases)[k].of(problem.built(evaluation.scaled))
+        threshold = Limit(end.quantity, float(get(design, end.threshold)))
+        return threshold.sentence(value, problem.catalogue[end.quantity])

@@ -1,6 +1,7 @@
 """One run of a tuning: its numbers and their first derivatives."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from jaxtyping import Float, Int
 
 from ..fields import Part, get
 from ..hybrid import Solver, solver_named
-from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.run import Run
 from ..run.simulate import simulate
 from ..sensitivities.gradients import gradients
@@ -16,6 +17,7 @@ from .problem import PEAK_FORCE, Problem
 
 # How many of each run's highest impacts are listed: none below them has yet mattered within the length of a step.
 PEAKS = 24
+LEAST_LACK = 1e-6  # of the margin of a run that has not reached an end [-]
 
 
 class Measurement(NamedTuple):
@@ -54,13 +56,15 @@ def measure(
     paths: Sequence[str],
     duration: Any,
     rtol: float,
+    end: RequiredEnd | None = None,
     solver: Solver | str | None = None,
     slopes: bool = True,
 ) -> Measurement:
     """Run once and read off the numbers, with their derivatives if ``slopes``; else those are zero.
 
     **Arguments:** ``built``: design and scenario; ``mechanism``: whose design it is; ``measured``: names of the
-    quantities to read off; ``paths``: by which they are differentiated; ``solver``: as for `simulate`.
+    quantities to read off; ``paths``: by which they are differentiated; ``end``: what the run must reach besides, None
+    for nothing; ``solver``: as for `simulate`.
     """
     (design, scenario), solver = built, None if solver is None else solver_named(solver)
     rest = [name for name in measured if name != PEAK_FORCE]
@@ -78,21 +82,69 @@ def measure(
         of_peaks = np.zeros((len(run.impacts.peak_force), len(paths)))
         top_slope, others = none, [none] * (len(rest) + len(margin))
     values = np.array([float(catalogue[name].of(run)) for name in rest + margin])
+    slope_rows = np.array(others).reshape(len(rest + margin), len(paths))
+    if not run.outcome.failed:
+        _fill_awaited(mechanism, run, rest, values, slope_rows, float(duration))
     peaks, of_peaks = _all_peaks(run, of_peaks, top_slope)
     slots = np.argsort(-peaks, kind="stable")[:PEAKS]
-    of_rest = np.array(others[: len(rest)]).reshape(len(rest), len(paths))
+    own = Margin(float(values[-1]), slope_rows[-1]) if margin else Margin(1.0, np.zeros(len(paths)))
+    if end is not None and end.quantity and not run.outcome.failed:
+        numbers = {name: Margin(float(values[k]), slope_rows[k]) for k, name in enumerate(rest)}
+        own = margin_of_end(end, run, own, numbers, float(duration))
     return Measurement(
         code=int(run.code),
         impacts=int(run.impact_count),
         peaks=peaks[slots],
         slots=slots,
         rest=values[: len(rest)],
-        margin=float(values[-1]) if margin else 1.0,
+        margin=own.value,
         first=float(peaks[0]),
         peaks_slope=of_peaks[slots],
-        rest_slope=of_rest,
-        margin_slope=others[-1] if margin else np.zeros(len(paths)),
+        rest_slope=slope_rows[: len(rest)],
+        margin_slope=own.slope,
     )
+
+
+class Margin(NamedTuple):
+    """A number of a run and its slope by the variables' own values."""
+
+    value: float
+    slope: Float[np.ndarray, " paths"]
+
+
+def _fill_awaited(
+    mechanism: Mechanism, run: Run, names: Sequence[str], values: np.ndarray, slopes: np.ndarray, duration: float
+) -> None:
+    """Give the times that the run waited for in vain the duration [s], which they exceed, and no slope."""
+    for k, name in enumerate(names):
+        end = mechanism.required_end((), (name,))
+        if end is not None and run.outcome.name not in end.outcomes:
+            values[k], slopes[k] = duration, 0.0
+
+
+def margin_of_end(end: RequiredEnd, run: Run, own: Margin, numbers: Mapping[str, Margin], duration: float) -> Margin:
+    """Return a number that is positive exactly where a run has an end that waits for a share to fall, with its slope.
+
+    It is continuous where a run reaches the end just at its ``duration`` [s]: the logarithm of the share that is left
+    over the one to be reached, negative, for a share falls as an exponential; of a run that has the end the logarithm
+    of the duration over the time that it took. Of a run that does not even succeed all is left, and the slope is that
+    of the mechanism's ``own`` margin.
+
+    **Arguments:** ``numbers``: of the run, by quantity.
+    """
+    mechanism, outcome = run.mechanism, run.outcome
+    if outcome.name in end.outcomes:
+        time = numbers["end_time"]
+        return Margin(max(math.log(duration / time.value), 0.0), -time.slope / time.value)
+    threshold = float(get(run.design, end.threshold))
+    if mechanism.succeeded(int(outcome)):
+        left = numbers[end.quantity]
+        # Little may be left in a run that ends before its latches have closed: it has not reached the end either.
+        above = max(math.log(max(left.value, 1e-300) / threshold), LEAST_LACK)
+        return Margin(-above, -left.slope / max(left.value, 1e-300))
+    nothing = np.zeros_like(own.slope)
+    failing = own.value < 0.0
+    return Margin(math.log(threshold) + min(own.value, 0.0), own.slope if failing else nothing)
 
 
 def _all_peaks(run: Run, slopes: np.ndarray, top_slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

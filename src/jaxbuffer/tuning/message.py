@@ -5,6 +5,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from ..fields import get, percent
+from ..mechanisms.limit import Limit, digits_apart
 from .evaluation import Evaluation
 from .goal import Goal
 from .problem import Settings, Variable
@@ -44,9 +46,12 @@ def infeasible(goal: Goal, after: Evaluation, effort: str) -> str:
     return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {widen} the limits"
 
 
-def headline(message: str, feasible: bool) -> str:
-    """Return a tuning's first line."""
-    return f"Tuned: {message}" if feasible else f"No feasible design found: {message.removeprefix(INFEASIBLE)}"
+def headline(message: str, feasible: bool, ended: str = "") -> str:
+    """Return a tuning's first line. ``ended``: in how many scenarios a strict end was reached, "held in 2 of 2"."""
+    counted = f", {ended}" if ended else ""
+    if feasible:
+        return f"Tuned{counted}: {message}"
+    return f"No feasible design found{counted}: {message.removeprefix(INFEASIBLE)}"
 
 
 def ending(branch: Branch, settings: Settings) -> Ended:
@@ -60,7 +65,7 @@ def ending(branch: Branch, settings: Settings) -> Ended:
 
 def left_to_gain(branch: Branch) -> str:
     """Return the first-order residual in words."""
-    return f"small changes would gain {100.0 * branch.residual:.2g} % of the objective"
+    return f"small changes would gain {percent(branch.residual)} of the objective"
 
 
 def _ending(branch: Branch, settings: Settings) -> str:
@@ -130,37 +135,51 @@ class BrokenLimit(NamedTuple):
 def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
     solved, limits = point.solved, list[BrokenLimit]()
-    for q, limit in goal.signed_limits():
-        excess = np.where(solved, point.quantities[:, q] / limit - np.sign(limit), 0.0)
+    for q, limit in goal.indexed_limits():
+        excess = np.where(solved, limit.excess(point.quantities[:, q]), 0.0)
         if np.any(excess > 0.0):
             limits.append(_of_quantity(goal, point, q, limit, excess))
     if goal.must_succeed and np.any(solved & (point.margin < 0.0)):
         limits.append(_of_margin(goal, point, np.where(solved, -point.margin, 0.0)))
-    return sorted([*limits, *_without_slopes(goal, point)], key=lambda limit: -limit.excess)
+    limits += _without_slopes(goal, point)
+    return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
+
+
+def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
+    """Return that load cases end otherwise than they must, where no limit and no margin says it."""
+    if not goal.must_succeed or np.all(point.succeeded):
+        return []
+    reasons = sorted({goal.problem.mechanism.outcomes(int(code)).reason for code in point.code[~point.succeeded]})
+    count = f"broken in {int(np.sum(~point.succeeded))} of {len(point.code)} scenarios"
+    return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
 
 
 def _of_quantity(
-    goal: Goal, point: Evaluation, q: int, limit: float, excess: Float[np.ndarray, " cases"]
+    goal: Goal, point: Evaluation, q: int, limit: Limit, excess: Float[np.ndarray, " cases"]
 ) -> BrokenLimit:
-    """Describe a broken upper limit, or with a minus sign a lower one."""
-    problem, k = goal.problem, int(np.argmax(excess))
-    name = problem.names[q]
-    quantity = problem.catalogue[name]
-    value, falls = float(point.quantities[k, q]), limit > 0.0
-    text = f"{name} {'≤' if falls else '≥'} {quantity.in_words(abs(limit))}"
-    heading = _heading(goal, text, excess, quantity.in_words(value, 4))
-    worst = WorstCase(value, abs(limit), abs(limit), point.quantities_slope[k, q], falls, quantity.in_figures)
+    """Describe a broken limit on a quantity."""
+    k, quantity, bound = int(np.argmax(excess)), goal.problem.catalogue[limit.name], limit.bound
+    value, (_, factor) = float(point.quantities[k, q]), quantity.in_figures
+    in_words = quantity.in_words(value, digits_apart(factor * value, factor * bound))
+    heading = _heading(goal, limit.line(quantity), excess, in_words)
+    worst = WorstCase(value, bound, bound, point.quantities_slope[k, q], not limit.lowest, quantity.in_figures)
     return _broken(goal, point, excess, heading, worst)
 
 
 def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
     """Describe load cases that do not end as they must, by the mechanism's margin."""
-    mechanism, k = goal.problem.mechanism, int(np.argmax(excess))
+    problem, k = goal.problem, int(np.argmax(excess))
+    mechanism, end = problem.mechanism, problem.end
     assert mechanism.tuning.margin is not None
+    heading = _heading(goal, str(problem.success), excess, goal.lack(point, k))
+    if end is not None and end.quantity and mechanism.succeeded(int(point.code[k])):
+        q, quantity = problem.names.index(end.quantity), mechanism.quantities[end.quantity]
+        limit = float(get(problem.built(point.scaled), end.threshold))
+        slope, value = point.quantities_slope[k, q], float(point.quantities[k, q])
+        return _broken(goal, point, excess, heading, WorstCase(value, limit, limit, slope, True, quantity.in_figures))
     quantity = mechanism.quantities[mechanism.tuning.margin]
-    margin = f"{mechanism.tuning.margin} {point.margin[k]:.3g} {quantity.unit}".rstrip(" -")
-    success = str(mechanism.success_of(goal.problem.design))
-    heading = f"{_heading(goal, success, excess, margin)} ({mechanism.tuning.margin}: {quantity.description})"
+    if end is None or not end.quantity:
+        heading = f"{heading} ({mechanism.tuning.margin}: {quantity.description})"
     worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
     return _broken(goal, point, excess, heading, worst)
 
@@ -249,17 +268,17 @@ def _enough(worst: WorstCase, it: Influence) -> float | None:
 
 def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return the broken limits without slopes: impacts, failed simulations, the first objective's ceiling."""
-    limits, problem, solved = list[BrokenLimit](), goal.problem, point.solved
-    most = problem.limits.impacts
-    if most is not None and np.any(point.impacts > most):
-        excess = np.maximum(point.impacts / most - 1.0, 0.0)
-        heading = _heading(goal, f"impacts ≤ {most}", excess, str(int(np.max(point.impacts))))
-        limits.append(BrokenLimit(float(np.max(excess)), heading))
+    limits, solved = list[BrokenLimit](), point.solved
+    for limit in goal.limits.of_impacts:
+        excess = limit.excess(point.impacts)
+        if np.any(excess > 0.0):
+            text = f"{limit.name} {limit.symbol} {limit.bound:.0f}"
+            heading = _heading(goal, text, excess, str(int(np.max(point.impacts))))
+            limits.append(BrokenLimit(float(np.max(excess)), heading))
     if not np.all(solved):
         count = f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
         limits.append(BrokenLimit(np.inf, count))
-    if goal.ceiling is not None and (now := goal.first_value(point)) > goal.ceiling.value:
-        first, catalogue = goal.ceiling.objective, problem.catalogue
-        heading = f"{first}: {first.said(now, catalogue)} is above {first.said(goal.ceiling.value, catalogue)}"
-        limits.append(BrokenLimit(now / goal.ceiling.scale - goal.ceiling.value / goal.ceiling.scale, heading))
+    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
+        scale = goal.ceiling.scale
+        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
     return limits

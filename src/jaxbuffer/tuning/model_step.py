@@ -206,12 +206,12 @@ class _Model(Programme):
     def constraints(self) -> list[Row]:
         """Return the rows of `Goal.rows` in their order."""
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
-        for quantity, limit in goal.signed_limits():
+        for quantity, limit in goal.indexed_limits():
             one = np.zeros(len(goal.problem.names))
-            one[quantity] = 1.0 / limit
+            one[quantity] = limit.sign / limit.bound
             for k in self.cases:
                 entries, constant, sources = self.weighted(k, one)
-                rows.append((entries, float(np.sign(limit)) - constant, sources))
+                rows.append((entries, limit.sign - constant, sources))
         if goal.must_succeed:
             for k in self.cases:
                 rows.append((self.along(-tangent.margin_slope[k]), float(tangent.margin[k]), (("margin", k, -1.0),)))

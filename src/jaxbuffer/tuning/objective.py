@@ -1,11 +1,11 @@
 """The objective of a tuning, its constraints, and what decides among designs that are as good."""
 
 import dataclasses
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from ..errors import (
     InputError,
@@ -17,7 +17,10 @@ from ..errors import (
     check_type,
     check_whole,
 )
+from ..fields import Part, get
 from ..mechanisms import all_mechanisms
+from ..mechanisms.limit import IMPACTS, Limit, limits_of
+from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
 from .derived import Derived
@@ -115,7 +118,7 @@ class Objective:
         return f"{' + '.join(names)}, {over} " + (f"of {samples}{no_bound}" if samples else "over the cases")
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, init=False)
 class Limits:
     """The constraints that hold in every load case.
 
@@ -126,6 +129,8 @@ class Limits:
     - ``at_least``: lower limits by quantity, in its unit.
     - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
       rejected, none is led back by it); None: any number.
+    - ``ends``: stricter ends that a mechanism knows, by name, each also a keyword of its own: ``held=True`` asks that
+      both vehicles are at rest together within the duration, ``latched=True`` that the latches hold them.
 
     **Raises:** `InputError` for numbers out of range, and a lower limit that is not below the upper one; `Problem`,
     which knows the names, for unknown quantities.
@@ -137,12 +142,36 @@ class Limits:
     >>> problem = jb.Problem(jb.table2(), scenarios, variables, limits=limits)
     >>> problem.limits
     Limits(captured=True, at_most={'stroke': 0.025}, impacts=None, at_least={'end_time': 0.5})
+    >>> jb.Limits(held=True).held
+    True
     """
 
     captured: bool = True
     at_most: Mapping[str, float] = dataclasses.field(default_factory=dict)
     impacts: int | None = None
     at_least: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    ends: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        captured: bool = True,
+        at_most: Mapping[str, float] | None = None,
+        impacts: int | None = None,
+        at_least: Mapping[str, float] | None = None,
+        ends: Iterable[str] = (),
+        **also: bool,
+    ) -> None:
+        known, ends = end_names(), tuple(ends)
+        check_known(ends, known, "constraints")
+        check_known(also, known, "constraints")
+        for name, asked in also.items():
+            check_flag(f"constraints.{name}", asked)
+        given: dict[str, Any] = {"captured": captured, "impacts": impacts}
+        given |= {"at_most": {} if at_most is None else at_most, "at_least": {} if at_least is None else at_least}
+        given["ends"] = tuple(name for name in known if also.get(name, name in ends))
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
@@ -155,49 +184,94 @@ class Limits:
                 low, high, unit = self.at_least[name], self.at_most[name], f" {_units().get(name, '')}".rstrip(" -")
                 raise InputError(f"constraints.{name}: at least {low:g}{unit} and at most {high:g}{unit} contradict")
         check_flag("constraints.captured", self.captured)
+        if self.ends and not self.captured:
+            raise InputError(f"constraints: captured = false and {self.ends[-1]} = true contradict; keep one")
         if self.impacts is not None:
             check_whole("constraints.impacts", self.impacts, 1)
+
+    def __getattr__(self, name: str) -> bool:
+        """Return whether an end is asked for: ``limits.held``."""
+        if not name.startswith("_") and name in end_names():
+            return name in self.ends
+        raise AttributeError(f"{type(self).__name__} has no {name!r}")
+
+    def __repr__(self) -> str:
+        plain = ("captured", "at_most", "impacts", "at_least")
+        fields = [f"{name}={getattr(self, name)!r}" for name in plain]
+        return f"Limits({', '.join([*fields, *(f'{name}=True' for name in self.ends)])})"
 
     @property
     def names(self) -> tuple[str, ...]:
         """The limited quantities, those with an upper limit first."""
         return (*self.at_most, *self.at_least)
 
+    @property
+    def each(self) -> tuple[Limit, ...]:
+        """The limits on quantities, upper ones first."""
+        return limits_of(self.at_most, self.at_least)
+
+    @property
+    def of_impacts(self) -> tuple[Limit, ...]:
+        """The limit on the number of impacts, if there is one."""
+        return () if self.impacts is None else (Limit(IMPACTS, float(self.impacts)),)
+
+    def with_always(self, always: Mapping[str, float]) -> "Limits":
+        """Return these limits with those that a mechanism always has, where it has no lower ones."""
+        return dataclasses.replace(self, at_most={**always, **self.at_most})
+
+    def check(self, mechanism: Mechanism, value_at: Callable[[str], Any], own: Iterable[str] = ()) -> None:
+        """Raise `InputError` for a limit on what a design does not have, and for unknown names.
+
+        **Arguments:** ``value_at``: the design, as its value at a path; ``own``: quantities beside the mechanism's.
+        """
+        parts = {end.name: end.part for end in mechanism.tuning.ends}
+        check_known(self.ends, ("captured", "impacts", *parts), "constraints")
+        check_known(self.names, (*mechanism.quantities, *own), "constraints")
+        parts |= {it: mechanism.quantities[it].part for it in self.names if it in mechanism.quantities}
+        for name in (*self.ends, *self.names):
+            if (part := parts.get(name)) and not value_at(part):
+                raise InputError(f"constraints.{name} needs {part}, which the design has not; give it, or leave it out")
+
+    def success(self, mechanism: Mechanism, design: Part) -> str | None:
+        """Return how runs of a design must end, in a word: the strictest end that is asked for."""
+        end = mechanism.required_end(self.ends, self.names)
+        return mechanism.success_of(design) if end is None else end.name
+
+    def ended(self, mechanism: Mechanism, code: Any) -> Bool[np.ndarray, "..."]:
+        """Return which outcomes, given as codes, are ends that these limits ask for."""
+        end, code = mechanism.required_end(self.ends, self.names), np.asarray(code)
+        if end is not None:
+            return np.isin(code, [int(mechanism.outcomes[name]) for name in end.outcomes])
+        solved = (code >= 0) & (code < mechanism.outcomes["failed_steps"])
+        return solved & mechanism.succeeded(code) if self.captured else solved
+
     def broken(self, values: Mapping[str, float], impacts: int, catalogue: Catalogue) -> list[str]:
         """Return a line for each limit that a run with these quantities and this number of impacts breaks."""
-        sides = (("above", self.at_most, 1.0), ("below", self.at_least, -1.0))
-        lines = [
-            f"{name} {catalogue[name].in_words(values[name], 4)} is {side} {catalogue[name].in_words(limit)}"
-            for side, limits, sign in sides
-            for name, limit in limits.items()
-            if sign * values[name] > sign * limit
-        ]
-        if self.impacts is not None and impacts > self.impacts:
-            lines.append(f"{impacts} impacts, above {self.impacts}")
+        lines = [it.sentence(values[it.name], catalogue[it.name]) for it in self.each if not it.keeps(values[it.name])]
+        lines += [f"{impacts} impacts, above {self.impacts}" for it in self.of_impacts if not it.keeps(impacts)]
         return lines
 
     def broken_by(self, run: Run, own: Catalogue | None = None) -> list[str]:
         """Return a line for each limit that one run breaks; ``own``: quantities beside the mechanism's.
 
-        **Raises:** `InputError` for limited quantities that are unknown.
+        A run that failed keeps none of them.
+
+        **Raises:** `InputError` for limited quantities that are unknown, or of a part that the design does not have.
         """
         mechanism, outcome = run.mechanism, run.outcome
         catalogue = {**mechanism.quantities, **(own or {})}
+        self.check(mechanism, lambda path: get(run.design, path), catalogue)
+        if outcome.failed:
+            return [outcome.reason]
         lines = []
-        if self.captured and mechanism.successes and not mechanism.succeeded(int(outcome)):
-            lines.append(f"not {mechanism.success_of(run.design)} ({outcome.reason})")
-        check_known(self.names, catalogue, "constraints")
+        if not self.ended(mechanism, int(outcome)):
+            lines.append(f"not {self.success(mechanism, run.design) or 'solved'} ({outcome.reason})")
         named = {name: float(catalogue[name].of(run)) for name in self.names}
         return lines + self.broken(named, int(run.impact_count), catalogue)
 
     def lines(self, catalogue: Catalogue) -> list[str]:
         """Return each limit on a quantity: "stroke ≤ 0.025 m"."""
-        sides = (("≤", self.at_most), ("≥", self.at_least))
-        return [
-            f"{name} {sign} {catalogue[name].in_words(limit)}"
-            for sign, limits in sides
-            for name, limit in limits.items()
-        ]
+        return [it.line(catalogue[it.name]) for it in self.each]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -226,6 +300,11 @@ class Then:
     def __post_init__(self) -> None:
         check_type("then's objective", self.objective, Objective, "Then(Objective({'stroke': 1.0}))")
         check_number("then.slack", self.slack, "", low=0.0, high=1.0, low_open=True)
+
+
+def end_names() -> tuple[str, ...]:
+    """Return the ends that limits of some mechanism may ask for, by name."""
+    return tuple(dict.fromkeys(end.name for m in all_mechanisms() for end in m.tuning.ends))
 
 
 def _units() -> dict[str, str]:

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_choice, check_known, check_single, check_type, shown
 from ..fields import Curve, Part, as_typed, choice, get, limits_of, number, paths, range_in_words, replace, unit, whole
-from ..mechanisms.mechanism import Mechanism
+from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
@@ -151,10 +151,8 @@ class Problem:
 
     def _check_quantities(self, mechanism: Mechanism) -> None:
         """Raise `InputError` where a quantity is another mechanism's, or a limit above what always holds."""
-        uses: dict[str, Iterable[str]] = {
-            "objective": self.objective.weights,
-            "constraints": self.limits.names,
-        }
+        self.limits.check(mechanism, lambda path: get(self.design, path), self.quantities)
+        uses: dict[str, Iterable[str]] = {"objective": self.objective.weights, "constraints": self.limits.names}
         uses |= {} if self.then is None else {"then": self.then.objective.weights}
         for where, names in uses.items():
             for name in names:
@@ -172,6 +170,35 @@ class Problem:
     def mechanism(self) -> Mechanism:
         """The mechanism whose designs are tuned."""
         return mechanism_of(self.design)
+
+    @property
+    def end(self) -> RequiredEnd | None:
+        """The strictest end that the limits ask for, or that a limited or lowered quantity waits for; None for none."""
+        objectives = (self.objective, *(() if self.then is None else (self.then.objective,)))
+        used = (name for objective in objectives for name in objective.weights)
+        return self.mechanism.required_end(self.limits.ends, (*self.limits.names, *used))
+
+    @property
+    def success(self) -> str | None:
+        """How each run must end, in a word; None where any end will do."""
+        return self.mechanism.success_of(self.design) if self.end is None else self.end.name
+
+    def succeeded(self, code: Any) -> Bool[np.ndarray, "..."]:
+        """Return which outcomes, given as codes, are those that each run must have."""
+        if self.end is None:
+            return np.asarray(self.mechanism.succeeded(code))
+        return np.isin(code, [int(self.mechanism.outcomes[name]) for name in self.end.outcomes])
+
+    def known(self, code: Int[np.ndarray, " cases"]) -> Bool[np.ndarray, "cases quantities"]:
+        """Return which of the `names` are known of runs with these outcomes: a time that a run waited for in vain is
+        not."""
+        ends = [self.mechanism.required_end((), (name,)) for name in self.names]
+        outcomes = self.mechanism.outcomes
+        columns = [
+            np.ones(len(code), bool) if end is None else np.isin(code, [int(outcomes[it]) for it in end.outcomes])
+            for end in ends
+        ]
+        return np.column_stack(columns)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -199,7 +199,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
     after it was tried, None for a start.
     """
     problem = goal.problem
-    values = map(float, problem.values(point.scaled))
+    values, known = map(float, problem.values(point.scaled)), problem.known(point.code)
     return {
         "evaluation": number,
         "stage": stage,
@@ -209,7 +209,8 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "objective": goal.value(point),
         "unit": goal.objective.unit(problem.catalogue),
         "feasible": goal.feasible(point),
-        "excess": float(np.sum(goal.excess(point))),
+        "excess": excess if np.isfinite(excess := float(np.sum(goal.excess(point)))) else None,
+        "obstacle": goal.obstacle(point),
         "radius": None if branch is None else branch.radius,
         "residual": None if branch is None or np.isnan(branch.residual) else branch.residual,
         "status": "start" if branch is None else STATUS[branch.status],
@@ -219,7 +220,10 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
         "succeeded": [bool(success) for success in point.succeeded],
         "impacts": [int(count) for count in point.impacts],
         "margin": point.margin.tolist(),
-        **{name: point.quantities[:, q].tolist() for q, name in enumerate(problem.names)},
+        **{
+            name: [float(x) if there else None for x, there in zip(point.quantities[:, q], known[:, q], strict=True)]
+            for q, name in enumerate(problem.names)
+        },
     }
 
 
@@ -241,7 +245,7 @@ def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None
     if not it["feasible"]:
         ends = it["succeeded"]
         text += "" if all(ends) else f", {sum(ends)} of {len(ends)} {success or 'solved'}"
-        text += ", limits broken"
+        text += ", limits broken" + (f": {obstacle}" if (obstacle := it.get("obstacle")) else "")
     return text + ("" if it["residual"] is None else f", {100.0 * it['residual']:.2g} % left to gain")
 
 

@@ -91,7 +91,7 @@ def tune(
     with (
         Store(None if folder is None else user_path(folder), identity, resume) as store,
         Evaluator(problem, workers, True, client, solver) as evaluator,
-        reported(report, lambda record: in_words(record, problem.mechanism.success_of(problem.design))) as show,
+        reported(report, lambda record: in_words(record, problem.success)) as show,
     ):
         if show is not None:
             for record in store.records:  # of the run that is resumed

@@ -1,6 +1,7 @@
 """The result of a tuning: the best design evaluated at tight tolerance, and its tables."""
 
 import dataclasses
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ from jaxtyping import Float
 from rich.table import Table
 
 from .._types import DataFrame
-from ..fields import Part, get, unit
+from ..fields import Part, change_in_words, get, percent, relative_change, unit
 from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
@@ -96,8 +97,8 @@ class Tuned(Saved):
 
     @property
     def feasible(self) -> bool:
-        """Whether every constraint holds in the result."""
-        return self.goal.feasible(self.after)
+        """Whether every constraint holds in the result, in every load case and in every corner of what scatters."""
+        return self.goal.feasible(self.after) and (self.corners is None or self.corners.hold)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -111,14 +112,30 @@ class Tuned(Saved):
     def why(self) -> list[str]:
         """Of an infeasible result, a line for each broken limit, the worst first: in how many scenarios, how far, and
         which variables hold it back to first order; else empty."""
-        return [] if self.feasible else [str(limit) for limit in broken_limits(self.goal, self.after)]
+        lines = [str(limit) for limit in broken_limits(self.goal, self.after)]
+        if self.corners is not None and not self.corners.hold:
+            lines.append(self.corners.verdict)
+        return lines
 
     @property
     def above_floor(self) -> float:
-        """How far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor."""
-        if self.floor is None:
-            return float("nan")
-        return float(np.max(self.after.peak_force) / np.max(self.floor.simulated) - 1.0)
+        """How far the worst peak is above the floor of its own first impacts, relative [-]; NaN without a floor, and
+        where nothing touches."""
+        above = (
+            None if self.floor is None else relative_change(self.floor.highest, float(np.max(self.after.peak_force)))
+        )
+        return float("nan") if above is None else above
+
+    def reported(self, point: Evaluation) -> Float[np.ndarray, "cases quantities"]:
+        """Return the quantities of `before` or `after` in the order of `Problem.names`: NaN where a run waited for one
+        in vain."""
+        return np.where(self.problem.known(point.code), point.quantities, np.nan)
+
+    def end_counted(self, point: Evaluation) -> str:
+        """Return in how many load cases the strictest end was reached that a design can have: "held in 36 of 36"; ""
+        where there is none. ``point``: `before` or `after`."""
+        counts = Counter(self.problem.mechanism.outcomes(int(code)).name for code in point.code)
+        return self.problem.mechanism.end_counted(lambda path: get(self.design, path), counts)
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
@@ -156,7 +173,7 @@ def assess(
     # One set of weights for both slopes: which load case is the worst may differ by rounding, which is no error.
     cases = goal.objective.case_weights(after.quantities @ goal.weights(goal.objective))
     exact = goal.slope(after, cases)
-    error = float(np.max(np.abs(goal.slope(best, cases) - exact)))
+    error, largest = float(np.max(np.abs(goal.slope(best, cases) - exact))), float(np.max(np.abs(exact)))
     # Before the count of captures below: the corners are runs, too.
     in_corners = corners(goal, evaluator, scaled, evaluator.tight)
     return Tuned(
@@ -167,16 +184,23 @@ def assess(
         before=before,
         after=after,
         residual=residual(goal, Tangent.of(after), scaled, scale, penalty).predicted_reduction,
-        gradient_error=error / max(float(np.max(np.abs(exact))), 1e-300),
+        gradient_error=error / largest if largest > 0.0 else 0.0 if error == 0.0 else float("nan"),
         ended=ended,
         borne_out=borne_out,
-        message=message(after),
+        message=with_corners(message(after), in_corners, goal.feasible(after)),
         floor=floor(problem, scaled),
         records=tuple(records),
         captures=evaluator.captures,
         corners=in_corners,
         tight=evaluator.tight,
     )
+
+
+def with_corners(message: str, in_corners: Corners | None, feasible: bool) -> str:
+    """Return a message with the verdict of the corners before it, where the scenarios keep what the corners break."""
+    if in_corners is None or in_corners.hold or not feasible:
+        return message
+    return f"{in_corners.verdict}. {message[:1].upper()}{message[1:]}"
 
 
 def tuned_table(tuned: Tuned) -> str:
@@ -189,25 +213,27 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     problem = tuned.problem
     lines = [
         *_floor_facts(tuned),
-        f"evidence at rtol {tuned.tight:g}: {100.0 * tuned.residual:.2g} % of the objective left to gain by small"
-        f" changes; the search's slopes are right to {100.0 * tuned.gradient_error:.2g} %; {tuned.captures}"
+        f"evidence at rtol {tuned.tight:g}: {percent(tuned.residual)} of the objective left to gain by small"
+        f" changes; the search's slopes are right to {percent(tuned.gradient_error)}; {tuned.captures}"
         f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
     lines += tuned_warnings(tuned)
-    lines += [f"limit {line}" for line in tuned.why]
+    lines += [f"limit {line}" for line in broken_limits(tuned.goal, tuned.after)]
     broken = tuned.goal.broken(tuned.after)
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
-    return [headline(tuned.message, tuned.feasible), *(it for it in tables if it is not None), *lines]
+    first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_counted(tuned.after))
+    return [first, *(it for it in tables if it is not None), *lines]
 
 
 def _tuned_objective(tuned: Tuned) -> Table:
     """Return the objectives and the load cases that succeed, before and after."""
     problem, (start, end) = tuned.problem, tuned.objective
     summary = table("Objective and what limits it", ("",), ("before", "after"))
-    change = f" ({100.0 * (end / start - 1.0):+.2f} %)" if start > 0.0 else ""
+    change = change_in_words(start, end, "+.2f")
+    change = "" if change == "–" else f" ({change})"
     unit, factor = problem.objective.in_figures(problem.catalogue)
     summary.add_row(
         f"{problem.worded(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
@@ -217,8 +243,11 @@ def _tuned_objective(tuned: Tuned) -> Table:
         then = [factor * tuned.goal.value(point) for point in (tuned.before, tuned.after)]
         summary.add_row(f"then {problem.worded(problem.then.objective)} [{unit}]", *(f"{value:.6g}" for value in then))
     points = (tuned.before, tuned.after)
-    ended = f"cases {problem.mechanism.success_of(problem.design) or 'solved'}"
-    summary.add_row(ended, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
+    succeeded = f"cases {problem.success or 'solved'}"
+    summary.add_row(succeeded, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
+    ended = [tuned.end_counted(point) for point in points]
+    if (name := ended[0].partition(" ")[0]) not in ("", problem.success):
+        summary.add_row(f"cases {name}", *(text.partition(" in ")[2] for text in ended))
     return summary
 
 
@@ -233,9 +262,28 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
     lines = [f"{what} in {n} of {len(problem.cases)} scenarios" for what, n in count.items() if n]
     if problem.mechanism.tuning.unfinished is not None:
         lines += problem.mechanism.tuning.unfinished(problem, tuned.after)
+    lines += unasked_end(tuned)
     for path in tuned.without_effect:
         lines.append(f"without effect: {path} changes nothing, neither at the start nor in the result; leave it out")
     return lines
+
+
+def unasked_end(tuned: Tuned) -> list[str]:
+    """Return a line where runs could have a stricter end than the problem asks for and not all have it; else none."""
+    problem, every = tuned.problem, len(tuned.after.code)
+    end = problem.mechanism.strictest_end(lambda path: get(tuned.design, path))
+    if end is None or problem.end == end or not problem.limits.captured:
+        return []
+    codes = [int(problem.mechanism.outcomes[name]) for name in end.outcomes]
+    before, after = (int(np.sum(np.isin(point.code, codes))) for point in (tuned.before, tuned.after))
+    if after == every:
+        return []
+    earlier = f", {before} before" if before != after else ""
+    name = end.name
+    return [
+        f"{name} is not asked for: {after} of {every} are {name}{earlier}; {name} = true among the constraints asks for"
+        " it"
+    ]
 
 
 def _floor_facts(tuned: Tuned) -> list[str]:
@@ -248,13 +296,21 @@ def _floor_facts(tuned: Tuned) -> list[str]:
             "floor, the first impact that no buffer softens: unknown, as the first impact can not be simulated in"
             f" {floor.unknown} of {cases} scenarios"
         ]
+    heading = "floor, the first impact in the worst scenario, which no buffer softens:"
+    if not floor.highest > 0.0:
+        return [heading, "  none: nothing is touched"]
+    above, closed = tuned.above_floor, float(np.max(floor.closed_form))
+    beyond = f"; the tuned peak is {100.0 * above:+.3f} % above it" if np.isfinite(above) else ""
+    lowest = f"  within the bounds none gets below {floor.lowest:.6g} N"
+    first = f"  without any buffer {floor.highest:.6g} N{beyond}"
+    if not np.isfinite(closed):  # of a free start
+        return [heading, first, lowest]
     return [
-        "floor, the first impact in the worst scenario, which no buffer softens:",
-        f"  without any buffer {np.max(floor.simulated):.6g} N;"
-        f" the tuned peak is {100.0 * tuned.above_floor:+.3f} % above it",
-        f"  elastic and frictionless, in closed form {np.max(floor.closed_form):.6g} N,"
+        heading,
+        first,
+        f"  elastic and frictionless, in closed form {closed:.6g} N,"
         f" from an energy of {energy_text(np.max(floor.energy))} that the contact takes up (effective energy T_c⁻)",
-        f"  within the bounds none gets below {floor.lowest:.6g} N",
+        lowest,
     ]
 
 
@@ -277,7 +333,7 @@ def _tuned_cases(tuned: Tuned) -> Table:
         cases.add_row(
             problem.cases[k].label(problem.cases),
             f"{start:.5g} → {end:.5g}",
-            f"{100.0 * (end / start - 1.0):+.1f} %",
+            change_in_words(start, end),
             *(_before_and_after(tuned, name, k) for name in others),
             f"{before.impacts[k]} → {after.impacts[k]}",
             mechanism.outcomes(int(before.code[k])).name,
@@ -311,9 +367,10 @@ def _shown_cases(tuned: Tuned) -> Sequence[int]:
 
 def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
     """A quantity of a load case before and after, in its unit in figures."""
-    factor, q = tuned.problem.catalogue[name].in_figures[1], tuned.problem.names.index(name)
-    values = (factor * point.quantities[case, q] for point in (tuned.before, tuned.after))
-    return " → ".join(f"{value:.4g}" for value in values)
+    problem = tuned.problem
+    factor, q = problem.catalogue[name].in_figures[1], problem.names.index(name)
+    values = [tuned.reported(point)[case, q] for point in (tuned.before, tuned.after)]
+    return " → ".join("–" if np.isnan(value) else f"{factor * value:.4g}" for value in values)
 
 
 def _tuned_variables(tuned: Tuned) -> Table:
@@ -345,6 +402,7 @@ def tuning_history(tuned: Tuned) -> tuple[list[str], list[Sequence[Any]]]:
     header += [f"{v.path} [{unit(problem.design, v.path)}]" for v in problem.variables]
     rows: list[Sequence[Any]] = []
     for it in tuned.records:
-        row = [it[name] for name in plain] + [it[name] for name in numbers] + [max(it[name]) for name in worst]
+        row = [it[name] for name in plain] + [it[name] for name in numbers]
+        row += [None if None in it[name] else max(it[name]) for name in worst]
         rows.append([*row, *(it["values"][v.path] for v in problem.variables)])
     return header, rows

@@ -40,7 +40,7 @@ def pareto(
     try:
         front = tuning(
             lambda report: compute(problem, names, number, **settings, **keeping, report=report),
-            problem.mechanism.success_of(problem.design),
+            problem.success,
         )
     except KeyboardInterrupt:
         goes_on = f"the points so far are kept; the same command with --resume goes on in {request.output}"

@@ -4,6 +4,7 @@ import dataclasses
 import sys
 
 from ...errors import InputError, check_choice
+from ...fields import get
 from ...mechanisms.run import Run
 from ...output.animation import FORMATS, animation, check_format, frames_of
 from ...output.field_files import left_out
@@ -106,6 +107,7 @@ def study_constraints(study: Config) -> Constraints | None:
     if "constraints" not in study.table:
         return None
     of_study = limits(study.table, study.mechanism)
+    of_study.check(study.mechanism, lambda path: get(study.design, path), study.table.get("quantities", ()))
     if not set(of_study.names) & set(study.table.get("quantities", {})):
         return Constraints(of_study, {})
     return Constraints(of_study, own_quantities(study.table, study.mechanism, study.folder))

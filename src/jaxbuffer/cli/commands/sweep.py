@@ -8,6 +8,7 @@ from typing import Any
 from ...cluster.extra import require
 from ...errors import InputError
 from ...experiments.rectangle import safe_rectangle
+from ...fields import get
 from ...output.results import swept_files, swept_json
 from ...study.config import Config
 from ...study.problem_toml import limits
@@ -64,10 +65,12 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
 def _limits(study: Config, over: Grid) -> Limits | None:
     """The limits of a sweep's envelope: the study's; None where there is no envelope."""
     mechanism = study.mechanism
+    of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
+    varied = {axis.path for axis in over.axes}
+    of_study.check(mechanism, lambda path: path in varied or get(study.design, path), study.table.get("quantities", ()))
     moving = [axis for axis in over.axes if len(axis) > 1]
     if len(moving) != 2 or not all(axis.unit for axis in moving):
         return None
-    of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
     in_sweeps = lambda sides: {name: limit for name, limit in sides.items() if name in mechanism.swept}  # noqa: E731
     usable = dataclasses.replace(of_study, at_most=in_sweeps(of_study.at_most), at_least=in_sweeps(of_study.at_least))
     if left_out := [name for name in of_study.names if name not in mechanism.swept]:

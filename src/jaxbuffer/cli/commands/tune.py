@@ -31,7 +31,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     try:
         tuned = tuning(
             lambda report: compute(problem, **settings, **keeping, report=report, save=False),
-            problem.mechanism.success_of(problem.design),
+            problem.success,
             study.tuning.most_evaluations * (1 if problem.then is None else 2),
         )
     except KeyboardInterrupt:

@@ -2,7 +2,7 @@
 
 from ...errors import InputError
 from ...fields import replace
-from ..mechanism import Defaults, Floor, Mechanism, TuningRules
+from ..mechanism import Defaults, Floor, Mechanism, RequiredEnd, TuningRules
 from ..registry import register
 from .closed_form import first_impact
 from .design import Design, Scenario, check_fit, valid
@@ -53,6 +53,10 @@ PROBE_CONE = register(
             always={"stroke_share": 1.0, "latch_share": 1.0},
             check_problem=check_problem,
             margin="capture_share",
+            ends=(
+                RequiredEnd("latched", ("latched", "held"), "latch.stiffness"),
+                RequiredEnd("held", ("held",), "latch.stiffness", "relative_energy", "latch.quiet"),
+            ),
             unfinished=unfinished,
             left_open=left_open,
             floor=Floor(first_impact, tuple(f"buffer.{name}" for name in SOFTENERS)),

@@ -152,7 +152,9 @@ QUANTITIES: dict[str, Quantity] = {
         "from the latching until the vehicles are held; NaN where they are not yet",
         "settling time",
         swept=True,
+        tuned=True,
         part="latch.stiffness",
+        awaits="held",
     ),
     "relative_energy": Quantity(
         "-",
