@@ -5,6 +5,8 @@ from .address import addresses as addresses
 from .address import check_address as check_address
 from .address import check_alone as check_alone
 from .address import check_numbers as check_numbers
+from .address import metadata_at as metadata_at
+from .address import single_fields as single_fields
 from .address import unit_at as unit_at
 from .address import value_at as value_at
 from .address import with_values as with_values

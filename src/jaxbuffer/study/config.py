@@ -24,11 +24,13 @@ from ..fields import (
     choice,
     errors_in_typed_units,
     in_unit,
+    meaning,
     metadata,
     number,
     paths,
     point_paths,
     replace,
+    single_fields,
     typed_unit,
     unit,
     unknown,
@@ -247,7 +249,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
-    sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
+    sweep = by_path(_table(data, "sweep"), SPAN, "sweep", single_fields(design, scenario))
     if sweep:
         grid(sweep, design, scenario)  # checks it
     sample = _sample(_table(data, "sample"), design, scenario)
@@ -272,7 +274,7 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
     if "ranges" in table:
         if not isinstance(table["ranges"], Mapping):
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
-        sample["ranges"] = by_path(table["ranges"], where="sample.ranges")
+        sample["ranges"] = by_path(table["ranges"], where="sample.ranges", fields=single_fields(design, scenario))
         axes = ranges(sample["ranges"], design, scenario)
         points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
     return sample
@@ -305,7 +307,8 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pa
     checked = {}
     for path, value in values.items():
         if prefix + path not in known:
-            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known)}")
+            means = lambda it: meaning(module, it.removeprefix(prefix))  # noqa: E731
+            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known, means)}")
         symbol = unit(module, path)
         checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
         if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):

@@ -186,7 +186,7 @@ class Limits:
         lines = []
         if self.captured and mechanism.successes and not mechanism.succeeded(int(outcome)):
             lines.append(f"not {mechanism.success_of(run.design)} ({outcome.reason})")
-        check_known(self.names, catalogue, "constraints")
+        check_known(self.names, catalogue, "constraints", quantity_in_words)
         named = {name: float(catalogue[name].of(run)) for name in self.names}
         return lines + self.broken(named, int(run.impact_count), catalogue)
 
@@ -231,6 +231,12 @@ class Then:
 def _units() -> dict[str, str]:
     """Return the units of all quantities that objectives and limits of some mechanism may use, by name."""
     return {name: m.quantities[name].unit for m in all_mechanisms() for name in m.tuned}
+
+
+def quantity_in_words(name: str) -> str:
+    """Return what a quantity of some mechanism means; "" for one that none has."""
+    known = (m.quantities[name] for m in all_mechanisms() if name in m.quantities)
+    return next((f"{it.title} {it.description}" for it in known), "")
 
 
 class Constraints(NamedTuple):

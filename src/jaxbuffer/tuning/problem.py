@@ -17,7 +17,7 @@ from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .cases import Case, Scatter
 from .derived import Derived, check_derived
-from .objective import ONE_LIMIT, Limits, Objective, Then
+from .objective import ONE_LIMIT, Limits, Objective, Then, quantity_in_words
 
 SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
@@ -161,7 +161,7 @@ class Problem:
                 if name in mechanism.tuned and not mechanism.has(name, self.design):
                     part = mechanism.quantities[name].part
                     raise InputError(f"{where}.{name} needs {part}, which the design has not; give it, or leave it out")
-            check_known(names, self.names, where)
+            check_known(names, self.names, where, quantity_in_words)
         for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
