@@ -35,6 +35,7 @@ from .paths import unit as unit
 from .paths import unknown as unknown
 from .portable import Portable as Portable
 from .shown import cut as cut
+from .shown import numbers_text as numbers_text
 from .units import NON_NEGATIVE as NON_NEGATIVE
 from .units import POSITIVE as POSITIVE
 from .units import as_typed as as_typed
