@@ -39,6 +39,7 @@ from .shown import numbers_text as numbers_text
 from .units import NON_NEGATIVE as NON_NEGATIVE
 from .units import POSITIVE as POSITIVE
 from .units import as_typed as as_typed
+from .units import as_written as as_written
 from .units import check_units_agree as check_units_agree
 from .units import errors_in_typed_units as errors_in_typed_units
 from .units import in_unit as in_unit

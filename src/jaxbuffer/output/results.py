@@ -16,7 +16,7 @@ from ..mechanisms.run import Run
 from ..run.simulate import simulate
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
-from ..study.designs import tuned_toml
+from ..study.tuned_toml import tuned_toml
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
 from ..sweeps.stored import StoredSweep
@@ -172,7 +172,9 @@ def front_files(front: Front, made: Made = None) -> Contents:
 
 
 def _design(tuned: Tuned) -> str:
-    return tuned_toml(tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first)
+    return tuned_toml(
+        tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first, tuned.settings
+    )
 
 
 def _json(record: Mapping[str, Any], made: Made) -> str:

@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import equinox as eqx
@@ -19,6 +20,7 @@ from ..fields import (
     SCENARIO,
     Curve,
     Part,
+    as_written,
     by_path,
     check_address,
     choice,
@@ -203,20 +205,31 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
     return _replaced(settings, values, "--")
 
 
-def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "") -> str:
-    """A study that `load` reads back to exactly the same numbers, units as comments."""
+def design_toml(
+    design: Part,
+    scenarios: Iterable[Part] = (),
+    comment: str = "",
+    units: Mapping[str, str] = MappingProxyType({}),
+    heading: str = "[[scenarios]]",
+) -> str:
+    """A study that `load` reads back to exactly the same numbers.
+
+    **Arguments:** ``units``: those that numbers were typed with, by address, in which they are written; others have
+    theirs as a comment; ``heading``: of the table of each scenario.
+    """
     blocks = [f"# {line}".rstrip() for line in comment.splitlines()]
     mechanism = mechanism_of(design)
     if mechanism.name != DEFAULT_KIND:
         blocks += ["", f'kind = "{mechanism.name}"']
     for section in sections(mechanism):
-        blocks += ["", f"[{section}]", *_lines(getattr(design, section))]
+        blocks += ["", f"[{section}]", *_lines(getattr(design, section), f"{section}.", units)]
     for scenario in scenarios:
-        blocks += ["", "[[scenarios]]", *_lines(scenario)]
+        blocks += ["", heading, *_lines(scenario, SCENARIO, units)]
     return "\n".join(blocks).lstrip("\n") + "\n"
 
 
-def _lines(part: eqx.Module) -> list[str]:
+def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:
+    """A line for each field; ``prefix`` makes its address of its name."""
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
@@ -227,8 +240,9 @@ def _lines(part: eqx.Module) -> list[str]:
             points = ", ".join(f"[{float(place)!r}, {float(number)!r}]" for place, number in value.points())
             lines.append(f"{name} = [{points}]  # {x} {first}, {y} {second}")
             continue
-        entry = tomli_w.dumps({name: float(value) if symbol else value}).rstrip()
-        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") else entry)
+        written = as_written(float(value), symbol, units.get(f"{prefix}{name}", "")) if symbol else value
+        entry = tomli_w.dumps({name: written}).rstrip()
+        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") and not isinstance(written, str) else entry)
     return lines
 
 
