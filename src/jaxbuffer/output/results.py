@@ -32,6 +32,7 @@ from .motion import motion_figure
 from .page_data import force_record, motion_record
 from .provenance import MADE, made_in_python
 from .sample_figures import indices_figure, sample_figure, surfaces_figure
+from .sensitivity_figure import drawn, sensitivity_figure
 from .sweep_figures import envelope_figure, sweep_figure
 from .tune_figure import front_figure, tune_figure, worst_case
 
@@ -65,10 +66,12 @@ def run_files(
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
     """Return those of `jaxbuffer sensitivity`. ``made``: how it came about."""
+    figures = style.both("sensitivity", lambda: sensitivity_figure(result)) if drawn(result) else {}
     return {
         "sensitivity.json": lambda: _json(records.sensitivity_record(result), made),
         "sensitivity.csv": lambda: csv_text(*sensitivity_rows(result)),
         "sensitivity.txt": lambda: f"{result!r}\n",
+        **figures,
     }
 
 

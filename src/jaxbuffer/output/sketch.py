@@ -57,7 +57,7 @@ def fills(shapes: Iterable[Any]) -> dict[str, Any]:
     areas = dict.fromkeys(shape.part for shape in shapes if is_filled(shape) and shape.part)
     lines = dict.fromkeys(shape.part for shape in shapes if not is_filled(shape) and shape.part and not _dashed(shape))
     filled = {part: _faint(*FILLS[k % len(FILLS)]) for k, part in enumerate(areas)}
-    return {part: LINES[k % len(LINES)] for k, part in enumerate(lines)} | filled
+    return filled | {part: LINES[k % len(LINES)] for k, part in enumerate(lines)}
 
 
 def _dashed(shape: Any) -> bool:
