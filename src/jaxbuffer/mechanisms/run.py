@@ -1,7 +1,7 @@
 """A simulated run of any mechanism."""
 
 from collections import Counter
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -110,15 +110,17 @@ class Run(Portable, Saved):
         codes = np.asarray(self.code)
         return np.array([self.mechanism.outcomes(int(code)) for code in codes.flat], object).reshape(codes.shape)
 
-    def __getattr__(self, name: str) -> Any:
-        """The quantities of the mechanism's catalogue that the run has not as a field, by name."""
-        if not name.startswith("_") and "design" in vars(self):
-            catalogue = self.mechanism.quantities
-            if name in catalogue:
-                return catalogue[name].of(self)
-            hint = suggest(name, [*vars(self), *catalogue])
-            raise AttributeError(f"{type(self).__name__} has no {name!r}{hint}")
-        raise AttributeError(f"{type(self).__name__} has no {name!r}")
+    if not TYPE_CHECKING:  # which would take any attribute for one that there is
+
+        def __getattr__(self, name):
+            """The quantities of the mechanism's catalogue that the run has not as a field, by name."""
+            if not name.startswith("_") and "design" in vars(self):
+                catalogue = self.mechanism.quantities
+                if name in catalogue:
+                    return catalogue[name].of(self)
+                hint = suggest(name, [*vars(self), *catalogue])
+                raise AttributeError(f"{type(self).__name__} has no {name!r}{hint}")
+            raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.mechanism.quantities})

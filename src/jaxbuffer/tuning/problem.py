@@ -174,8 +174,8 @@ class Problem:
         typed = {v.path: symbol for v in given if (symbol := typed_unit((v.low, v.high)))}
         object.__setattr__(self, "variables", tuple(v.read(self.design) for v in given))
         object.__setattr__(self, "units", {**typed, **self.units})
-        sides = {side: in_units(getattr(self.limits, side), own) for side in ("at_most", "at_least")}
-        object.__setattr__(self, "limits", dataclasses.replace(self.limits, **sides))
+        at_most, at_least = in_units(self.limits.at_most, own), in_units(self.limits.at_least, own)
+        object.__setattr__(self, "limits", dataclasses.replace(self.limits, at_most=at_most, at_least=at_least))
 
     def _check_parts(self, mechanism: Mechanism) -> None:
         for name, values, example in (
