@@ -1,5 +1,6 @@
 """Types shared by every room."""
 
+import enum
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NewType
 
@@ -12,6 +13,17 @@ if TYPE_CHECKING:  # an int is a float there, and NumPy's arrays are not told ap
 else:
     Scalar = Float[Array | np.ndarray, ""] | float | int
 """A real number: Python's or NumPy's at construction, a 0-d array (or tracer) inside compiled code."""
+
+
+class Code(enum.IntEnum):
+    """An integer that prints itself by name: for codes that compiled code compares, and people read."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(int(self), spec) if spec[-1:] in tuple("bcdoxXneEfFgG%") else format(self.name, spec)
+
 
 Values = Float[Array, "*batch"]
 """One number, or an array of them treated together (a cone's flanks)."""

@@ -1,16 +1,18 @@
 """Input errors that name the field, the value, the unit and the allowed range, and the checks that raise them."""
 
-import difflib
 import math
 from collections.abc import Iterable
 from decimal import Decimal
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
+from .suggestions import Meaning, same_as
+from .suggestions import nearest as nearest
+from .suggestions import suggest as suggest
+
 if TYPE_CHECKING:  # the command line's own errors need neither: they are imported where a value is looked at
     import numpy as np
 
-CLOSE = 0.6  # how alike two words must be for one to be taken for the other mistyped, 1 is equal
 # what may be meant by a number of this unit above this size: a unit, and how many of the first one it is
 MEANT = {
     "rad": (0.0, "deg", math.pi / 180.0),
@@ -19,7 +21,6 @@ MEANT = {
     "-": (2.0, "%", 0.01),
 }
 LONGEST = 60  # characters of a value that a message shows
-FEW, LISTED = 3, 25  # names that a message suggests, and that it lists
 
 
 class InputError(ValueError):
@@ -302,7 +303,7 @@ def check_choice(path: str, value: Any, choices: Iterable[str]) -> None:
     """Raise `InputError` unless ``value`` is one of ``choices``."""
     options = list(choices)
     if not isinstance(value, str) or value not in options:
-        near = nearest(value, options)
+        near = same_as(value, options) or nearest(value, options)
         hint = f"; did you mean {near}?" if near else ""
         raise InputError(f"{path} = {shown(value)} is unknown; choose one of {', '.join(options)}{hint}")
 
@@ -329,42 +330,9 @@ def check_names(path: str, names: Any, example: str) -> tuple[str, ...]:
     return given
 
 
-def check_known(names: Iterable[str], known: Iterable[str], where: str) -> None:
-    """Raise `InputError` for a name that is unknown ``where`` it stands, with the nearest one."""
+def check_known(names: Iterable[str], known: Iterable[str], where: str, meaning: Meaning | None = None) -> None:
+    """Raise `InputError` for a name that is unknown ``where`` it stands, with what may be meant (see `suggest`)."""
     options = list(known)
     for name in names:
         if name not in options:
-            raise InputError(f"{where}.{name} is unknown{suggest(name, options)}")
-
-
-def suggest(name: Any, known: Iterable[str]) -> str:
-    """'; did you mean …?' for a mistyped name, or for one that is a word of several; '; known: …' where none is like
-    it."""
-    options = list(known)
-    section, _, last = str(name).rpartition(".")
-    beside = [option for option in options if option.rpartition(".")[0] == section]
-    with_word = [option for option in beside if last in option.rpartition(".")[2].split("_")]
-    if 1 < len(with_word) <= FEW:
-        return f"; did you mean {' or '.join(with_word)}?"
-    if near := nearest(name, options):
-        return f"; did you mean {near}?"
-    listed = beside or list(dict.fromkeys(option.split(".")[0] for option in options))
-    more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
-    return "; known: " + ", ".join(listed[:LISTED]) + more
-
-
-def nearest(name: Any, known: Iterable[str]) -> str | None:
-    """The name most like a mistyped one, if any is: each word of a dotted name must be like its counterpart."""
-
-    def alike(option: str) -> tuple[float, float]:
-        words, others = (text.lower().split(".")[::-1] for text in (str(name), option))
-        least = min(_alike(word, other) for word, other in zip(words, others, strict=False))
-        return least, _alike(str(name).lower(), option.lower())
-
-    best = max(known, key=alike, default=None)
-    return best if best is not None and alike(best)[0] >= CLOSE else None
-
-
-def _alike(word: str, other: str) -> float:
-    ratio = difflib.SequenceMatcher(None, word, other).ratio()
-    return max(ratio, CLOSE) if len(word) > 2 and word in other else ratio  # "speed" for "approach_speed"
+            raise InputError(f"{where}.{name} is unknown{suggest(name, options, meaning)}")

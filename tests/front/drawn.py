@@ -1,7 +1,8 @@
-"""What a figure looks like, measured: texts that overlap or leave it, axes without an area."""
+"""What a figure looks like, measured: texts that overlap or leave it, axes without an area, entries drawn alike."""
 
 import itertools
 
+from marks import check_marks
 from matplotlib.text import Text
 
 ROUNDING = 1.0  # pixels that boxes of texts may share: they have a little room around the letters
@@ -9,8 +10,10 @@ LEAST = 0.3  # inch, of an axes' width and height
 
 
 def check_readable(figure):
-    """Assert that no text of a drawn figure overlaps another or leaves the figure, and that every axes has an area."""
+    """Assert that no text of a drawn figure overlaps another or leaves the figure, that every axes has an area, and
+    that the entries of each legend can be told apart."""
     figure.draw_without_rendering()
+    check_marks(figure)
     texts = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]
     whole = figure.bbox
     for text, box in texts:

@@ -29,7 +29,7 @@ from jaxbuffer.study.config import load
 
 SIMULATED = ("capture.json", "force.json", "history.csv", "motion.json", "capture.txt", "capture.nc")
 SIMULATED += ("capture.png", "capture.svg", "motion.png", "motion.svg")
-DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
+DIFFERENTIATED = ("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png", "sensitivity.svg")
 TUNED = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt")
 PNG = b"\x89PNG"
 

@@ -32,7 +32,9 @@ FILES = {
         "capture.nc",
         "force.json",
     },
-    "sensitivity": {"sensitivity.json", "sensitivity.csv", "sensitivity.txt"},
+    "sensitivity": {
+        *("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png", "sensitivity.svg"),
+    },
     "tune": {"design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.svg", "tune.txt"},
     "sweep": {
         *("sweep.csv", "sweep.txt", "sweep.png", "sweep.svg", "sweep.nc", "sweep.json"),

@@ -15,7 +15,7 @@ from jaxbuffer.fields import change_in_words, relative_change
 from jaxbuffer.mechanisms.limit import ROUNDING, Limit
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.study.config import loads
-from jaxbuffer.study.designs import tuned_toml
+from jaxbuffer.study.tuned_toml import tuned_toml
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import Margin, margin_of_end
 from jaxbuffer.tuning.store import in_words, record_of

@@ -61,6 +61,7 @@ def sensitivity(
     Files in DIR:
       sensitivity.json, sensitivity.csv  values, gradients, elasticities, units
       sensitivity.txt                    the tables
+      sensitivity.png, sensitivity.svg   elasticities as bars with their errors
 
     \b
     Examples:

@@ -5,6 +5,8 @@ from .address import addresses as addresses
 from .address import check_address as check_address
 from .address import check_alone as check_alone
 from .address import check_numbers as check_numbers
+from .address import metadata_at as metadata_at
+from .address import single_fields as single_fields
 from .address import unit_at as unit_at
 from .address import value_at as value_at
 from .address import with_values as with_values
@@ -36,9 +38,11 @@ from .paths import unit as unit
 from .paths import unknown as unknown
 from .portable import Portable as Portable
 from .shown import cut as cut
+from .shown import numbers_text as numbers_text
 from .units import NON_NEGATIVE as NON_NEGATIVE
 from .units import POSITIVE as POSITIVE
 from .units import as_typed as as_typed
+from .units import as_written as as_written
 from .units import check_units_agree as check_units_agree
 from .units import errors_in_typed_units as errors_in_typed_units
 from .units import in_unit as in_unit

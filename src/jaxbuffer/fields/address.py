@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InputError, check_choice, check_flag, check_names, check_single, check_whole
 from .curve import Curve
-from .paths import get, metadata, paths, point_paths, replace, unit, unknown
+from .paths import get, meaning, metadata, paths, point_paths, replace, unit, unknown
 
 SCENARIO = "scenario."
 
@@ -28,7 +28,16 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
     """
     known = addresses(design, scenario)
     if address not in known:
-        raise InputError(f"{where}{address}{unknown(design, address, known)}")
+        if any(path.startswith(f"{address}.") for path in known):
+            raise InputError(f"{where}{address} is unknown: it is a section; name one of its fields")
+        means = lambda it: meaning(*_owner(design, scenario, it))  # noqa: E731
+        raise InputError(f"{where}{address}{unknown(design, address, known, means)}")
+
+
+def single_fields(design: eqx.Module, scenario: eqx.Module) -> set[str]:
+    """The addresses of all fields that are no measured curve, which has numbers of its own."""
+    owned = ((address, *_owner(design, scenario, address)) for address in addresses(design, scenario))
+    return {address for address, owner, path in owned if "curve" not in metadata(owner, path)}
 
 
 def _owner(design: eqx.Module, scenario: eqx.Module, address: str) -> tuple[eqx.Module, str]:
@@ -44,6 +53,11 @@ def value_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Any:
 def unit_at(design: eqx.Module, scenario: eqx.Module, address: str) -> str:
     """The unit of what is at ``address``, "" for a choice."""
     return unit(*_owner(design, scenario, address))
+
+
+def metadata_at(design: eqx.Module, scenario: eqx.Module, address: str) -> Mapping[str, Any]:
+    """What the field at ``address`` declares of itself."""
+    return metadata(*_owner(design, scenario, address))
 
 
 def check_alone(design: eqx.Module, scenario: eqx.Module, address: str, value: Any) -> None:

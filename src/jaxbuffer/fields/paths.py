@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import equinox as eqx
 
 from ..errors import InputError, check_type, shown, suggest
+from ..suggestions import Meaning
 from .curve import Curve, number_metadata
 
 T = TypeVar("T", bound=eqx.Module)
@@ -52,7 +53,11 @@ def check_path(module: eqx.Module, path: str) -> None:
     if path not in known:
         sections = {p.rsplit(".", 1)[0] for p in known if "." in p}
         is_section = path in sections and path not in paths(module)
-        hint = " is a section; name one of its fields" if is_section else unknown(module, path, known)
+        hint = (
+            " is a section; name one of its fields"
+            if is_section
+            else unknown(module, path, known, lambda it: meaning(module, it))
+        )
         raise InputError(f"{path}{hint}")
 
 
@@ -72,8 +77,9 @@ def _has_field(module: eqx.Module, path: str) -> bool:
     return not isinstance(value, eqx.Module) or isinstance(value, Curve)
 
 
-def unknown(module: eqx.Module, path: str, known: Collection[str]) -> str:
-    """What to say of a path that is none of the ``known`` ones: the nearest, or that its curve is not set."""
+def unknown(module: eqx.Module, path: str, known: Collection[str], means: Meaning) -> str:
+    """What to say of a path that is none of the ``known`` ones: the nearest, or that its curve is not set; ``means``
+    says in words what a known one means."""
     curve = path.rpartition(".")[0]
     if curve in paths(module) and "curve" in metadata(module, curve):
         value = _at(module, curve)
@@ -81,7 +87,7 @@ def unknown(module: eqx.Module, path: str, known: Collection[str]) -> str:
             return f" is unknown: {curve} is not set; give its points first"
         numbers = value.addresses()
         return f" is unknown; {curve} has {numbers[0]} to {numbers[-1]}"
-    return " is unknown" + suggest(path, known)
+    return " is unknown" + suggest(path, known, means)
 
 
 def no_number(module: eqx.Module, path: str) -> str:
@@ -169,7 +175,13 @@ def replace(module: T, values: Mapping[str, Any]) -> T:
     return _replace(module, {tuple(path.split(".")): value for path, value in values.items()})
 
 
-def by_path(table: Mapping[str, Any], values: Collection[str] = (), where: str = "") -> dict[str, Any]:
+def by_path(
+    table: Mapping[str, Any],
+    values: Collection[str] = (),
+    where: str = "",
+    fields: Collection[str] = (),
+    prefix: str = "",
+) -> dict[str, Any]:
     """TOML's nested tables as dotted paths: in TOML an unquoted ``buffer.k_A = …`` is a table in a table.
 
     **Arguments:**
@@ -177,15 +189,16 @@ def by_path(table: Mapping[str, Any], values: Collection[str] = (), where: str =
     - ``table``: as TOML gives it.
     - ``values``: keys that make a table a value itself.
     - ``where``: the table's name in an error.
+    - ``fields``: paths at which a table is a value itself, whatever its keys are.
+    - ``prefix``: of the table's own keys.
 
     **Raises:** `InputError` for a path given twice, as ``buffer.k_A`` and as ``"buffer.k_A"``.
     """
     flat: dict[str, Any] = {}
     for name, value in table.items():
-        nested = isinstance(value, Mapping) and not set(value) & set(values)
-        inner = (
-            {f"{name}.{rest}": it for rest, it in by_path(value, values, where).items()} if nested else {name: value}
-        )
+        path = f"{prefix}{name}"
+        nested = isinstance(value, Mapping) and not set(value) & set(values) and path not in fields
+        inner = by_path(value, values, where, fields, f"{path}.") if nested else {path: value}
         for path in inner:
             if path in flat:
                 raise InputError(f'{where}: {path} is given twice, as {path} and as "{path}"; keep one')

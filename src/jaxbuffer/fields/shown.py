@@ -1,6 +1,7 @@
 """A design or scenario as text: every field with its unit and number."""
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 import equinox as eqx
@@ -50,6 +51,31 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
         inner = _text(value, gradient) if is_part else value_text(value)
         lines.append(f"{name}{equals}{inner}")
     return lines
+
+
+def numbers_text(title: str, numbers: Mapping[str, tuple[Any, str, float]]) -> str:
+    """A title, and below it a number a line with its unit.
+
+    **Arguments:** ``numbers``: by name the number or array of them, the unit in which people are shown it, and how many
+    of those its own unit is. A number that is not known, inside compiled code say, is shown as JAX shows it.
+    """
+    width = max(map(len, numbers), default=0)
+    lines = []
+    for name, (value, symbol, factor) in numbers.items():
+        unknown = isinstance(value, jax.core.Tracer) or np.asarray(value).dtype.kind not in "fiu"
+        text = repr(value) if unknown else _scaled(factor * np.asarray(value, float))
+        lines.append(f"  {name.replace('_', ' '):{width}}  {text} {symbol}".rstrip(" -"))
+    return "\n".join([title, *lines])
+
+
+def _scaled(value: np.ndarray) -> str:
+    if value.ndim == 0:
+        return "not known" if np.isnan(value) else f"{value.item():.6g}"
+    entries = ", ".join(f"{entry:.6g}" for entry in value.ravel()[:MOST])
+    if value.ndim == 1 and value.size <= MOST:
+        return f"[{entries}]"
+    few = f"[{entries}, …]" if value.size > MOST else f"[{entries}]"
+    return f"{few} of shape {value.shape}, from {np.nanmin(value):.6g} to {np.nanmax(value):.6g}"
 
 
 def cut(text: str) -> str:

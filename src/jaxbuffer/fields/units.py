@@ -234,6 +234,21 @@ def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
         return value, unit
 
 
+def as_written(value: float, unit: str, typed: str) -> float | str:
+    """A value as it is written into a study: a text in the unit that was ``typed``, with as few digits as give exactly
+    this value when it is read, or the number in ``unit`` where none was typed or no such text is."""
+    number, symbol = as_typed(value, unit, typed)
+    if typed and symbol == typed and math.isfinite(number):
+        # The conversion there and back may round, so that a neighbour of the number is what is read as the value.
+        for near in (number, math.nextafter(number, math.inf), math.nextafter(number, -math.inf)):
+            for digits in range(1, 18):
+                # 16 digits of the rounded number do not show more than it has, nor 50 as 5e+01.
+                text = f"{float(f'{near:.{digits}g}'):.{max(digits, 16)}g} {typed}"
+                if as_unit(text, unit) == value:
+                    return text
+    return float(value)
+
+
 def in_words(value: float, unit: str, typed: str = "", digits: int = 6) -> str:
     """A value with its unit, or with the one that was ``typed``: "25 mm"."""
     number, symbol = as_typed(value, unit, typed)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..fields import Portable
+from ..fields import Portable, numbers_text
 
 
 class Energy(Portable):
@@ -24,6 +24,10 @@ class Energy(Portable):
             if name in energies:
                 return energies[name]
         raise AttributeError(f"{type(self).__name__} has no {name!r}")
+
+    def __repr__(self) -> str:
+        parts = {**self.stored, **{f"lost by {name}": value for name, value in self.lost.items()}, "total": self.total}
+        return numbers_text("Energies", {name: (value, "J", 1.0) for name, value in parts.items()})
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -63,6 +67,13 @@ class Balance(Portable):
     linear_momentum: Float[Array, ""]
     angular_momentum: Float[Array, ""]
     drift: Float[Array, ""]
+
+    def __repr__(self) -> str:
+        units = {"drift": "m or rad"}
+        return numbers_text(
+            "What numerical error did to what is conserved, relative but for the drift",
+            {name: (value, units.get(name, "-"), 1.0) for name, value in vars(self).items()},
+        )
 
 
 ENERGY_UNITS = (("kJ", 1e-3), ("J", 1.0), ("mJ", 1e3), ("µJ", 1e6))

@@ -2,10 +2,17 @@
 
 from typing import Any
 
+import jax
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..fields import Portable
 from .energy import Energy
+
+UNITS = {
+    **{"time": "s", "position": "m, m, rad", "velocity": "m/s, m/s, rad/s", "multipliers": "N, N m", "gap": "m"},
+    **{"approach_speed": "m/s", "slip": "m/s", "contact_force": "N", "friction_force": "N"},
+}
 
 
 class History(Portable):
@@ -34,6 +41,14 @@ class History(Portable):
     energy: Energy
     state: Float[Array, "steps state"] | None = None
     closed: Float[Array, "steps all_contacts"] | None = None
+
+    def __repr__(self) -> str:
+        lines = [f"History of {np.shape(self.time)[0] if np.ndim(self.time) else 1} instants; its arrays:"]
+        if not isinstance(self.time, jax.core.Tracer) and np.ndim(self.time) == 1 and np.size(self.time):
+            lines[0] = lines[0].replace("; ", f" from {float(self.time[0]):g} to {float(self.time[-1]):.6g} s; ")
+        arrays = {name: getattr(self, name) for name in UNITS} | self.others
+        lines += [f"  {name} [{UNITS.get(name, 'own unit')}], shape {np.shape(it)}" for name, it in arrays.items()]
+        return "\n".join([*lines, f"  energy [J]: {', '.join(self.energy.names)}"])
 
     def __getattr__(self, name: str) -> Any:
         others = object.__getattribute__(self, "others")

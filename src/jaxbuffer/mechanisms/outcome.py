@@ -1,11 +1,11 @@
 """How a run ended: what every mechanism's outcomes have in common."""
 
-import enum
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
+from .._types import Code
 from ..errors import InputError, suggest
 from ..hybrid import Status
 
@@ -22,7 +22,7 @@ FAILURES = {
 }
 
 
-class RunOutcome(enum.IntEnum):
+class RunOutcome(Code):
     """Base of the mechanisms' outcomes. Each member is a code and a sentence for the user.
 
     First come the ways in which a run ends well, then from ``failed_steps`` on those in which the equations were not
@@ -85,3 +85,6 @@ class NotComputed(NamedTuple):
     name: str = "not computed"
     reason: str = "it was not computed"
     failed: bool = False
+
+    def __str__(self) -> str:
+        return self.name

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
+from ..suggestions import Meaning
 
 # By unit: what is smaller is what rounding leaves of zero, as of the force on a hinge that nothing loads.
 NEGLIGIBLE: Mapping[str, float] = MappingProxyType({"N": 1e-4, "m": 1e-9})
@@ -108,6 +109,11 @@ def is_signed(catalogue: Catalogue, name: str) -> bool:
     return name in catalogue and catalogue[name].signed
 
 
+def _meaning(catalogue: Catalogue) -> Meaning:
+    """What a quantity of the catalogue means, by its name, for `suggest`."""
+    return lambda name: f"{it.title} {it.description}" if (it := catalogue.get(name)) else ""
+
+
 def check_differentiable(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, ...]:
     """The names, once it is sure that all exist and have derivatives. **Raises:** `InputError` otherwise."""
     names = check_quantities(catalogue, names)
@@ -122,5 +128,7 @@ def check_quantities(catalogue: Catalogue, names: Sequence[str]) -> tuple[str, .
     names = check_names("quantities", names, "peak_force")
     for name in names:
         if name not in catalogue and of_impact(name) is None:
-            raise InputError(f"quantity {name} is unknown{suggest(name, [*catalogue, 'impact.1.peak_force'])}")
+            raise InputError(
+                f"quantity {name} is unknown{suggest(name, [*catalogue, 'impact.1.peak_force'], _meaning(catalogue))}"
+            )
     return names

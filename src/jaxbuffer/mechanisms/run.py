@@ -1,6 +1,7 @@
 """A simulated run of any mechanism."""
 
-from typing import Any, Generic, NamedTuple, TypeVar
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._types import DataFrame, Dataset, Scalar
-from ..errors import InputError, check_choice
+from ..errors import InputError, check_choice, suggest
 from ..fields import Part, Portable
 from ..hybrid import Kind, Log, Result, moving
 from ..labelled.arrays import frame
@@ -100,8 +101,29 @@ class Run(Portable, Saved):
 
     @property
     def outcome(self) -> RunOutcome | Any:
-        """How it ended; the integer code (an array) inside compiled code or for a batch."""
-        return self.code if self._many else self.mechanism.outcomes(int(self.code))
+        """How it ended; of a batch an array of that, and inside compiled code the integer code, which compares with
+        the outcomes alike."""
+        if isinstance(self.code, jax.core.Tracer):
+            return self.code
+        if not np.ndim(self.code):
+            return self.mechanism.outcomes(int(self.code))
+        codes = np.asarray(self.code)
+        return np.array([self.mechanism.outcomes(int(code)) for code in codes.flat], object).reshape(codes.shape)
+
+    if not TYPE_CHECKING:  # which would take any attribute for one that there is
+
+        def __getattr__(self, name):
+            """The quantities of the mechanism's catalogue that the run has not as a field, by name."""
+            if not name.startswith("_") and "design" in vars(self):
+                catalogue = self.mechanism.quantities
+                if name in catalogue:
+                    return catalogue[name].of(self)
+                hint = suggest(name, [*vars(self), *catalogue])
+                raise AttributeError(f"{type(self).__name__} has no {name!r}{hint}")
+            raise AttributeError(f"{type(self).__name__} has no {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.mechanism.quantities})
 
     @property
     def diagnosis(self) -> list[str]:
@@ -256,10 +278,22 @@ class Run(Portable, Saved):
         return frame(list(columns), np.column_stack(list(columns.values())).tolist())
 
     def __repr__(self) -> str:
+        if isinstance(self.code, jax.core.Tracer):
+            return f"{type(self).__name__}(traced, code={self.code})"
         if self._many:
-            return f"{type(self).__name__}(batch or traced, code={self.code})"
+            return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
         return "\n".join([summary(self), *(f"  {line}" for line in self.diagnosis)])
+
+    def _batch_text(self) -> str:
+        """How many runs ended how, and the range of the largest contact force."""
+        outcomes, (codes, forces) = self.mechanism.outcomes, map(np.asarray, (self.code, self.peak_force))
+        ends = ", ".join(
+            f"{count} {outcomes(code).name}" for code, count in sorted(Counter(codes.ravel().tolist()).items())
+        )
+        text = f"{type(self).__name__}: a batch of {codes.size} runs: {ends}"
+        known = forces[np.isfinite(forces)]
+        return f"{text}; peak force {known.min():.6g} to {known.max():.6g} N" if known.size else text
 
     def _repr_html_(self) -> str:
         return summary_html(repr(self))

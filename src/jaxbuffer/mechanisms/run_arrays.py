@@ -47,9 +47,7 @@ def history_columns(run: Any) -> dict[str, np.ndarray]:
     for name, symbol in CONTACT_UNITS.items():
         value = getattr(history, name)
         columns |= {f"{name} {contact} [{symbol}]": value[:, k] for k, contact in enumerate(names.contacts)}
-    columns |= {
-        f"{name} [{symbol}]": history.others[name] for name, symbol in names.others.items() if name in history.others
-    }
+    columns |= {f"{name} [{symbol}]": values for name, symbol, values in names.series(history.others)}
     for name, axes in COORDINATES.items():
         for k, body in enumerate(names.bodies):
             columns |= {
@@ -133,9 +131,8 @@ def _history(history: History, names: Names) -> dict[str, Labelled]:
         for i, (axis, unit) in enumerate(axes):
             values = getattr(history, name)[:, :bodies, i]
             arrays[f"{name}_{axis}"] = Labelled(("step", "body"), values, unit, f"{name}: {axis}")
-    for name, unit in names.others.items():
-        if name in history.others:
-            arrays[f"{name}_history"] = Labelled(("step",), history.others[name], unit, name.replace("_", " "))
+    for name, unit, values in names.series(history.others):
+        arrays[f"{name}_history"] = Labelled(("step",), values, unit, name.replace("_", " "))
     for k, (name, unit) in enumerate(names.multipliers.items()):
         arrays[f"multiplier_{name.replace(' ', '_')}"] = Labelled(("step",), history.multipliers[:, k], unit, name)
     energies = np.stack([np.asarray(getattr(history.energy, name)) for name in history.energy.names], axis=1)

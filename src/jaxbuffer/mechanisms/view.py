@@ -2,8 +2,10 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from ..fields import Part, paths, unit
 from .drawing import Drawing, plain_drawing
@@ -16,13 +18,26 @@ class Names:
     """What parts of a mechanism are called in tables and files, in the order of their numbers.
 
     ``bodies``; ``contacts``: those that have impacts; ``multipliers`` of the joints' rows and ``others`` of the
-    history, each with its unit.
+    history, each with its unit; ``shares``: those of the others whose share of its first value a quantity of the same
+    name is, and what tables call the number itself.
     """
 
     bodies: tuple[str, ...] = ()
     contacts: tuple[str, ...] = ("contact",)
     multipliers: Mapping[str, str] = dataclasses.field(default_factory=dict)
     others: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    shares: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+    def series(self, others: Mapping[str, Any]) -> Iterator[tuple[str, str, np.ndarray]]:
+        """Name in tables, unit and values of each of the history's ``others``."""
+        for name, symbol in self.others.items():
+            if name not in others:
+                continue
+            values = np.asarray(others[name])
+            yield self.shares.get(name, name), symbol, values
+            if name in self.shares:
+                first = float(values[0]) if len(values) else 0.0
+                yield name, "-", values / first if first > 0.0 else np.full(len(values), np.nan)
 
 
 def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:

@@ -17,7 +17,7 @@ from ..run.instants import at_times
 from .field_files import coloured
 from .motion import Scene, clock, closer, said, scene, whole
 from .pulses import fine_times, last_contact, pulses
-from .style import COLOURS, blank, drawing, require_matplotlib
+from .style import blank, curve, drawing, require_matplotlib
 
 FORMATS = ("gif", "mp4")
 RATE = 20  # frames a second
@@ -208,7 +208,7 @@ def _curves(axes: Axes, run: Run) -> Any:
     names = run.mechanism.view.names(run.design).contacts
     for k, name in enumerate(names):
         label = run.mechanism.view.contact_in_words(name)
-        axes.plot(time, force[:, k], color=COLOURS[k], linewidth=0.9, label=label)
+        axes.plot(time, force[:, k], **curve(k), linewidth=0.9, label=label)
     if len(names) > 1:
         axes.legend(loc="upper left", ncols=len(names))
     room = 0.01 * (time[-1] - time[0])

@@ -13,7 +13,7 @@ from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
 from ..run.instants import at_times
 from .pulses import BEYOND, EVEN, WORTH, fine_times, last_contact, pulse_around, touching
-from .style import COLOURS, GREY, RED, label, panels, styled
+from .style import GREY, RED, curve, hatch, label, panels, styled
 from .words import newtons, scale_of, seconds
 
 COLUMNS = 2
@@ -99,7 +99,7 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
     shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
         name = run.mechanism.view.contact_in_words(contact)
-        force.plot(window.factor * time[shown], factor * history.contact_force[shown, k], color=COLOURS[k], label=name)
+        force.plot(window.factor * time[shown], factor * history.contact_force[shown, k], **curve(k), label=name)
     force.locator_params(axis="x", nbins=6)
     if zoom is None:
         label(force, "Contact force: nothing touches", f"time [{window.unit}]", f"contact force [{unit}]")
@@ -119,18 +119,20 @@ def _draw(axes: Axes, time: np.ndarray, panel: Panel, window: Window) -> None:
     over = window.factor * time[inside]
     if panel.stacked:
         names, parts = (
-            [curve.label for curve in panel.curves],
-            [np.asarray(curve.values)[inside] for curve in panel.curves],
+            [drawn.label for drawn in panel.curves],
+            [np.asarray(drawn.values)[inside] for drawn in panel.curves],
         )
-        axes.stackplot(over, *parts, colors=COLOURS, labels=names)
+        colours = [curve(k)["color"] for k in range(len(parts))]
+        for k, area in enumerate(axes.stackplot(over, *parts, colors=colours, labels=names)):
+            area.set(hatch=hatch(k), edgecolor="white" if hatch(k) else "none", linewidth=0.0)
         room = 1.0 + 0.15 * math.ceil(len(parts) / COLUMNS)  # for the legend
         axes.set_ylim(0.0, room * float(np.max(np.sum(parts, axis=0))))
     else:
-        for k, curve in enumerate(panel.curves):
-            dashes = "--" if curve.dashed else "-"
-            values = np.asarray(curve.values)
-            along, values = (over, values[inside]) if curve.along is None else (curve.along, values)
-            axes.plot(along, values, color=COLOURS[k], linestyle=dashes, label=curve.label or None)
+        for k, drawn in enumerate(panel.curves):
+            style = {**curve(k), "linestyle": "--"} if drawn.dashed else curve(k)
+            values = np.asarray(drawn.values)
+            along, values = (over, values[inside]) if drawn.along is None else (drawn.along, values)
+            axes.plot(along, values, label=drawn.label or None, **style)
     for level in panel.levels:
         _level(axes, level)
     if panel.path:
@@ -166,7 +168,7 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
     force = np.asarray(at_times(run, time).contact_force)
     unit, many = scale_of(last - first, (("ms", 1e3), ("µs", 1e6)))
     for k in np.flatnonzero(np.any(force > 0.0, axis=0)):
-        axes.plot(many * (time - at), factor * force[:, k], color=COLOURS[k])
+        axes.plot(many * (time - at), factor * force[:, k], **curve(int(k)))
     axes.set_xlabel(f"time from the peak [{unit}]")
 
 

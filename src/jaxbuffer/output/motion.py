@@ -22,9 +22,10 @@ PANELS = 4  # of the chosen times, the start and the end among them
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
 MARGIN = 1.08  # of what is seen, over what is drawn
 MM = 1e-3  # m
+FREE = 1.3  # half of a detail, over the distance from its middle to the nearest surface
 SEEN, LARGER = 0.01, 0.05  # of a picture's width: bending below the first is drawn larger too, about as the second
 ROUNDING = 1e-9  # of a picture's width
-BENT = ((BLUE, ":"), (INK, "-."), (RED, "--"))  # colour and dashes of bending drawn larger
+BENT = ((BLUE, ":"), (INK, "-."), (RED, (0, (6, 1, 1, 1, 1, 1))))  # colour and dashes of bending drawn larger
 
 
 class Scene(NamedTuple):
@@ -164,13 +165,12 @@ def whole(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     frames, ((left, low), (right, high)) = at.frames[k], at.views[k]
     named = sketch(axes, at.drawing.shapes, frames)
     for (band, times), (colour, dashes) in zip(at.magnified, BENT, strict=False):
-        (line,) = axes.plot(*band.bent(frames, times).T, dashes, color=colour, linewidth=1.6, zorder=3)
+        (line,) = axes.plot(*band.bent(frames, times).T, linestyle=dashes, color=colour, linewidth=1.6, zorder=3)
         named[f"bending of the {band.part} × {times:g}"] = line
     forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.2 * (right - left)))
     detail = at.drawing.detail
-    if detail is not None and detail.half < 0.2 * (right - left):
+    if detail is not None and (h := _half(at, k)) < 0.2 * (right - left):
         x, y = detail.centre.at(frames)
-        h = detail.half
         axes.plot([x - h, x + h, x + h, x - h, x - h], [y - h, y - h, y + h, y + h, y - h], ":", color=GREY, zorder=3)
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
@@ -183,15 +183,24 @@ def closer(axes: Axes, at: Scene, k: int) -> dict[str, Any]:
     """The detail at the k-th time; the legend's parts that only it has."""
     detail, frames = at.drawing.detail, at.frames[k]
     assert detail is not None
-    middle = detail.centre.at(frames)
+    middle, half = detail.centre.at(frames), _half(at, k)
     named = sketch(axes, detail.shapes or at.drawing.shapes, frames, MM, middle, fills(at.drawing.shapes))
-    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * detail.half), MM, middle)
-    axes.set_xlim(-detail.half / MM, detail.half / MM)
-    axes.set_ylim(-detail.half / MM, detail.half / MM)
+    forces(axes, at.drawing, frames, _instant(at, k), *_arrows(at, 0.8 * half), MM, middle)
+    axes.set_xlim(-half / MM, half / MM)
+    axes.set_ylim(-half / MM, half / MM)
     axes.set_title(detail.title)
     axes.set_xlabel("x from the middle [mm]")
     axes.set_ylabel("y [mm]")
     return named if detail.shapes else {}
+
+
+def _half(at: Scene, k: int) -> float:
+    """Half the width of the detail at the k-th time [m]: as wide as to show what the ball may touch next, too."""
+    detail, frames = at.drawing.detail, at.frames[k]
+    assert detail is not None
+    middle = detail.centre.at(frames)
+    away = [float(np.max(np.abs(touch.at(frames)[0] - middle))) for touch in at.drawing.touches]
+    return max(detail.half, FREE * min(away, default=0.0))
 
 
 def telling_times(run: Run, count: int = PANELS) -> Float[np.ndarray, " times"]:

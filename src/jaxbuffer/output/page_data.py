@@ -12,7 +12,7 @@ from ..run.instants import at_times
 from .animation import frames_of, speed_in_words
 from .motion import Scene, scene
 from .pulses import TIMES, force_over_time, last_contact
-from .sketch import fills, is_filled, outline
+from .sketch import INK, fills, is_filled, outline
 
 DIGITS = 7  # of lengths [m], angles [rad] and times [s] after the point: a tenth of a micrometre or a microsecond
 SIGNIFICANT = 6  # digits of a force or a stroke
@@ -100,11 +100,14 @@ def _shapes(shapes: Sequence[Any], bodies: int) -> list[dict[str, Any]]:
     """Corners in the axes of the one frame that a shape goes with, or the two spots between which it lies."""
     made: list[dict[str, Any]] = []
     colour, rest, order = 0, np.zeros((bodies, 3)), [*fills(shapes)]
+    strokes = {part: it for part, it in fills(shapes).items() if isinstance(it, str)}
+    stroke = INK
     for shape in shapes:
         filled = is_filled(shape)
-        colour = order.index(shape.part) if shape.part in order else colour
+        colour = order.index(shape.part) if filled and shape.part in order else colour
+        stroke = INK if filled else strokes.get(shape.part, INK if shape.part else stroke)
         dashed = getattr(shape, "dashed", False)
-        look = {"filled": filled, "part": shape.part, "colour": colour, "dashed": dashed}
+        look = {"filled": filled, "part": shape.part, "colour": colour, "dashed": dashed, "stroke": stroke}
         if isinstance(shape, Band):
             made.append({**look, "stations": [*shape.stations], "width": shape.width})
         elif isinstance(shape, (Spring, Rod)):

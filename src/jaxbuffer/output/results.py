@@ -16,7 +16,7 @@ from ..mechanisms.run import Run
 from ..run.simulate import simulate
 from ..run.trust import Trust
 from ..sensitivities.result import Sensitivity, sensitivity_rows
-from ..study.designs import tuned_toml
+from ..study.tuned_toml import tuned_toml
 from ..sweeps.columns import RunTable
 from ..sweeps.result import Sweep
 from ..sweeps.stored import StoredSweep
@@ -33,6 +33,7 @@ from .motion import motion_figure
 from .page_data import force_record, motion_record
 from .provenance import MADE, made_in_python
 from .sample_figures import indices_figure, sample_figure, surfaces_figure
+from .sensitivity_figure import drawn, sensitivity_figure
 from .sweep_figures import envelope_figure, sweep_figure
 from .tune_figure import front_figure, tune_figure, worst_case
 
@@ -66,10 +67,12 @@ def run_files(
 
 def sensitivity_files(result: Sensitivity, made: Made = None) -> Contents:
     """Return those of `jaxbuffer sensitivity`. ``made``: how it came about."""
+    figures = style.both("sensitivity", lambda: sensitivity_figure(result)) if drawn(result) else {}
     return {
         "sensitivity.json": lambda: _json(records.sensitivity_record(result), made),
         "sensitivity.csv": lambda: csv_text(*sensitivity_rows(result)),
         "sensitivity.txt": lambda: f"{result!r}\n",
+        **figures,
     }
 
 
@@ -173,7 +176,9 @@ def front_files(front: Front, made: Made = None) -> Contents:
 
 
 def _design(tuned: Tuned) -> str:
-    return tuned_toml(tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first)
+    return tuned_toml(
+        tuned.design, tuned.problem, tuned_records.tuned_comment(tuned), tuned.worst_first, tuned.settings
+    )
 
 
 def _json(record: Mapping[str, Any], made: Made) -> str:

@@ -11,7 +11,7 @@ from ..experiments.sample import Sample
 from ..experiments.surface import Surface
 from .layout import legend_below
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
-from .words import field_axis, in_figures, outcome_marks, scaled, shown
+from .words import field_axis, in_figures, outcome_marks, scaled, shown, success_marks
 
 ROWS, COLUMNS = 3, 6  # quantities and numbers that are drawn
 METHODS = {"sobol": "Sobol'", "saltelli": "Saltelli", "gaussian_process": "Gaussian process"}  # others in words
@@ -27,19 +27,20 @@ def sample_figure(sample: Sample) -> Figure:
     aims = mechanism.successes or (mechanism.outcomes.time_is_up(),)
     ends = sorted(set(outcomes[sample.solved]), key=lambda end: end not in aims)
     marks = outcome_marks(mechanism)
+    best = success_marks([end for end in aims if end in ends])
     for number, (row, name) in enumerate(zip(grid, names, strict=True), 1):
         title, unit, factor = shown(mechanism.quantities[name])
         for axes, axis in zip(row, drawn, strict=True):
             many = in_figures(axis.unit, axis.typed)[1]
             for end in ends:
                 here = sample.solved & (outcomes == end)
-                style: dict[str, Any] = {"color": BLUE, "marker": "o", "s": 9, "linewidths": 0}
-                if end in marks:
-                    style = {"color": marks[end][1], "marker": marks[end][0], "s": 18, "linewidths": 0}
+                marker, colour = (best | marks)[end]
+                style: dict[str, Any] = {"color": colour, "marker": marker, "s": 9 if marker == "o" else 18}
                 axes.scatter(
                     many * columns[axis.path][here],
                     factor * sample.columns[name][here],
                     label=end,
+                    linewidths=0,
                     **style,
                 )
             scaled(axes, "x", axis.scale, many * axis.low, many * axis.high)

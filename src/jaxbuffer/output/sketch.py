@@ -8,12 +8,13 @@ from jaxtyping import Float
 
 from .._types import Axes
 from ..mechanisms.drawing import Band, Coil, Disc, Drawing, Frames, Outline, Points, Rod, Spot, Spring, placed
-from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
+from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 
-FILLS = (SKY, ORANGE, GREEN, GREY, PURPLE, BLUE)  # of parts in their order
+# Of filled parts in their order, and how opaque: so that each is lighter than the next, also without colours.
+FILLS = ((SKY, 0.25), (ORANGE, 0.5), (GREEN, 0.45), (GREY, 0.75), (BLUE, 0.68), (RED, 1.0))
+LINES = ("#222222", RED, BLUE, PURPLE)  # of parts that are lines, likewise
 FORCE = "#B2182B"
 INK = "#222222"
-FAINT = 0.35  # opacity of a part
 SHORTEST = 0.02  # of the longest arrow: what is shorter is a dot
 ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
 
@@ -24,7 +25,7 @@ def sketch(
     frames: Frames,
     unit: float = 1.0,
     origin: Any = (0.0, 0.0),
-    colours: dict[str, str] | None = None,
+    colours: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Draw shapes whose bodies are at ``frames``.
 
@@ -36,9 +37,12 @@ def sketch(
     shapes = tuple(shapes)
     colours = fills(shapes) if colours is None else colours
     named: dict[str, Any] = {}
-    colour = FILLS[0]
+    filled, drawn = _faint(*FILLS[0]), INK
     for shape in shapes:
-        colour = colours.get(shape.part, colour)
+        if is_filled(shape):
+            colour = filled = colours.get(shape.part, filled)
+        else:
+            colour = drawn = colours.get(shape.part, drawn if not shape.part else INK)
         points = (outline(shape, frames) - origin) / unit
         artist = _draw(axes, shape, points, colour)
         if shape.part:
@@ -47,17 +51,23 @@ def sketch(
     return named
 
 
-def fills(shapes: Iterable[Any]) -> dict[str, str]:
-    """The colour of each filled part by its name, in the parts' order."""
-    parts = dict.fromkeys(shape.part for shape in shapes if is_filled(shape) and shape.part)
-    return {part: FILLS[k % len(FILLS)] for k, part in enumerate(parts)}
+def fills(shapes: Iterable[Any]) -> dict[str, Any]:
+    """The colour of each named part, filled ones and lines, in the parts' order."""
+    shapes = tuple(shapes)
+    areas = dict.fromkeys(shape.part for shape in shapes if is_filled(shape) and shape.part)
+    lines = dict.fromkeys(shape.part for shape in shapes if not is_filled(shape) and shape.part and not _dashed(shape))
+    filled = {part: _faint(*FILLS[k % len(FILLS)]) for k, part in enumerate(areas)}
+    return filled | {part: LINES[k % len(LINES)] for k, part in enumerate(lines)}
 
 
-def _draw(axes: Axes, shape: Any, points: Points, fill: str) -> Any:
+def _dashed(shape: Any) -> bool:
+    return bool(getattr(shape, "dashed", False))
+
+
+def _draw(axes: Axes, shape: Any, points: Points, fill: Any) -> Any:
     if is_filled(shape):
-        return axes.fill(*points.T, facecolor=_faint(fill), edgecolor=INK, linewidth=0.8, zorder=2)[0]
-    dashes = "--" if getattr(shape, "dashed", False) else "-"
-    colour = GREY if dashes == "--" else INK
+        return axes.fill(*points.T, facecolor=fill, edgecolor=INK, linewidth=0.8, zorder=2)[0]
+    dashes, colour = ("--", GREY) if _dashed(shape) else ("-", fill)
     return axes.plot(*points.T, dashes, color=colour, linewidth=1.1, solid_joinstyle="round", zorder=2)[0]
 
 
@@ -135,8 +145,8 @@ def _spot(points: Points, centre: Spot, frames: Frames) -> Points:
     return placed(points + np.array([centre.x, centre.y]), centre.body, frames)
 
 
-def _faint(colour: str) -> Any:
+def _faint(colour: str, opacity: float) -> Any:
     """A colour mixed with white."""
     from matplotlib.colors import to_rgb
 
-    return tuple(1.0 - FAINT * (1.0 - np.array(to_rgb(colour))))
+    return tuple(1.0 - opacity * (1.0 - np.array(to_rgb(colour))))

@@ -27,6 +27,9 @@ BLUE, ORANGE, GREEN, PURPLE, SKY, RED, GREY = (
     "#888888",
 )
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED, "#000000")
+# In threes whose lightness differs: each three has dashes, or hatching, of its own.
+CURVES = (BLUE, ORANGE, GREEN, PURPLE, RED, "#000000", SKY, BLUE, GREEN, ORANGE, "#000000", BLUE)
+HATCHES = ("", "////", "....", "xxxx")
 STYLES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "v", "D", "P", "X", "<", ">", "p", "h")
 COLUMNS = 3
@@ -143,6 +146,16 @@ def label(axes: Axes, title: str, x: str, y: str, legend: bool = True, columns: 
     axes.set_ylabel(y)
     if legend:
         axes.legend(ncols=columns)
+
+
+def curve(number: int) -> dict[str, Any]:
+    """Colour and dashes of a curve among others in one panel: solid for the first three, whose lightness differs."""
+    return {"color": CURVES[number % len(CURVES)], "linestyle": STYLES[number // 3 % len(STYLES)]}
+
+
+def hatch(number: int) -> str:
+    """The hatching of an area in the colour of `curve`, which keeps areas apart without colours."""
+    return HATCHES[number // 3 % len(HATCHES)]
 
 
 def line(number: int) -> dict[str, Any]:

@@ -12,7 +12,19 @@ from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from .layout import legend_below
 from .style import BLUE, COLUMNS, GREY, RED, label, line, panels, styled
-from .words import MARKERS, called, edges, field_axis, in_figures, outcome_marks, said, scaled, shown, signed
+from .words import (
+    called,
+    edges,
+    field_axis,
+    in_figures,
+    outcome_marks,
+    reason_marks,
+    said,
+    scaled,
+    shown,
+    signed,
+    success_marks,
+)
 
 FAILED, UNDONE = "failed", "not computed"
 SLICES = 9
@@ -223,7 +235,8 @@ def _marks(swept: Sweep) -> dict[str, tuple[str, str, str]]:
     """Marker, colour in lines and colour in maps of each outcome that is not what should be, and of successes other
     than the first that occurs: of what is latched where others are held."""
     ended = outcome_marks(swept.mechanism).items()
-    lesser = {name: (".", GREY, "white") for name in _successes(swept)[1:]}
+    ranked = success_marks(_successes(swept))
+    lesser = {name: (*ranked[name], "white") for name in [*ranked][1:]}
     return (
         lesser
         | {name: (marker, colour, "white") for name, (marker, colour) in ended}
@@ -274,7 +287,7 @@ def envelope_figure(rectangle: SafeRectangle) -> Figure:
     _border(axes, rectangle.safe, right, top)
     _reasons(axes, rectangle, x * over, y * above)
     rows, columns = np.nonzero(rectangle.safe)
-    axes.scatter(x[rows] * over, y[columns] * above, s=8, color=BLUE, linewidths=0, label="safe run")
+    axes.scatter(x[rows] * over, y[columns] * above, s=8, marker=".", color=BLUE, linewidths=0, label="safe run")
     title = f"{rectangle.counted} are safe: {rectangle.asked}"
     if rectangle.first is not None and rectangle.second is not None:
         low, high = (np.array(part) * factor for part, factor in ((rectangle.first, over), (rectangle.second, above)))
@@ -308,15 +321,11 @@ def _border(axes: Axes, safe: np.ndarray, right: np.ndarray, top: np.ndarray) ->
 
 def _reasons(axes: Axes, rectangle: SafeRectangle, x: np.ndarray, y: np.ndarray) -> None:
     """A mark on each run that is not safe, for the first thing that it breaks."""
-    reasons, marks = rectangle.reasons, outcome_marks(rectangle.swept.mechanism)
-    free = [marker for marker in MARKERS if marker not in [marks[reason][0] for reason in marks]]
-    free = free or [*MARKERS]
-    others = sorted(set(reasons[reasons != ""]) - set(marks))
-    marks |= {reason: (free[k % len(free)], "") for k, reason in enumerate(others)}
-    for reason in sorted(set(reasons[reasons != ""])):
+    reasons = rectangle.reasons
+    names = sorted(set(reasons[reasons != ""]), key=lambda reason: (not reason.startswith("failed"), reason))
+    for reason, marker in reason_marks(rectangle.swept.mechanism, names).items():
         rows, columns = np.nonzero(reasons == reason)
-        failed = reason.startswith("failed")
-        marker, colour = ("s", RED) if failed else (marks[reason][0], "#555555")
+        colour = RED if reason.startswith("failed") else "#555555"
         size = min(40.0, 6e3 / reasons.size)
         axes.scatter(x[rows], y[columns], s=size, marker=marker, color=colour, linewidths=0, label=reason)
 

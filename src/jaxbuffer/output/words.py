@@ -1,6 +1,9 @@
 """What axes and values are called in figures, in their units: angles in degrees, forces from 10 kN on in kN."""
 
+import itertools
 import math
+import string
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +12,9 @@ from .._types import Axes
 from ..fields import as_typed
 from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
 
-MARKERS = ("X", "o", "P", "v", "D")  # of outcomes other than success, in their order
+MARKERS = ("X", "^", "P", "v", "D", "<", ">")  # of outcomes other than success, in their order
+FURTHER = ("s", "o", "p", "h", "d", "8", "H")  # of what else runs are marked for
+SUCCESSES = (("o", BLUE), ("*", "#000000"), ("d", GREEN))  # marker and colour of successes, the best first
 ENDED = (ORANGE, PURPLE, GREEN, SKY, BLUE)
 
 
@@ -84,6 +89,20 @@ def outcome_marks(mechanism: Any) -> dict[str, tuple[str, str]]:
     aims = mechanism.successes or (mechanism.outcomes.time_is_up(),)
     ended = [outcome.name for outcome in mechanism.outcomes if not outcome.failed and outcome.name not in aims]
     return {name: (MARKERS[k % len(MARKERS)], ENDED[k % len(ENDED)]) for k, name in enumerate(ended)}
+
+
+def success_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Marker and colour of each success, the best first: of those that are held, latched and captured, say."""
+    return {name: SUCCESSES[k % len(SUCCESSES)] for k, name in enumerate(names)}
+
+
+def reason_marks(mechanism: Any, reasons: Sequence[str]) -> dict[str, str]:
+    """A marker for each reason why runs are not safe, none twice: that of an outcome, or one that no outcome has."""
+    outcomes = {name: marker for name, (marker, _) in outcome_marks(mechanism).items()}
+    free = (marker for marker in (*FURTHER, *MARKERS) if marker not in outcomes.values())
+    letters = (f"${letter}$" for letter in string.ascii_letters)  # where all others are taken
+    others = itertools.chain(free, letters)
+    return {reason: outcomes.get(reason.replace(" ", "_")) or next(others, "$?$") for reason in reasons}
 
 
 def edges(values: np.ndarray, scale: str) -> np.ndarray:

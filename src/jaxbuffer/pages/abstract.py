@@ -18,7 +18,7 @@ from .limits import (
     limit_counts,
 )
 from .page import Cell, shown
-from .records import by_name, ended, same, scenario_of, title, words
+from .records import by_name, by_quantity, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
 
 INFEASIBLE = "no feasible design"
@@ -266,14 +266,21 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     left = record["runs"] - record["done"]
     counts = {**record["outcomes"], **({OPEN: left} if left else {})}
     text = f"{_ended(mechanism, counts)} in a sample of {len(record['ranges'])} numbers{reached(results, counts)}."
-    largest: dict[str, Record] = {}
-    for row in record["indices"]:
-        if row["total [-]"] > largest.get(row["quantity"], {"total [-]": -np.inf})["total [-]"]:
-            largest[row["quantity"]] = row
-    for name, row in largest.items():
-        share = f"{100.0 * row['total [-]']:.2g} % of its variance"
-        text += f" The {title(mechanism, name)} is scattered most by {row['number']} ({share})."
+    # Indices of a surface that is not to be trusted are no fact; shares add up for first-order indices alone.
+    doubtful = {it["quantity"] for it in record["surfaces"] if not it["trusted"]}
+    known = [row for row in record["indices"] if row["from"] == "runs" or row["quantity"] not in doubtful]
+    for name, rows in by_quantity(known).items():
+        row = max(rows, key=lambda row: row["first_order [-]"])
+        text += f" The {title(mechanism, name)} is scattered most by {row['number']}: {_share(row)}."
     return text
+
+
+def _share(row: Record) -> str:
+    """What a number alone has of a quantity's variance, and what it has in all."""
+    alone, total = row["first_order [-]"], row["total [-]"]
+    if alone is None or not alone > 0.0:
+        return "alone it scatters nothing, only together with others"
+    return f"alone {100.0 * alone:.2g} % of the variance (total index {total:.2g}, its share with all others)"
 
 
 def _front(results: Results, every: Sequence[Results]) -> str:

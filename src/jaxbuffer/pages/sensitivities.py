@@ -4,12 +4,14 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..mechanisms.limit import Limit
+from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
+from ..sensitivities.result import display_unit, per
 from .designs import other_design
 from .limits import bound_text, elsewhere, limits_of, source_of_limits
 from .page import Cell, Section, Table, shown
-from .records import by_name, by_quantity, in_figures, scenario_of, title, words
+from .records import by_name, by_quantity, figure, in_figures, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
 FAR = 0.5  # relative change beyond which first order says little
@@ -30,9 +32,10 @@ def sensitivity(results: Results, first: Results, every: Sequence[Results] = ())
     signed = {name: rows for name, rows in derivatives.items() if all(row["elasticity [-]"] is None for row in rows)}
     relative = {name: rows for name, rows in derivatives.items() if name not in signed}
     tables = [_elasticities(results, relative)] if relative else []
-    tables += _slopes({title(results.mechanism, name): rows for name, rows in signed.items()})
+    tables += _slopes(results.mechanism, {title(results.mechanism, name): rows for name, rows in signed.items()})
     tables += _until_broken(results, relative, source_of_limits([results, first, *every]))
-    return Section("Sensitivity", _text(results, first, record), tables=tables)
+    figures = figure(results, "sensitivity", "Elasticities as bars, with their estimated errors")
+    return Section("Sensitivity", _text(results, first, record), figures, tables)
 
 
 def _text(results: Results, first: Results, record: Record) -> list[str]:
@@ -105,11 +108,18 @@ def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     )
 
 
-def _slopes(signed: Rows) -> list[Table]:
+def _slope(mechanism: Mechanism, row: Record) -> tuple[str, str]:
+    """A derivative and its unit, as people are shown them."""
+    _, above, factor = in_figures(mechanism, row["quantity"])
+    below, many = display_unit(row["parameter_unit"])
+    return shown(None if row["gradient"] is None else factor / many * row["gradient"]), per(above, below)
+
+
+def _slopes(mechanism: Mechanism, signed: Rows) -> list[Table]:
     """Derivatives of quantities that have no elasticities."""
     rows = [
-        [title, row["parameter"], shown(row["gradient"]), row["gradient_unit"], row["verdict"] or "not certified"]
-        for title, derivatives in signed.items()
+        [name, row["parameter"], *_slope(mechanism, row), row["verdict"] or "not certified"]
+        for name, derivatives in signed.items()
         for row in derivatives
     ]
     headings = ("quantity", "by", "derivative", "unit", "verdict")

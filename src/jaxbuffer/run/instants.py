@@ -27,7 +27,8 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``times``: [s], those outside the run at its ends.
 
-    **Returns:** a `History` with an entry an instant, its ``others`` by name.
+    **Returns:** a `History` with an entry an instant, its ``others`` by name. Under `jax.jacfwd` and other
+    transformations its derivatives are those at fixed times, as a history's are.
 
     **Raises:** `InputError` for a run without a history, and for times that are no list of numbers.
 
@@ -42,6 +43,8 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     history = run.history
     if history is None:
         raise InputError("this run has no history to draw; simulate it with history=True")
+    if isinstance(times, jax.core.Tracer) or any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(run)):
+        return _traced(run, history, times)
     known, times = np.asarray(history.time), instants_of(times)
     if not times.size:
         return jax.tree.map(lambda values: np.asarray(values)[:0], at_times(run, known[:1]))
@@ -60,6 +63,21 @@ def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     parameters = (run.design, run.scenario, run.stabilisation)
     blocks = [_instants(run.mechanism, parameters, *block) for block in _blocks(given, len(times))]
     return jax.tree.map(lambda *parts: np.concatenate([np.asarray(part) for part in parts])[: len(times)], *blocks)
+
+
+def _traced(run: Run, history: History, times: Any) -> History:
+    """The same of a run that is differentiated or compiled: where an instant lies is found as it is computed."""
+    if history.state is None or history.closed is None:
+        raise InputError("this history has no states, between which a traced run could be followed")
+    known = jax.lax.stop_gradient(history.time)
+    times = times if isinstance(times, jax.core.Tracer) else jnp.asarray(instants_of(times))
+    times = jnp.clip(times, known[0], known[-1])
+    first = jnp.clip(jnp.searchsorted(known, times, side="right") - 1, 0, max(len(known) - 2, 0))
+    after = jnp.minimum(first + 1, len(known) - 1)
+    first = jnp.where(times >= known[after], after, first)
+    states = (history.closed[first], history.state[first], history.state[after])
+    parameters = (run.design, run.scenario, run.stabilisation)
+    return _instants(run.mechanism, parameters, known[first], known[after], times, *states)
 
 
 def instants_of(times: Any) -> Float[np.ndarray, " instants"]:

@@ -4,13 +4,13 @@ An adaptive solve bounds the error of the state; a gradient that looks fine can 
 impacts has kinks. So every gradient is compared with one at another tolerance and with differences of tight solves.
 """
 
-import enum
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
 import numpy as np
 
+from .._types import Code
 from ..mechanisms.run import Run
 from .evidence import FLOOR, Evidence
 
@@ -19,7 +19,7 @@ HOPELESS = 0.5  # beyond, not even the sign is established
 KINK = 1e-2  # relative change of one parameter that may swap active peak and runner-up without a word
 
 
-class Verdict(enum.IntEnum):
+class Verdict(Code):
     """What a certificate says of a gradient, from good to bad.
 
     - ``trusted``: estimated errors up to 0.3 %.
@@ -88,6 +88,18 @@ class Certificate(eqx.Module):
     reason: str
     thorough: bool
     solves: int
+
+    def __repr__(self) -> str:
+        lines = [f"Certificate: {self.verdict.name.upper()}: {self.reason}"]
+        lines.append(f"  {'verdicts':20} {', '.join(verdict.name for verdict in self.verdicts)}")
+        if np.any(np.isfinite(self.error)):
+            lines.append(f"  {'largest error':20} {np.nanmax(self.error):.1e} of the elasticity, estimated")
+        if (peaks := self.peaks) is not None:
+            lines.append(f"  {'active peak':20} {peaks.force:.6g} N at {peaks.time:.6g} s, impact {peaks.impact + 1}")
+        if peaks is not None and peaks.runner_up_impact >= 0:
+            below = f"impact {peaks.runner_up_impact + 1}, {100.0 * peaks.margin:.3g} % below"
+            lines.append(f"  {'runner-up':20} {peaks.runner_up_force:.6g} N, {below}")
+        return "\n".join(lines)
 
 
 def peak_report(run: Run, slopes: np.ndarray, paths: Sequence[str]) -> Peaks | None:

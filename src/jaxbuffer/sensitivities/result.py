@@ -14,7 +14,7 @@ from ..labelled.arrays import Labelled, dataset, frame
 from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
 from ..mechanisms.mechanism import Mechanism
-from ..mechanisms.quantity import is_signed, unit_of
+from ..mechanisms.quantity import Catalogue, is_signed, unit_of
 from ..mechanisms.run import Run
 from ..tables import html, table, text
 from .certificate import Certificate
@@ -88,8 +88,11 @@ def _tables(result: Sensitivity) -> list[str | Table]:
     units = [unit_at(run.design, run.scenario, path) for path in result.paths]
     signed = [is_signed(catalogue, name) for name in result.quantities]
 
+    shown = [display_unit(symbol) for symbol in units]
+
     def slope(i: int, k: int) -> str:
-        return f"{result.gradients[i, k]:+.5g} {per(unit_of(catalogue, result.quantities[i]), units[k])}"
+        (above, factor), (below, many) = shown_unit(catalogue, result.quantities[i]), shown[k]
+        return f"{factor / many * result.gradients[i, k]:+.5g} {per(above, below)}"
 
     elastic = table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
     _by_parameter(
@@ -103,7 +106,7 @@ def _tables(result: Sensitivity) -> list[str | Table]:
         gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
     for k, path in enumerate(result.paths):
         error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
-        gradient.add_row(path, f"{result.values[k]:.5g} {units[k]}", slope(0, k), error)
+        gradient.add_row(path, f"{shown[k][1] * result.values[k]:.5g} {shown[k][0]}".rstrip(" -"), slope(0, k), error)
     tables = ([] if all(signed) else [elastic]) + ([derivatives] if any(signed) else [])
     parts: list[str | Table] = [
         f"Sensitivity at {mechanism.view.label(run.scenario)}; {run.outcome.reason}",
@@ -124,9 +127,8 @@ def _by_parameter(filled: Table, result: Sensitivity, which: np.ndarray, cell: C
     filled.add_column("parameter")
     for i in which:
         name = result.quantities[i]
-        filled.add_column(
-            f"{name}\n{result.results[i]:.5g} {unit_of(result.run.mechanism.quantities, name)}", justify="right"
-        )
+        symbol, factor = shown_unit(result.run.mechanism.quantities, name)
+        filled.add_column(f"{name}\n{factor * result.results[i]:.5g} {symbol}".rstrip(" -"), justify="right")
     for k, path in enumerate(result.paths):
         filled.add_row(path, *(cell(i, k) for i in which))
 
@@ -158,6 +160,20 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
     return "\n".join(lines)
 
 
+# The units in which people are shown numbers of designs and scenarios, and how many of them the number's own is.
+DISPLAYED = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi), "rad/s": ("deg/s", 180.0 / math.pi)}
+
+
+def display_unit(unit: str) -> tuple[str, float]:
+    """The unit in which people are shown a parameter, and how many of it its own unit is."""
+    return DISPLAYED.get(unit, (unit, 1.0))
+
+
+def shown_unit(catalogue: Catalogue, name: str) -> tuple[str, float]:
+    """The same of a quantity, or of one of an impact."""
+    return catalogue[name].in_figures if name in catalogue else (unit_of(catalogue, name), 1.0)
+
+
 def per(above: str, below: str) -> str:
     """The unit of a quotient: N/kg, N/(N/m)."""
     return f"{above}/({below})" if {" ", "/"} & set(below) else f"{above}/{below}"
@@ -179,12 +195,14 @@ def advice(result: Sensitivity) -> list[str]:
         change = -result.results[i] / per_share
     reachable = np.isfinite(change) & (change > -1.0)
     verdict = "not certified" if result.certificate is None else result.certificate.verdicts[i].name
-    now = f"{name} = {result.results[i]:.4g}"
+    symbol, factor = shown_unit(mechanism.quantities, name)
+    now = f"{name} = {factor * result.results[i]:.4g} {symbol}".rstrip(" -")
     lines = [f"What to change first, so that {now} becomes positive (to first order, which is {verdict}):"]
     for k in (k for k in np.argsort(np.abs(change)) if reachable[k]):
         far = "; so far that only the direction counts" if abs(change[k]) > FAR else ""
-        unit = unit_at(run.design, run.scenario, result.paths[k])
-        lines.append(f"  {result.paths[k]:20} {100.0 * change[k]:+.3g} % of {result.values[k]:.5g} {unit}{far}")
+        unit, many = display_unit(unit_at(run.design, run.scenario, result.paths[k]))
+        value = f"{many * result.values[k]:.5g} {unit}".rstrip(" -")
+        lines.append(f"  {result.paths[k]:20} {100.0 * change[k]:+.3g} % of {value}{far}")
     if left := [path for path, would_do in zip(result.paths, reachable, strict=True) if not would_do]:
         lines.append(f"  no value above zero of {', '.join(left)} would do, each alone")
     return lines

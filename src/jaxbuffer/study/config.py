@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeVar
 
 import equinox as eqx
@@ -19,16 +20,19 @@ from ..fields import (
     SCENARIO,
     Curve,
     Part,
+    as_written,
     by_path,
     check_address,
     choice,
     errors_in_typed_units,
     in_unit,
+    meaning,
     metadata,
     number,
     paths,
     point_paths,
     replace,
+    single_fields,
     typed_unit,
     unit,
     unknown,
@@ -202,20 +206,31 @@ def apply_options(settings: T, typed: Mapping[str, str]) -> T:
     return _replaced(settings, values, "--")
 
 
-def design_toml(design: Part, scenarios: Iterable[Part] = (), comment: str = "") -> str:
-    """A study that `load` reads back to exactly the same numbers, units as comments."""
+def design_toml(
+    design: Part,
+    scenarios: Iterable[Part] = (),
+    comment: str = "",
+    units: Mapping[str, str] = MappingProxyType({}),
+    heading: str = "[[scenarios]]",
+) -> str:
+    """A study that `load` reads back to exactly the same numbers.
+
+    **Arguments:** ``units``: those that numbers were typed with, by address, in which they are written; others have
+    theirs as a comment; ``heading``: of the table of each scenario.
+    """
     blocks = [f"# {line}".rstrip() for line in comment.splitlines()]
     mechanism = mechanism_of(design)
     if mechanism.name != DEFAULT_KIND:
         blocks += ["", f'kind = "{mechanism.name}"']
     for section in sections(mechanism):
-        blocks += ["", f"[{section}]", *_lines(getattr(design, section))]
+        blocks += ["", f"[{section}]", *_lines(getattr(design, section), f"{section}.", units)]
     for scenario in scenarios:
-        blocks += ["", "[[scenarios]]", *_lines(scenario)]
+        blocks += ["", heading, *_lines(scenario, SCENARIO, units)]
     return "\n".join(blocks).lstrip("\n") + "\n"
 
 
-def _lines(part: eqx.Module) -> list[str]:
+def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:
+    """A line for each field; ``prefix`` makes its address of its name."""
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
@@ -226,8 +241,9 @@ def _lines(part: eqx.Module) -> list[str]:
             points = ", ".join(f"[{float(place)!r}, {float(number)!r}]" for place, number in value.points())
             lines.append(f"{name} = [{points}]  # {x} {first}, {y} {second}")
             continue
-        entry = tomli_w.dumps({name: float(value) if symbol else value}).rstrip()
-        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") else entry)
+        written = as_written(float(value), symbol, units.get(f"{prefix}{name}", "")) if symbol else value
+        entry = tomli_w.dumps({name: written}).rstrip()
+        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") and not isinstance(written, str) else entry)
     return lines
 
 
@@ -248,7 +264,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
-    sweep = by_path(_table(data, "sweep"), SPAN, "sweep")
+    sweep = by_path(_table(data, "sweep"), SPAN, "sweep", single_fields(design, scenario))
     if sweep:
         grid(sweep, design, scenario)  # checks it
     sample = _sample(_table(data, "sample"), design, scenario)
@@ -273,7 +289,7 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
     if "ranges" in table:
         if not isinstance(table["ranges"], Mapping):
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
-        sample["ranges"] = by_path(table["ranges"], where="sample.ranges")
+        sample["ranges"] = by_path(table["ranges"], where="sample.ranges", fields=single_fields(design, scenario))
         axes = ranges(sample["ranges"], design, scenario)
         points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
     return sample
@@ -306,7 +322,8 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pa
     checked = {}
     for path, value in values.items():
         if prefix + path not in known:
-            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known)}")
+            means = lambda it: meaning(module, it.removeprefix(prefix))  # noqa: E731
+            raise InputError(f"{prefix}{path}{unknown(module, prefix + path, known, means)}")
         symbol = unit(module, path)
         checked[path] = _number(prefix + path, value, symbol, **metadata(module, path)["limits"]) if symbol else value
         if isinstance(value, str) and "mesh" in metadata(module, path) and not value.startswith("{"):

@@ -9,7 +9,6 @@ from ..fields import Part, get, paths, point_paths, unit
 from ..files import user_path, write
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
-from ..tuning.problem import Problem
 from .config import design_toml, load
 
 
@@ -75,29 +74,3 @@ def save_design(
         write(user_path(path), design_toml(design, listed, comment), overwrite)
     except FileExistsError:
         raise InputError(f"{path} exists; overwrite=True replaces it") from None
-
-
-def tuned_toml(design: Part, problem: Problem, comment: str, scenarios: Iterable[Part] = ()) -> str:
-    """A tuned design with the problem's limits, duration, tolerance, ``scenarios`` (default: in the problem's order):
-    a study for the other commands, of which `simulate` takes the first."""
-    assert problem.duration is not None
-    options = f"[options]\nduration = {float(problem.duration)!r}  # s\nrtol = {float(problem.rtol)!r}\n"
-    whole = design_toml(design, tuple(scenarios) or problem.scenarios_met, comment)
-    return "\n".join([whole, _limits_toml(problem), options])
-
-
-def _limits_toml(problem: Problem) -> str:
-    """A problem's limits as TOML; those on own quantities, whose functions are elsewhere, as
-    comments."""
-    limits, lines = problem.limits, ["[problem.constraints]"]
-    if problem.mechanism.success is not None or not limits.captured:
-        lines.append(f"captured = {str(limits.captured).lower()}")
-    lines += [f"{name} = true" for name in limits.ends]
-    if limits.impacts is not None:
-        lines.append(f"impacts = {limits.impacts}")
-    for name in dict.fromkeys(limits.names):
-        sides = {"max": limits.at_most.get(name), "min": limits.at_least.get(name)}
-        given = ", ".join(f"{side} = {float(value)!r}" for side, value in sides.items() if value is not None)
-        line = f"{name} = {{{given}}}  # {problem.catalogue[name].unit}"
-        lines.append(f"# of a quantity of your own: {line}" if name in problem.quantities else line)
-    return "\n".join(lines) + "\n"

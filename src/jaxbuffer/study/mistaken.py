@@ -29,6 +29,14 @@ SYNONYMS = {  # other names of a part: the table that is meant, and what that pa
     "buffer": CUSHION,
 }
 
+WITHIN = {  # tables that stand within another one, or are called otherwise
+    **{name: f"problem.{name}" for name in ("variables", "grid", "objective", "constraints", "then", "quantities")},
+    **{"limits": "problem.constraints", "limit": "problem.constraints", "constraint": "problem.constraints"},
+    **{"bounds": "problem.variables", "objectives": "problem.objective", "ranges": "sample.ranges"},
+    **{"optimize": "tune", "optimise": "tune", "tuning": "tune", "optimizer": "tune", "optimization": "tune"},
+    **{"settings": "options", "simulation": "options", "simulate": "options"},
+}
+
 
 def no_file(path: Path) -> str:
     """Suggest the file that a missing one may mean, or how to begin."""
@@ -63,6 +71,8 @@ def no_toml(text: str, error: ValueError) -> str:
 def no_table(name: str, known: Iterable[str]) -> str:
     """Suggest the table that an unknown one may mean: one with a similar name, or the part with this other name."""
     first, names = name.split(".", maxsplit=1)[0], list(known)
+    if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
+        return f"; did you mean [{within}]?"
     part, meaning = SYNONYMS.get(first.lower(), ("", ""))
     if part not in names or nearest(first, names):
         return suggest(first, names)

@@ -8,14 +8,17 @@ import numpy as np
 
 from ..errors import InputError, as_number, check_choice, check_known, check_number, check_whole, meant, shown
 from ..fields import (
+    SCENARIO,
     Part,
     by_path,
+    check_alone,
     check_path,
     check_units_agree,
     get,
     in_unit,
     in_words,
     limits_of,
+    meaning,
     metadata,
     no_number,
     paths,
@@ -26,9 +29,10 @@ from ..fields import (
 )
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..sweeps.axis import EXAMPLE, span
+from ..suggestions import Meaning
+from ..sweeps.axis import EXAMPLE, choices_example, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
-from ..tuning.objective import end_names
+from ..tuning.objective import end_names, quantity_in_words
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
@@ -102,7 +106,7 @@ def _variables_of(table: Mapping[str, Any], mechanism: Mechanism, design: Part) 
     bounds = _table(table, "variables", mechanism.variables(design))
     if not bounds:
         raise InputError("problem.variables is empty; name a field and its bounds, such as buffer.k_A = [100, 2000]")
-    by_name = by_path(bounds, where="problem.variables")
+    by_name = by_path(bounds, where="problem.variables", fields=single_paths(design))
     return tuple(_variable(path, given, design) for path, given in by_name.items())
 
 
@@ -121,6 +125,8 @@ def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: 
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
+    if path.startswith(SCENARIO):
+        raise InputError(f"problem.variables: {path} is the scenario's; only numbers of the design can be tuned")
     check_path(design, path)
     where, symbol = f"problem.variables.{path}", unit(design, path)
     if not symbol:
@@ -145,14 +151,16 @@ def _scenarios(table: Mapping[str, Any], base: Part, listed: tuple[Part, ...]) -
     """The grid's, or the one that samples are taken about, or else the study's."""
     if "grid" in table:
         fields = _table(table, "grid", {})
-        check_known(fields, tuple(paths(base)), "problem.grid")
+        check_known(fields, tuple(paths(base)), "problem.grid", _meanings(base))
         return grid({name: _grid_values(name, values, base) for name, values in fields.items()}, base)
     return tuple(Case(scenario) for scenario in ((base,) if "sample" in table else listed))
 
 
-def _grid_values(name: str, values: Any, base: Part) -> list[float]:
-    """The values of one field of a grid, listed or spanned."""
+def _grid_values(name: str, values: Any, base: Part) -> list[Any]:
+    """The values of one field of a grid: numbers, listed or spanned, or some of what a choice may be."""
     where, symbol, limits = f"problem.grid.{name}", unit(base, name), limits_of(base, name)
+    if not symbol:
+        return _grid_choices(where, name, values, base)
     if isinstance(values, Mapping):
         return [float(x) for x in np.asarray(span(where, values, symbol, MOST))]
     listed = values if isinstance(values, list) else []
@@ -163,6 +171,20 @@ def _grid_values(name: str, values: Any, base: Part) -> list[float]:
     return read
 
 
+def _grid_choices(where: str, name: str, values: Any, base: Part) -> list[Any]:
+    if not isinstance(values, list) or not values:
+        example = choices_example(metadata(base, name), get(base, name))
+        raise InputError(f"{where} = {shown(values)} is not a list of choices; write some of {example}")
+    for value in values:
+        try:
+            check_alone(base, base, f"{SCENARIO}{name}", value)
+        except InputError as error:
+            raise error.between("problem.grid: ") from None
+        if values.count(value) > 1:
+            raise InputError(f"{where} names {value} twice; keep one")
+    return list(values)
+
+
 def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | None:
     """How scenarios and design scatter; None where they do not."""
     if "sample" not in table:
@@ -170,7 +192,7 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     sample, spanned = _table(table, "sample", {}), _table(table, "grid", {})
     check_known(sample, SAMPLE, "problem.sample")
     fields, factors = (
-        _distributions(_table(sample, name, {}), _single(part), f"problem.sample.{name}")
+        _distributions(_table(sample, name, {}), single_paths(part), f"problem.sample.{name}", _meanings(part))
         for name, part in (("scenario", base), ("factors", design))
     )
     for name in fields:
@@ -187,19 +209,22 @@ def _scatter(table: Mapping[str, Any], design: Part, base: Part) -> Scatter | No
     )
 
 
-def _single(part: Part) -> tuple[str, ...]:
+def _meanings(part: Part) -> Meaning:
+    return lambda path: meaning(part, path)
+
+
+def single_paths(part: Part) -> tuple[str, ...]:
     """The paths of a part, for measured curves those of their numbers."""
     return tuple(path for path in (*paths(part), *point_paths(part)) if "curve" not in metadata(part, path))
 
 
-def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> dict[str, Any]:
+def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str, means: Meaning) -> dict[str, Any]:
     """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
-    by_name = by_path(table, KINDS, where)
-    for path in by_name:
-        field, _, kind = path.rpartition(".")
-        if field in known:  # a table that has no kind is taken for more of the path
-            check_known({kind: None}, KINDS, f"{where}.{field}")
-    check_known(by_name, known, where)
+    by_name = by_path(table, KINDS, where, known)
+    check_known(by_name, known, where, means)
+    for path, given in by_name.items():
+        if isinstance(given, Mapping) and len(given) == 1:
+            check_known(given, KINDS, f"{where}.{path}")
     return by_name
 
 
@@ -222,7 +247,7 @@ def _distribution(where: str, given: Any, unit: str) -> Distribution:
 def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -> Objective:
     options = {name: table[name] for name in OPTIONS if name in table}
     weights = {name: weight for name, weight in table.items() if name not in options}
-    check_known(weights, (*units, *OPTIONS), f"problem.{where}")
+    check_known(weights, (*units, *OPTIONS), f"problem.{where}", quantity_in_words)
     for name, weight in weights.items():
         check_number(f"problem.{where}.{name}", weight, f"N/{units[name]}", low=0.0, low_open=True)
     return Objective(weights, **options) if weights else Objective(**options)
@@ -230,12 +255,15 @@ def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -
 
 def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
     asked = {name: value for name, value in table.items() if name in end_names()}
-    check_known(table, ("captured", *end_names(), "impacts", *units), "problem.constraints")
+    known = ("captured", *end_names(), "impacts", *units)
+    check_known(table, known, "problem.constraints", quantity_in_words)
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
             continue
         where, symbol = f"problem.constraints.{name}", units[name]
+        if isinstance(given, list):
+            raise InputError(f"{where} = {shown(given)} is a list; write {name} = {{min = 0.1, max = 0.2}}")
         sides = given if isinstance(given, dict) else {"max": given}
         check_known(sides, SIDES, where)
         if not sides:
@@ -255,7 +283,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
-    check_known(table, (*units, *OPTIONS, "slack"), "problem.then")
+    check_known(table, (*units, *OPTIONS, "slack"), "problem.then", quantity_in_words)
     if not set(table) & set(units):
         raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}

@@ -27,6 +27,7 @@ from ..fields import (
     in_unit,
     in_words,
     metadata,
+    metadata_at,
     no_number,
     paths,
     typed_unit,
@@ -184,7 +185,7 @@ def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, .
     if path in paths(design) and "curve" in metadata(design, path):
         raise InputError(f"sweep.{path} is {no_number(design, path)}; sweep one of these")
     now = value_at(design, scenario, path)
-    remedy = f"list its values, as in [{shown(now)}]"
+    remedy = f"list its values, as in {choices_example(metadata_at(design, scenario, path), now)}"
     if isinstance(given, Mapping):
         raise InputError(f"sweep.{path} is a choice; {remedy}")
     check_masks(f"sweep.{path}", given)
@@ -196,6 +197,13 @@ def _chosen(path: str, given: Any, design: Part, scenario: Part) -> tuple[Any, .
         if values.count(value) > 1:
             raise InputError(f"sweep.{path} names {str(value).lower()} twice; keep one")
     return values
+
+
+def choices_example(known: Mapping[str, Any], now: Any) -> str:
+    """What a choice may be, as TOML lists it: ["contact", "free"]; of a whole number its value ``now``."""
+    if "choices" in known:
+        return "[" + ", ".join(f'"{word}"' for word in known["choices"]) + "]"
+    return "[true, false]" if "flag" in known else f"[{now}]"
 
 
 def _as_list(given: Any) -> list[Any]:

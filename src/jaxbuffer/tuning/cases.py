@@ -181,6 +181,11 @@ class Scatter:
         return tuple(cases)
 
 
+def _values_of(base: Part, name: str) -> str:
+    symbol = unit(base, name)
+    return f"values in {symbol}" if symbol not in ("", "-") else "values" if symbol else "choices"
+
+
 def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:
     """Return every combination of the listed values of scenario fields.
 
@@ -191,9 +196,9 @@ def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tup
     for name, values in fields.items():
         check_path(base, name)
         if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, (str, bytes)):
-            raise InputError(f"grid.{name} = {shown(values)} is not a list of values in {unit(base, name)}")
+            raise InputError(f"grid.{name} = {shown(values)} is not a list of {_values_of(base, name)}")
         if not len(values):
-            raise InputError(f"grid.{name} is empty; list at least one value in {unit(base, name)}")
+            raise InputError(f"grid.{name} is empty; list at least one of its {_values_of(base, name)}")
     if (count := math.prod(len(values) for values in fields.values())) > MOST:
         raise InputError(f"grid: {count:.4g} combinations of values are too many to tune for; at most {MOST}")
     return tuple(

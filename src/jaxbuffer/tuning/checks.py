@@ -212,7 +212,8 @@ class Corners:
       the objective's, in its unit, NaN where a corner can not be built or its run fails.
     - ``worst``: the corner farthest beyond its limits.
     - ``ranges``: how many there are; ``whole``: whether all their corners were run, or a fraction of them.
-    - ``middle``: the objective's largest value in the middle of the ranges; ``middle_holds``: whether it holds there.
+    - ``middle``: the objective's largest value in the middle of the ranges; ``middle_holds``: whether it holds there;
+      ``middle_touches``: whether anything does there.
     """
 
     cases: tuple[Case, ...]
@@ -223,6 +224,7 @@ class Corners:
     whole: bool
     middle: float
     middle_holds: bool
+    middle_touches: bool = True
 
     @property
     def holding(self) -> int:
@@ -267,6 +269,8 @@ class Corners:
         if broken := self.broken[self.worst]:
             lines.append(f"the corner farthest beyond a limit, {label(self.worst)}: {'; '.join(broken)}")
         middle = said(self.middle) if np.isfinite(self.middle) else "can not be simulated"
+        if self.middle == 0.0 and not self.middle_touches:
+            middle = "nothing touches there"
         return [*lines, f"the middle of the ranges: {middle}{'' if self.middle_holds else ', does not hold'}"]
 
 
@@ -292,4 +296,5 @@ def corners(goal: Goal, evaluator: Evaluator, scaled: Float[np.ndarray, " variab
         whole=count == len(scenarios) * 2**ranges,
         middle=float(np.max(values[count:])),
         middle_holds=not any(broken[count:]),
+        middle_touches=bool(np.any(evaluation.impacts[count:] > 0)),
     )

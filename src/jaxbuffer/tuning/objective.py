@@ -1,6 +1,7 @@
 """The objective of a tuning, its constraints, and what decides among designs that are as good."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ from ..errors import (
     check_type,
     check_whole,
 )
-from ..fields import Part, get
+from ..fields import POSITIVE, Part, get, in_unit
 from ..mechanisms import all_mechanisms
 from ..mechanisms.limit import IMPACTS, Limit, limits_of
 from ..mechanisms.mechanism import Mechanism
@@ -125,8 +126,9 @@ class Limits:
     **Arguments:**
 
     - ``captured``: whether it must end as the mechanism's runs should, within the duration.
-    - ``at_most``: upper limits by quantity, in its unit, beside those that the mechanism always has.
-    - ``at_least``: lower limits by quantity, in its unit.
+    - ``at_most``: upper limits by quantity, in its unit or with one ("25 mm"), beside those that the mechanism always
+      has.
+    - ``at_least``: lower limits by quantity, likewise.
     - ``impacts``: at most so many touchdowns (a whole number, so without a gradient: a design that breaks it is
       rejected, none is led back by it); None: any number.
     - ``ends``: stricter ends that a mechanism knows, by name, each also a keyword of its own: ``held=True`` asks that
@@ -176,11 +178,17 @@ class Limits:
     def __post_init__(self) -> None:
         check_type("constraints' at_most", self.at_most, Mapping, "Limits(at_most={'stroke': 0.025})")
         check_type("constraints' at_least", self.at_least, Mapping, "Limits(at_least={'end_time': 0.5})")
+        units = _units()
+        for side in ("at_most", "at_least"):
+            object.__setattr__(self, side, in_units(getattr(self, side), units))
         for name, limit in (*self.at_most.items(), *self.at_least.items()):
-            unit = _units().get(name, "-")
+            if isinstance(limit, str) and name not in units:
+                continue  # of a quantity of the user's own, whose unit a `Problem` knows
+            unit = units.get(name, "-")
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True)
         for name in self.at_least:
-            if name in self.at_most and not self.at_least[name] < self.at_most[name]:
+            ends = self.at_least[name], self.at_most.get(name, math.inf)
+            if not any(isinstance(end, str) for end in ends) and not ends[0] < ends[1]:
                 low, high, unit = self.at_least[name], self.at_most[name], f" {_units().get(name, '')}".rstrip(" -")
                 raise InputError(f"constraints.{name}: at least {low:g}{unit} and at most {high:g}{unit} contradict")
         check_flag("constraints.captured", self.captured)
@@ -226,7 +234,7 @@ class Limits:
         """
         parts = {end.name: end.part for end in mechanism.tuning.ends}
         check_known(self.ends, ("captured", "impacts", *parts), "constraints")
-        check_known(self.names, (*mechanism.quantities, *own), "constraints")
+        check_known(self.names, (*mechanism.quantities, *own), "constraints", quantity_in_words)
         parts |= {it: mechanism.quantities[it].part for it in self.names if it in mechanism.quantities}
         for name in (*self.ends, *self.names):
             if (part := parts.get(name)) and not value_at(part):
@@ -310,6 +318,18 @@ def end_names() -> tuple[str, ...]:
 def _units() -> dict[str, str]:
     """Return the units of all quantities that objectives and limits of some mechanism may use, by name."""
     return {name: m.quantities[name].unit for m in all_mechanisms() for name in m.tuned}
+
+
+def quantity_in_words(name: str) -> str:
+    """Return what a quantity of some mechanism means; "" for one that none has."""
+    known = (m.quantities[name] for m in all_mechanisms() if name in m.quantities)
+    return next((f"{it.title} {it.description}" for it in known), "")
+
+
+def in_units(limits: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+    """Return limits, those given with a unit as numbers in the quantities' ``units``."""
+    read = lambda name, limit: in_unit(f"constraints.{name}", limit, units[name], **POSITIVE)  # noqa: E731
+    return {name: read(name, limit) if name in units else limit for name, limit in limits.items()}
 
 
 class Constraints(NamedTuple):

@@ -10,14 +10,32 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_choice, check_known, check_single, check_type, shown
-from ..fields import Curve, Part, as_typed, choice, get, limits_of, number, paths, range_in_words, replace, unit, whole
+from ..fields import (
+    Curve,
+    Part,
+    as_typed,
+    check_path,
+    check_units_agree,
+    choice,
+    get,
+    in_unit,
+    in_words,
+    limits_of,
+    number,
+    paths,
+    range_in_words,
+    replace,
+    typed_unit,
+    unit,
+    whole,
+)
 from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
 from .cases import Case, Scatter
 from .derived import Derived, check_derived
-from .objective import ONE_LIMIT, Limits, Objective, Then
+from .objective import ONE_LIMIT, Limits, Objective, Then, in_units, quantity_in_words
 
 SCALES = ("log", "linear")
 PEAK_FORCE = "peak_force"  # the quantity that every mechanism has, and a search knows of every impact
@@ -31,7 +49,7 @@ class Variable:
     **Arguments:**
 
     - ``path``: its dotted path in the design.
-    - ``low``, ``high``: its bounds, in its own unit.
+    - ``low``, ``high``: its bounds, in its own unit or with one ("1 kN/m"), which `Problem` reads.
     - ``scale``: "log" or "linear", on which a step of given size counts the same everywhere between the bounds.
 
     **Example:**
@@ -44,6 +62,19 @@ class Variable:
     low: float
     high: float
     scale: str = "log"
+
+    def read(self, design: Part) -> "Variable":
+        """Return the variable with its bounds as numbers in its own unit. **Raises:** `InputError` for other units."""
+        ends = self.low, self.high
+        symbol, limits = unit(design, self.path), limits_of(design, self.path)
+        if not symbol or not any(isinstance(end, str) for end in ends):
+            return self
+        check_units_agree(self.path, ends, lambda low, high: f'Variable("{self.path}", "{low}", "{high}")')
+        low, high = (
+            in_unit(f"{self.path} {side} bound", end, symbol, **limits)
+            for side, end in zip(("low", "high"), ends, strict=True)
+        )
+        return dataclasses.replace(self, low=low, high=high)
 
     def value(self, scaled: float) -> float:
         """Return the number from its scaled value, 0 at the low bound, 1 at the high one; exact at both."""
@@ -123,16 +154,28 @@ class Problem:
             check_type("scatter", self.scatter, Scatter, "Scatter(24, {'approach_speed': Distribution(...)})")
             cases = self.scatter.cases(cases, self.design)
         object.__setattr__(self, "cases", cases)
-        object.__setattr__(self, "variables", tuple(self.variables))
         if not cases:
             raise InputError("scenarios is empty; tuning needs at least one")
-        _check_variables(self.design, self.variables)
+        self._read_units()
+        _check_variables(self.design, self.variables, self.units)
         for k, case in enumerate(cases, 1):
             try:
                 check_pair(mechanism, case.of(self.design), case.scenario)
             except InputError as error:
                 raise error.between(f"scenario {k} ({case.label(cases)}): ") from None
         mechanism.tuning.check_problem(self)
+
+    def _read_units(self) -> None:
+        """Read bounds and limits that were given with a unit; people are shown the numbers in those units."""
+        given, own = tuple(self.variables), {name: derived.unit for name, derived in self.quantities.items()}
+        for variable in given:
+            check_type("variable", variable, Variable, "Variable('buffer.k_A', 100.0, 2000.0)")
+            check_path(self.design, variable.path)
+        typed = {v.path: symbol for v in given if (symbol := typed_unit((v.low, v.high)))}
+        object.__setattr__(self, "variables", tuple(v.read(self.design) for v in given))
+        object.__setattr__(self, "units", {**typed, **self.units})
+        at_most, at_least = in_units(self.limits.at_most, own), in_units(self.limits.at_least, own)
+        object.__setattr__(self, "limits", dataclasses.replace(self.limits, at_most=at_most, at_least=at_least))
 
     def _check_parts(self, mechanism: Mechanism) -> None:
         for name, values, example in (
@@ -159,7 +202,7 @@ class Problem:
                 if name in mechanism.tuned and not mechanism.has(name, self.design):
                     part = mechanism.quantities[name].part
                     raise InputError(f"{where}.{name} needs {part}, which the design has not; give it, or leave it out")
-            check_known(names, self.names, where)
+            check_known(names, self.names, where, quantity_in_words)
         for name, high in mechanism.always(self.design).items():
             limit, unit = self.limits.at_most.get(name, high), self.catalogue[name].unit
             check_single(f"constraints.{name}", limit, unit, ONE_LIMIT, low=0.0, low_open=True, high=high)
@@ -276,7 +319,7 @@ class Problem:
         return hashlib.sha256("\n".join(listed).encode()).hexdigest()[:16]
 
 
-def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
+def _check_variables(design: Part, variables: Sequence[Variable], units: Mapping[str, str]) -> None:
     if not variables:
         raise InputError("variables is empty; tuning needs at least one")
     names: set[str] = set()
@@ -293,14 +336,15 @@ def _check_variables(design: Part, variables: Sequence[Variable]) -> None:
         lowest: dict[str, Any] = {"low": 0.0, "low_open": True} if above_zero else {}
         check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
         check_single(f"{path} high bound", variable.high, name, ONE_LIMIT)
-        bounds = range_in_words(variable.low, variable.high, name)
+        typed = units.get(path, "")
+        bounds = range_in_words(variable.low, variable.high, name, typed)
         if variable.low >= variable.high:
             raise InputError(f"{path}: the low bound of {bounds} must be less than the high one; are they swapped?")
         for bound in (variable.low, variable.high):
             replace(design, {path: bound})  # the design itself says what it does not allow
         check_single(path, value, name, "tuning starts from one design")
         if not variable.low <= value <= variable.high:
-            start = f"{value:g} {name}".rstrip(" -")
+            start = in_words(value, name, typed)
             raise InputError(f"the start, {path} = {start}, is outside its bounds {bounds}")
     _check_rising(design, {variable.path: variable for variable in variables})
 

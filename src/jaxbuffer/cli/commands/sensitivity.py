@@ -24,7 +24,7 @@ def sensitivity(
     """Differentiate a run."""
     study = request.one_scenario(scenario_number)
     limits = study_constraints(study)
-    files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt")
+    files = request.files("sensitivity.json", "sensitivity.csv", "sensitivity.txt", "sensitivity.png")
     check_choice("certify", certify, CERTIFICATES)
     options, mechanism = study.options, study.mechanism
     names = check_differentiable(mechanism.quantities, of or mechanism.defaults_for(study.design).differentiated)

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...errors import InputError
 from ...output.results import tuned_files
-from ...study.designs import tuned_toml
+from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
 from ...tuning.store import objective_in_words
 from ...tuning.tune import best_so_far

@@ -1,8 +1,12 @@
 """A capture: the run of the probe-cone mechanism."""
 
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
 from jaxtyping import Array, Float, Int
 
-from ...fields import Portable
+from ...fields import Portable, numbers_text
 from ..impacts import Impacts
 from ..run import Run
 
@@ -28,6 +32,27 @@ class FirstImpact(Portable):
     elastic_peak: Float[Array, ""]
     predicted_peak: Float[Array, ""]
     duration: Float[Array, ""]
+
+    def __repr__(self) -> str:
+        units = {"effective_energy": ("mJ", 1e3), "duration": ("ms", 1e3), "effective_mass": ("kg", 1.0)}
+        numbers = {name: (value, *units.get(name, ("N", 1.0))) for name, value in vars(self).items()}
+        return numbers_text("First impact in closed form", numbers)
+
+
+_DEGREES = 180.0 / math.pi
+# In which people are shown them, and how many of it their own unit is.
+DOCKED_UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        **dict.fromkeys(("latch_time", "settling_time"), ("s", 1.0)),
+        **dict.fromkeys(("latch_share", "relative_energy"), ("%", 100.0)),
+        **dict.fromkeys(("arrest_stroke", "lateral_miss"), ("mm", 1e3)),
+        "energy_left": ("J", 1.0),
+        "lateral_miss_rate": ("mm/s", 1e3),
+        "attitude_miss": ("deg", _DEGREES),
+        "attitude_miss_rate": ("deg/s", _DEGREES),
+        "impulse": ("N s", 1.0),
+    }
+)
 
 
 class Docked(Portable):
@@ -56,6 +81,12 @@ class Docked(Portable):
     attitude_miss: Float[Array, ""]
     attitude_miss_rate: Float[Array, ""]
     impulse: Float[Array, ""]
+
+    def __repr__(self) -> str:
+        return numbers_text(
+            "Docking beyond the capture plane",
+            {name: (value, *DOCKED_UNITS[name]) for name, value in vars(self).items()},
+        )
 
 
 class FlankImpacts(Impacts):

@@ -26,8 +26,9 @@ def panels(capture: Capture) -> list[Panel]:
         ),
         (Level("", 0.0),),
     )
+    turned, most = np.degrees(np.asarray(history.hinge_angle)), float(np.degrees(capture.hinge_angle))
     angle = Panel(
-        f"Hinge angle, largest {np.degrees(float(capture.hinge_angle)):.3g}°",
+        f"Hinge angle{_reach(turned, most, '°')}",
         "hinge angle [°]",
         (Curve("", np.degrees(history.hinge_angle)),),
         (Level("", 0.0),),
@@ -37,6 +38,14 @@ def panels(capture: Capture) -> list[Panel]:
         return [gaps, *rest]
     # Latched vehicles come to rest long after the last impact.
     return [gaps, *(panel._replace(whole=True, to_end=True) for panel in rest)]
+
+
+def _reach(values: np.ndarray, largest: float, unit: str) -> str:
+    """What a title says of a curve that can change sign: its ends with their signs, the larger one to be the run's
+    ``largest`` size, which lies between two steps."""
+    low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
+    low, high = (-largest, high) if -low > high else (low, largest)
+    return f", from {low:.3g} to {high:.3g}{unit}"
 
 
 def _latch(capture: Capture) -> Panel | None:
@@ -53,7 +62,8 @@ def _latch(capture: Capture) -> Panel | None:
 def _bending(capture: Capture) -> Panel | None:
     if capture.design.probe.bending_stiffness is None:
         return None
-    title = f"Bending of the probe, largest {1e3 * float(capture.bending):.3g} mm"
+    off = 1e3 * np.asarray(capture.history.bending)  # type: ignore[union-attr]
+    title = f"Bending of the probe{_reach(off, 1e3 * float(capture.bending), ' mm')}"
     return Panel(title, "tip off the axis [mm]", (Curve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
 
 

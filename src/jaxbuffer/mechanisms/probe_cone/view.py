@@ -35,6 +35,7 @@ def names(design: Design) -> Names:
             "passive_force": "N",
             **dict.fromkeys(design.shock.frequencies, "m/s²"),
         },
+        shares={"relative_energy": "energy_left"},
     )
 
 

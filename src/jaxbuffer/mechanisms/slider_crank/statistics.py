@@ -24,6 +24,9 @@ class Mean(NamedTuple):
     unit: str
     by_turn: Float[np.ndarray, " turns"]
 
+    def __str__(self) -> str:
+        return f"{self.mean:.5g} ± {self.standard_error:.2g} {self.unit}".rstrip(" -")
+
 
 class TurnStatistics(NamedTuple):
     """Means over the whole turns of a run.
@@ -37,6 +40,12 @@ class TurnStatistics(NamedTuple):
     largest_force: Mean
     mean_peak: Mean
     contact_share: Mean
+
+    def __str__(self) -> str:
+        means = {name: value for name, value in self._asdict().items() if isinstance(value, Mean)}
+        return "\n".join(
+            [f"Means over {self.turns} turns", *(f"  {name.replace('_', ' '):14} {it}" for name, it in means.items())]
+        )
 
 
 def turn_statistics(run: Run) -> TurnStatistics:

@@ -2,7 +2,7 @@
 {
 /* A run drawn moving. Shapes are given in the axes of frames [x, y, angle] that move; lengths in m, forces in N. */
 const SVG = "http://www.w3.org/2000/svg";
-const FILLS = ["#a6d8f5", "#f3cf80", "#80cfb9", "#c4c4c4", "#e5bcd3", "#80b9d9"];
+const FILLS = ["#d5ecfa", "#f2cf80", "#8cd3c0", "#a6a6a6", "#529fcb", "#d55e00"];
 const TURNS = 8;
 
 function placed([x, y, angle], [u, v]) {
@@ -35,7 +35,7 @@ class View {
     this.shapes = shapes.map(shape => {
       const element = this.add(shape.filled ? "polygon" : "polyline");
       element.setAttribute("fill", shape.filled ? FILLS[shape.colour % FILLS.length] : "none");
-      element.setAttribute("stroke", shape.dashed ? "#888888" : "#222222");
+      element.setAttribute("stroke", shape.dashed ? "#888888" : shape.stroke);
       if (shape.dashed) element.setAttribute("stroke-dasharray", "6 4");
       if (shape.part) element.appendChild(document.createElementNS(SVG, "title")).textContent = shape.part;
       return element;
