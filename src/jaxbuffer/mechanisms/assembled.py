@@ -1,6 +1,7 @@
 """Any planar mechanism with contacts: bodies, joints and force elements, balls on flanks and pins in holes."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -38,11 +39,13 @@ class Posture(NamedTuple):
 
 class Shown(NamedTuple):
     """An observable: its ``name``; ``of``: its value from the mechanism, a posture and the state's rate; ``of_rate``:
-    whether it depends on the rate."""
+    whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where nothing
+    touches."""
 
     name: str
     of: Callable[["Assembled", Posture, Float[Array, " state"]], Scalar]
     of_rate: bool = False
+    least: float = -math.inf
 
 
 class Assembled(ContactSystem):
@@ -105,6 +108,10 @@ class Assembled(ContactSystem):
     @property
     def observed(self) -> tuple[str, ...]:
         return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(shown.name for shown in self.shown))
+
+    @property
+    def least_maxima(self) -> Mapping[str, float]:
+        return {shown.name: shown.least for shown in self.shown if shown.least > -math.inf}
 
     @property
     def energy_scale(self) -> Scalar:

@@ -1,5 +1,6 @@
 """What every mechanism with contacts shares as a hybrid system: touchdown, saltation, guards, conservation."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -53,6 +54,11 @@ class ContactSystem(HybridSystem):
     def observed(self) -> tuple[str, ...]:
         """What `observables` are; the first ones are the contact forces of the contacts that have impacts."""
         raise NotImplementedError
+
+    @property
+    def least_maxima(self) -> Mapping[str, float]:
+        """What the largest values of some observables are at least, by name."""
+        return {}
 
     @property
     def contact_count(self) -> int:

@@ -42,7 +42,9 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
         },
         "outside_validity": mechanism.view.warnings(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
-        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)] if hits.count else None,
+        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)]
+        if hits.count and int(run.peak_contact) >= 0
+        else None,
         "maximum_times": {f"{name} [s]": json_number(time) for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, on
 from ..run import DesignOf
 from .buffer import Buffer
 from .capture import Capture
@@ -137,7 +137,7 @@ class Scenario(Part):
     thrust: Number = number(
         None, "N", doc="force that pushes the active vehicle along its axis from the start; not set: none"
     )
-    thrust_time: Number = number(None, "s", **POSITIVE, doc="how long that force lasts")
+    thrust_time: Number = number(None, "s", **POSITIVE, needs=on("thrust"), doc="how long that force lasts")
 
     def check_together(self) -> None:
         free = self.start == "free"

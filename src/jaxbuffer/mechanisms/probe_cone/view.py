@@ -1,6 +1,7 @@
 """What is told of a capture and drawn of it."""
 
 from ..view import Names, View
+from .contradictions import contradictions
 from .design import Design
 from .diagnosis import diagnosis
 from .doubts import doubts
@@ -50,6 +51,7 @@ VIEW = View(
     notes=lambda run: [first_impact_line(run)],
     diagnosis=diagnosis,
     doubts=doubts,
+    contradictions=contradictions,
     leaves_out=(
         "The motion is planar: nothing moves or turns out of the plane.",
         "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",
