@@ -239,7 +239,8 @@ class BarDropScenario(Part):
 def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:
     """Raise `InputError` where the ball end would start higher than the bar is long."""
     check_type("design", design, BarDrop, "the design first, such as jb.BarDrop(), then the scenario")
-    check_entries("scenario.height", scenario.height, "m", 0.0, design.bar.length)
+    above = "; the ball end hangs on a bar of bar.length"
+    check_entries("scenario.height", scenario.height, "m", 0.0, design.bar.length, too_high=above)
 
 
 def valid(design: BarDrop, scenario: BarDropScenario) -> Bool[Array, ""]:

@@ -101,7 +101,9 @@ class Buffer(Part):
 
     def check_together(self) -> None:
         if self.max_stroke is not None:
-            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, self.free_length, high_open=False)
+            above = "; it ends where the spring's ends meet, at buffer.free_length"
+            length = self.free_length
+            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, length, too_high=above, high_open=False)
         damping = concrete(self.stop_damping)
         if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
             shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"

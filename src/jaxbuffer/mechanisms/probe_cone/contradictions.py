@@ -54,7 +54,8 @@ def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
     if not past.size:
         return
     before = slice(0, int(past[0]) + 1)
-    off, nearest = y[before][-1], np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
+    off = np.interp(mouth, x[before][-2:], y[before][-2:])
+    nearest = np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
     if abs(off) > rim and nearest > radius:
         yield (
             f"the approach misses the cone: the tip passes its mouth {1e3 * abs(off):.4g} mm off the axis, beyond the"

@@ -129,7 +129,7 @@ class Hinge(Part):
 
     def check_together(self) -> None:
         if self.play is not None:
-            check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius)
+            check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius, too_high="; below hinge.bush_radius")
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()

@@ -121,10 +121,14 @@ def _shock(capture: Capture) -> list[str]:
 
 
 def _energy_before(capture: Capture) -> str:
-    """The energy of relative motion at the start, and what a thrust put in."""
+    """The energy of relative motion at the start, and what latches and thrust put in."""
     begin = float(capture.docked.energy_left) / float(capture.docked.relative_energy)
-    thrust = -float(np.asarray(capture.energy.stored.get("thrust", 0.0)))
-    more = f", {thrust:.6g} J put in by the thrust" if thrust else ""
+    put_in = {
+        name: -float(np.asarray(capture.energy.stored[key]))
+        for name, key in (("the closing of the latches", "latch_closing"), ("the thrust", "thrust"))
+        if key in capture.energy.stored
+    }
+    more = "".join(f", {energy:.6g} J put in by {name}" for name, energy in put_in.items() if energy)
     return f"{begin:.6g} J of relative motion at the start{more}"
 
 
