@@ -13,7 +13,7 @@ from ..multibody import Kinematics
 from .energy import Energy
 from .snapshot import Snapshot
 
-SLOWEST_TOUCHDOWN, SLOWEST_SHARE = 1e-5, 1e-4  # m/s, and of a typical speed: the least δ̇⁻ is the smaller one (M36)
+SLOWEST_TOUCHDOWN, SLOWEST_SHARE = 1e-5, 1e-3  # m/s, and of a typical speed: the least δ̇⁻ is the smaller one (M36)
 ONSET = 1e-8  # m, over which a smooth memory is let go where a contact opens (M61)
 ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
 

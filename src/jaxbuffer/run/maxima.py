@@ -20,8 +20,7 @@ def maxima(system: ContactSystem, log: Log, start: tuple[Any, Array]) -> Maxima:
     first = system.observables_at(at, system.derivative(jnp.zeros(()), at.state, active), active)
     located = _located(system, log)
     pairs = zip(located.others.items(), first[system.impact_contacts :], strict=True)
-    others = {name: jnp.maximum(value, begin) for (name, value), begin in pairs}
-    return located._replace(others=others | {n: jnp.maximum(others[n], x) for n, x in system.least_maxima.items()})
+    return located._replace(others={name: jnp.maximum(value, begin) for (name, value), begin in pairs})
 
 
 def _located(system: ContactSystem, log: Log) -> Maxima:

@@ -12,6 +12,7 @@ from ...multibody import Kinematics
 from ..energy import Energy
 from ..linearisation import inverse_masses
 from ..snapshot import Snapshot
+from ..system import SLOWEST_TOUCHDOWN as SLOWEST_TOUCHDOWN
 from ..system import ContactSystem, SmoothMemory
 from .assembly import FLANKS, LOWER, B, P, S, T, start_motion
 from .bending import modal_scales
