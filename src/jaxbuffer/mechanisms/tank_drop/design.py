@@ -1,6 +1,6 @@
 """The drop onto a tank: its design and its scenario."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -18,7 +18,7 @@ ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "
 FILL = {"low": 0.15, "high": 1.0}
 HIGHEST = 0.95  # with a surface, which needs room
 WITH_LIQUID = chosen("contents.kind", "liquid", "full")
-THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
+THICKNESS: dict[str, Any] = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
 class Wall(Part):
