@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import jaxbuffer as jb
+from jaxbuffer.errors import InputError
+from jaxbuffer.fields import why_inactive
 
 RUNS = {
     "probe_cone": (jb.table2(), jb.Scenario(), 0.2),
@@ -69,6 +71,24 @@ def test_fields_that_do_nothing_have_no_derivatives(name):
     unused, _ = split(name)
     assert len(unused) >= 2
     np.testing.assert_array_equal(moved(name, unused), np.zeros(len(QUANTITIES)))
+
+
+# What the short runs here do not come to: the far end of a flank.
+ELSEWHERE = {"cone.length"}
+
+
+@pytest.mark.slow
+@each_mechanism
+def test_a_field_is_said_to_have_no_effect_exactly_where_no_number_of_a_run_moves(name):
+    """What the declarations beside the fields say is held against whole runs. Some of those fields cannot be set at all
+    while what they need is missing."""
+    design, scenario, _ = RUNS[name]
+    said = {path for path in changing(name) if why_inactive(design, scenario, path)}
+    unused = set(split(name)[0])
+    assert unused - said <= ELSEWHERE
+    for path in said - unused:
+        with pytest.raises(InputError):
+            jb.replace(design, {path: numbers(name)[path] + 0.1})
 
 
 @pytest.mark.slow

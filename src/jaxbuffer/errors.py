@@ -247,9 +247,18 @@ def range_text(low: float, high: float, low_open: bool, high_open: bool) -> str:
 
 
 def check_entries(
-    path: str, value: Any, unit: str, low: Any, high: Any, *, too_low: str = "", high_open: bool = True
+    path: str,
+    value: Any,
+    unit: str,
+    low: Any,
+    high: Any,
+    *,
+    too_low: str = "",
+    too_high: str = "",
+    high_open: bool = True,
 ) -> None:
-    """`check_number` of each entry against its own range, open below; ``too_low`` says what is wrong below it."""
+    """`check_number` of each entry against its own range, open below; ``too_low`` and ``too_high`` say what is wrong
+    below and above it, and which other numbers end the range."""
     if type(value) is float and isinstance(low, float) and isinstance(high, float) and low < value < high:
         return
     check_plain(path, value, unit)
@@ -263,7 +272,7 @@ def check_entries(
         try:
             check_number(path, number, unit, low=floor, high=top, low_open=True, high_open=high_open)
         except InputError as error:
-            raise error.between(after=too_low if 0.0 < number <= floor else "") from None
+            raise error.between(after=too_low if 0.0 < number <= floor else too_high if number >= top else "") from None
 
 
 def same_shape(path: str, known: "Iterable[np.ndarray | None]") -> "list[np.ndarray]":

@@ -7,6 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 from jaxbuffer.cli.entry import run as command
+from jaxbuffer.output.records import run_record
 
 DROP = jb.BarDropScenario(height=0.194)
 LENGTH, GRAVITY, EXPONENT = 0.24, 9.81, 2.2
@@ -165,3 +166,21 @@ def test_hertz_from_the_materials():
 def test_a_scenario_of_another_mechanism_is_refused():
     with pytest.raises(jb.InputError, match=r"scenario = .* is not a BarDropScenario"):
         jb.simulate(jb.BarDrop(), jb.Scenario())
+
+
+def test_a_bar_that_is_still_falling_has_touched_nothing():
+    """From 0.194 m it touches after 0.2114 s: at 0.1 s nothing is largest, and no depth is negative."""
+    run = dropped(1000.0, duration=0.1)
+    assert (int(run.impact_count), int(run.peak_contact), float(run.peak_force)) == (0, -1, 0.0)
+    assert float(run.quantity("penetration")) == 0.0
+    assert (
+        np.isnan(run.peak_time) and np.isnan(run.quantity("restitution")) and np.isnan(run.maximum_times["penetration"])
+    )
+    data = run.to_xarray()
+    assert str(data.peak_plate.values) == "" and data.sizes["impact"] == 0
+    record = run_record(run)
+    assert record["peak_plate"] is None and record["peak_time [s]"] is None
+    table = jb.sweep(jb.BarDrop(), jb.BarDropScenario(height=np.array([0.05, 0.194])), duration=0.15)
+    assert list(table.to_xarray().peak_plate.values) == ["plate", ""]
+    assert np.isfinite(table.peak_time[0]) and np.isnan(table.peak_time[1])
+    assert "-194" not in repr(run)

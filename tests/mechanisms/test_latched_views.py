@@ -125,6 +125,43 @@ def test_a_run_that_touches_nothing_is_told_and_drawn(latched):
     assert run_figure(run).axes[0].get_title(loc="left") == "Contact force: nothing touches"
 
 
+def test_what_closing_the_latches_adds_has_a_line_of_its_own_and_much_is_a_warning(latched):
+    """50 mJ beside 100 mJ of the vehicles (30 mJ left are three tenths); 200 mJ beside them; 5 mJ beside them."""
+    text = summary(latched)
+    assert "energy of the latch  closing the latch added 50 mJ, 50 % of what the vehicles brought (100 mJ)" in text
+    assert "sanity check: closing the latch added 50 mJ" in text
+    assert float(latched.quantity("latch_energy")) == pytest.approx(0.05)
+    assert float(latched.quantity("latch_energy_share")) == pytest.approx(0.5)
+    latched.energy.stored["latch_closing"] = jnp.asarray(-0.6)
+    assert "added 600 mJ, 6 times what the vehicles brought (100 mJ)" in summary(latched)
+    latched.energy.stored["latch_closing"] = jnp.asarray(-0.005)
+    text = summary(latched)
+    assert "added 5 mJ, 5 % of what" in text and "sanity check" not in text
+    assert "latch" not in "".join(run_record(made_up_capture())["outside_validity"])
+
+
+def test_the_energy_left_is_told_beside_that_of_one_speed_for_all_approaches(latched):
+    """M182: 30 mJ over half the reduced mass of Table 2's vehicles times the square of 0.1 m/s."""
+    design = latched.design
+    active = 21.9706 + 1.0 + float(design.probe.rod_mass) + float(design.probe.tip_mass)
+    reference = 0.5 * active * 23.5731 / (active + 23.5731) * 0.01
+    assert float(latched.quantity("reference_energy_left")) == pytest.approx(0.03 / reference)
+
+
+def test_the_headline_names_the_force_on_a_vehicle_that_exceeds_the_contacts(latched):
+    """Peak contact 250 N and hinge 375 N of the made-up run; then 636 N in the latch, and less than the contact's."""
+
+    def told(latch, hinge):
+        run = eqx.tree_at(lambda c: (c.peak_latch_force, c.peak_hinge_force), latched, (latch, hinge))
+        return run, run_record(run)["larger_force"], float(run.quantity("peak_vehicle_force"))
+
+    assert told(20.0, 375.0)[1:] == ("the largest force on a vehicle is the hinge's, 375 N", 375.0)
+    run, headline, largest = told(jnp.asarray(636.0), jnp.asarray(636.0))
+    assert (headline, largest) == ("the largest force on a vehicle is the latch's, 636 N", 636.0)
+    assert headline in summary(run)
+    assert told(20.0, 30.0)[1:] == ("", 250.0)
+
+
 def test_the_label_says_what_is_free_of_a_free_start():
     start = jb.Scenario(
         start="free", offset="-20 mm", active_angle="1 deg", passive_rate="2 deg/s", approach_speed=0.05

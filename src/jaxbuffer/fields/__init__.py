@@ -24,6 +24,14 @@ from .declared import number as number
 from .declared import whole as whole
 from .mesh import mesh as mesh
 from .mesh import mesh_of as mesh_of
+from .needs import absent as absent
+from .needs import chosen as chosen
+from .needs import chosen_in as chosen_in
+from .needs import chosen_of as chosen_of
+from .needs import inactive as inactive
+from .needs import on as on
+from .needs import outside_runs as outside_runs
+from .needs import why_inactive as why_inactive
 from .paths import by_path as by_path
 from .paths import check_path as check_path
 from .paths import get as get

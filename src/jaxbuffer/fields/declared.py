@@ -13,6 +13,7 @@ from jaxtyping import Array, Bool
 from .._types import Scalar
 from ..errors import InputError, check_choice, check_flag, check_number, check_type, check_whole, inside, suggest
 from .curve import Curve
+from .needs import Needs
 from .portable import Portable
 from .units import as_unit, in_unit
 
@@ -22,26 +23,30 @@ else:
     Number = Scalar
 
 
-def number(default: float | None, unit: str, *, doc: str = "", **limits: Any) -> Any:
+def number(default: float | None, unit: str, *, doc: str = "", needs: Needs = (), **limits: Any) -> Any:
     """A differentiable field with its unit and allowed range; lists of numbers become arrays, and text with a unit
     ("0.5 kN/m") becomes a number in the field's.
 
     **Arguments:** ``default``: in the field's unit, None if it may be left out; ``unit``: as in messages and tables;
-    ``doc``: what the field means, in a few words, for tables, studies and editors; ``limits``: keywords of
-    `check_number` that bound it (``low``, ``high``, ``low_open``, ``high_open``).
+    ``doc``: what the field means, in a few words, for tables, studies and editors; ``needs``: conditions without which
+    it has no effect (`on`, `chosen`, `absent`); ``limits``: keywords of `check_number` that bound it (``low``,
+    ``high``, ``low_open``, ``high_open``).
     """
     convert = functools.partial(as_unit, unit=unit)
-    return eqx.field(default=default, converter=convert, metadata={"unit": unit, "limits": limits, "doc": doc})
+    return eqx.field(
+        default=default, converter=convert, metadata={"unit": unit, "limits": limits, "doc": doc, "needs": needs}
+    )
 
 
-def whole(default: int, least: int, most: int | None = None, *, doc: str = "") -> Any:
-    """A static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` as of `number`."""
-    return eqx.field(default=default, static=True, metadata={"least": least, "most": most, "doc": doc})
+def whole(default: int, least: int, most: int | None = None, *, doc: str = "", needs: Needs = ()) -> Any:
+    """A static field that takes whole numbers from ``least`` up, or from there to ``most``; ``doc`` and ``needs`` as of
+    `number`."""
+    return eqx.field(default=default, static=True, metadata={"least": least, "most": most, "doc": doc, "needs": needs})
 
 
-def choice(default: str, *options: str, doc: str = "") -> Any:
-    """A static field that takes one of a few words, one of the ``options``; ``doc`` as of `number`."""
-    return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc})
+def choice(default: str, *options: str, doc: str = "", needs: Needs = ()) -> Any:
+    """A static field that takes one of a few words, one of the ``options``; ``doc`` and ``needs`` as of `number`."""
+    return eqx.field(default=default, static=True, metadata={"choices": options, "doc": doc, "needs": needs})
 
 
 class Part(Portable):

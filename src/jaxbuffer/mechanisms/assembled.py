@@ -1,6 +1,7 @@
 """Any planar mechanism with contacts: bodies, joints and force elements, balls on flanks and pins in holes."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -16,7 +17,7 @@ from .ball_contact import BallContact as BallContact
 from .energy import Energy
 from .linearisation import ContactTerm, SpringTerm, contact_directions, contact_slopes, inverse_masses, linearised
 from .snapshot import Snapshot
-from .system import SLOWEST_TOUCHDOWN, ContactSystem, SmoothMemory
+from .system import ContactSystem, SmoothMemory
 
 DEEPEST = 0.99  # of a ball's radius
 LOSSES = ("dampers", "hysteresis", "friction")  # where energy is lost
@@ -38,11 +39,13 @@ class Posture(NamedTuple):
 
 class Shown(NamedTuple):
     """An observable: its ``name``; ``of``: its value from the mechanism, a posture and the state's rate; ``of_rate``:
-    whether it depends on the rate."""
+    whether it depends on the rate; ``least``: what its largest value is at least, as a depth is 0 where nothing
+    touches."""
 
     name: str
     of: Callable[["Assembled", Posture, Float[Array, " state"]], Scalar]
     of_rate: bool = False
+    least: float = -math.inf
 
 
 class Assembled(ContactSystem):
@@ -98,7 +101,9 @@ class Assembled(ContactSystem):
         """How the memory follows the approach speed; None with events, which set it."""
         if self.memory_time is None:
             return None
-        return SmoothMemory.of(self.memory(at.state), *self.gaps_at(at), self.memory_time)
+        return SmoothMemory.of(
+            self.memory(at.state), *self.gaps_at(at), self.memory_time, slowest=self.slowest_touchdown
+        )
 
     @property
     def jumps(self) -> bool:
@@ -107,6 +112,14 @@ class Assembled(ContactSystem):
     @property
     def observed(self) -> tuple[str, ...]:
         return (*(f"contact {k + 1}" for k in range(len(self.contacts))), *(shown.name for shown in self.shown))
+
+    @property
+    def least_maxima(self) -> Mapping[str, float]:
+        return {shown.name: shown.least for shown in self.shown if shown.least > -math.inf}
+
+    @property
+    def typical_speed(self) -> Scalar:
+        return self.size[1]
 
     @property
     def energy_scale(self) -> Scalar:
@@ -142,7 +155,7 @@ class Assembled(ContactSystem):
         kin, closed = self.system.kinematics(self.q, self.v), self.closed or (False,) * len(self.contacts)
         # An open contact's memory only says how fast the first impact may be, for `impact_step`.
         speeds = [
-            jnp.maximum(contact.approach(kin)[0].approach_speed, SLOWEST_TOUCHDOWN if closes else self.size[1])
+            jnp.maximum(contact.approach(kin)[0].approach_speed, self.slowest_touchdown if closes else self.size[1])
             for contact, closes in zip(self.contacts, closed, strict=True)
         ]
         rest = len(LOSSES) + 2 * self.system.driven + len(self.integrals)

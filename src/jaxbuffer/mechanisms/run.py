@@ -16,6 +16,7 @@ from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..programs.cache import Static
 from ..tables import summary_html
+from .cautions import cautions
 from .energy import Balance, Energy
 from .history import History
 from .impacts import Impacts
@@ -49,8 +50,8 @@ class Run(Portable, Saved):
     - ``design``, ``scenario``: what was simulated.
     - ``code``: the outcome's.
     - ``peak_force``: largest force of any contact [N].
-    - ``peak_time``: when that is [s].
-    - ``peak_contact``: the number of that contact.
+    - ``peak_time``: when that is [s], NaN where nothing touches.
+    - ``peak_contact``: the number of that contact, -1 where nothing touches.
     - ``peak_impact``: index into ``impacts``, -1 if the impact is not listed there.
     - ``maxima``: largest values of the mechanism's other observables by name, in their units.
     - ``penetration``: the depth at which the contact's spring alone exerts the peak force, which the deepest
@@ -283,7 +284,9 @@ class Run(Portable, Saved):
         if self._many:
             return self._batch_text()
         summary = self.mechanism.view.summary or plain_summary
-        return "\n".join([summary(self), *(f"  {line}" for line in self.diagnosis)])
+        first, *rest = summary(self).split("\n")
+        said = [f"  note: {line}" for line in cautions(self.design, (self.scenario,))]
+        return "\n".join([first, *said, *rest, *(f"  {line}" for line in self.diagnosis)])
 
     def _batch_text(self) -> str:
         """How many runs ended how, and the range of the largest contact force."""

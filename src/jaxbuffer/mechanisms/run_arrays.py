@@ -100,7 +100,7 @@ def _quantities(run: Any, names: Names) -> dict[str, Labelled]:
         )
         for name in mechanism.swept
     }
-    largest = names.contacts[int(run.peak_contact)] if float(run.peak_force) > 0.0 else ""
+    largest = names.contacts[int(run.peak_contact)] if int(run.peak_contact) >= 0 else ""
     counts = {"impact_count": run.impact_count, "steps_accepted": run.accepted, "steps_attempted": run.attempts}
     return {
         **arrays,

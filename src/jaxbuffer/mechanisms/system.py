@@ -1,5 +1,6 @@
 """What every mechanism with contacts shares as a hybrid system: touchdown, saltation, guards, conservation."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -12,7 +13,7 @@ from ..multibody import Kinematics
 from .energy import Energy
 from .snapshot import Snapshot
 
-SLOWEST_TOUCHDOWN = 1e-5  # m/s, the least δ̇⁻ (M36)
+SLOWEST_TOUCHDOWN, SLOWEST_SHARE = 1e-5, 1e-3  # m/s, and of a typical speed: the least δ̇⁻ is the smaller one (M36)
 ONSET = 1e-8  # m, over which a smooth memory is let go where a contact opens (M61)
 ROUNDED = 1e-14  # m, and relative: rounding of positions of the order of a metre, with some to spare
 
@@ -28,11 +29,18 @@ class SmoothMemory(NamedTuple):
     decay: Float[Array, " contacts"]
 
     @staticmethod
-    def of(memory: Array, gap: Array, speed: Array, time: Scalar, onset: Scalar = ONSET) -> "SmoothMemory":
-        """With the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed`` [m/s] of each contact, and the
-        ``time`` [s] of following."""
+    def of(
+        memory: Array,
+        gap: Array,
+        speed: Array,
+        time: Scalar,
+        onset: Scalar = ONSET,
+        slowest: Scalar = SLOWEST_TOUCHDOWN,
+    ) -> "SmoothMemory":
+        """With the ``memory`` [m/s], the ``gap`` [m] and the approach ``speed`` [m/s] of each contact, the ``time`` [s]
+        of following, and the ``slowest`` memory [m/s]."""
         decay = 0.5 * (1.0 + jnp.tanh(gap / onset)) / time
-        return SmoothMemory(decay * (jnp.maximum(speed, SLOWEST_TOUCHDOWN) - memory), decay)
+        return SmoothMemory(decay * (jnp.maximum(speed, slowest) - memory), decay)
 
     def all_decay(self, state: State, before: int) -> Float[Array, " rest"]:
         """Those of all that follows the first ``before`` numbers in the state, of which the memory is the last."""
@@ -53,6 +61,11 @@ class ContactSystem(HybridSystem):
     def observed(self) -> tuple[str, ...]:
         """What `observables` are; the first ones are the contact forces of the contacts that have impacts."""
         raise NotImplementedError
+
+    @property
+    def least_maxima(self) -> Mapping[str, float]:
+        """What the largest values of some observables are at least, by name."""
+        return {}
 
     @property
     def contact_count(self) -> int:
@@ -112,6 +125,17 @@ class ContactSystem(HybridSystem):
         raise NotImplementedError
 
     @property
+    def typical_speed(self) -> Scalar:
+        """The speed [m/s] that the mechanism's velocities are of the order of."""
+        return 1.0
+
+    @property
+    def slowest_touchdown(self) -> Scalar:
+        """The least memory of a touchdown [m/s] (M36): small beside the mechanism's own speeds, however slow it is."""
+        # It bounds a division and is no part of the physics, so nothing is differentiated through it.
+        return jnp.minimum(SLOWEST_TOUCHDOWN, SLOWEST_SHARE * jax.lax.stop_gradient(self.typical_speed))
+
+    @property
     def energy_scale(self) -> Scalar:
         """The energy [J] that changes of the total energy are compared with."""
         raise NotImplementedError
@@ -164,7 +188,9 @@ class ContactSystem(HybridSystem):
         if self.remembers:
             late, speed = self._until_contact(state, contact)
             mine = jnp.arange(self.impact_contacts) == contact
-            memory = jnp.where(mine, jnp.maximum(speed + acceleration * late, SLOWEST_TOUCHDOWN), self.memory(state))
+            memory = jnp.where(
+                mine, jnp.maximum(speed + acceleration * late, self.slowest_touchdown), self.memory(state)
+            )
             state = jnp.concatenate([state[: len(state) - self.impact_contacts], memory])
         return state + self.saltation(state, contact) if self.jumps else state
 

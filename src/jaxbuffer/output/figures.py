@@ -161,7 +161,9 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
     """Contact forces over time from the run's peak, as wide as the impact that holds it; ``factor``: of the unit in
     which they are drawn a newton has so many."""
     history, at = _history(run), float(run.peak_time)
-    pulse = pulse_around(np.asarray(history.time), np.asarray(history.contact_force)[:, int(run.peak_contact)], at)
+    pulse = pulse_around(
+        np.asarray(history.time), np.asarray(history.contact_force)[:, max(int(run.peak_contact), 0)], at
+    )
     room = 0.25 * (pulse.end - pulse.start)
     first, last = max(pulse.start - room, float(history.time[0])), min(pulse.end + room, float(history.time[-1]))
     time = np.union1d(np.linspace(first, last, DENSE), [at])

@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from ..fields.record import record
+from ..mechanisms.cautions import cautions
 from ..mechanisms.quantity import unit_of
 from ..mechanisms.run import Run
 from ..mechanisms.run_arrays import history_columns
@@ -41,8 +42,12 @@ def run_record(run: Run, constraints: Constraints | None = None, trust: Trust | 
             "errors": {name: json_number(error) for name, error in trust.errors.items()},
         },
         "outside_validity": mechanism.view.warnings(run),
+        "cautions": cautions(run.design, (run.scenario,)),
+        "larger_force": mechanism.view.larger_force(run),
         "diagnosis": dict(mechanism.view.diagnosis(run)) if run.diagnosis else {},
-        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)] if hits.count else None,
+        f"peak_{mechanism.view.contact}": names.contacts[int(run.peak_contact)]
+        if hits.count and int(run.peak_contact) >= 0
+        else None,
         "maximum_times": {f"{name} [s]": json_number(time) for name, time in run.maximum_times.items()},
         "peak_impact": peak_impact + 1 if peak_impact >= 0 else None,
         "impacts": [

@@ -111,7 +111,8 @@ def _of_run(results: Results, others: Sequence[Results]) -> list[Cell]:
         counts = limit_counts(results, others) if results.tuned is None else None
         end = ended(results.mechanism, record["outcome"])
         phrases, mark = _with_limits(counts, end.mark)
-        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force [N]']:.4g} N"])
+        larger = [text] if (text := record.get("larger_force")) else []
+        text = ", ".join([words(record["outcome"]), *phrases, f"peak force {record['peak_force [N]']:.4g} N", *larger])
         cells.append(Cell(text, mark))
         verdict = (record.get("trust") or {}).get("verdict", "trusted")
         cells += [] if verdict == "trusted" else [Cell(f"numbers: {verdict}", TRUST.get(verdict, "unsure"))]
@@ -217,7 +218,7 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     reason = mechanism.outcomes[record["outcome"]].reason
     text = f"At {label} the {mechanism.view.run_name} ends after {values['end_time']:.4g} s: {reason}."
     if values.get("peak_force") is not None:
-        text += f" Its largest contact force is {values['peak_force']:.4g} N."
+        text += f" Its largest contact force is {values['peak_force']:.4g} N{_larger(record)}."
     counts = limit_counts(results, every) if results.tuned is None else None
     if counts is None:
         return text
@@ -225,6 +226,11 @@ def _run(results: Results, every: Sequence[Results]) -> str:
     faults += [f"It does not end {words(counts.success or '')}, as it must."] if counts.missed else []
     unknown = f"It keeps the limits that are known; {counts.unknown} are not."
     return " ".join([text, *(faults or [unknown if counts.unknown else "It keeps every limit."])])
+
+
+def _larger(record: Record) -> str:
+    """What of a run is larger than its contact force, to go on with."""
+    return f"; {text}" if (text := record.get("larger_force")) else ""
 
 
 def _sensitivity(results: Results, every: Sequence[Results]) -> str:

@@ -40,7 +40,7 @@ def run(results: Results, first: Results) -> Section | None:
         tables,
         results.records.get("motion"),
         forces(results, f"Contact force, {mechanism.view.label(scenario)}"),
-        [f"{line[:1].upper()}{line[1:]}." for line in record["outside_validity"]],
+        [f"{line[:1].upper()}{line[1:]}." for line in [*record.get("cautions", ()), *record["outside_validity"]]],
     )
 
 

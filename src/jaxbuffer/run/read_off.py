@@ -38,10 +38,11 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
     known = jnp.where(code < mechanism.outcomes["failed_steps"], 1.0, jnp.nan)
     top, hits = maxima(system, log, start), impacts(system, log, events)
     energy, conserved = balance(system, start, log, events.drift)
+    touched = top.peak_force > 0.0  # without a contact there is no largest force, nor a time and a place of it
     numbers = {
         "peak_force": top.peak_force,
-        "peak_time": top.peak_time,
-        "maxima": top.others,
+        "peak_time": jnp.where(touched, top.peak_time, jnp.nan),
+        "maxima": top.others | {n: jnp.maximum(top.others[n], least) for n, least in system.least_maxima.items()},
         "penetration": system.penetration(top.peak_force),
         "end_time": log.time[jnp.maximum(log.count - 1, 0)],
         "contact_time": contact_time(system, log),
@@ -55,7 +56,7 @@ def _read_off(request: Request, system: ContactSystem, result: Result) -> Solved
         "design": parameters[0],
         "scenario": parameters[1],
         "code": code,
-        "peak_contact": top.peak_contact,
+        "peak_contact": jnp.where(touched | jnp.isnan(known), top.peak_contact, -1),
         "peak_impact": _peak_impact(log, top, hits),
         "impact_count": hits.count + jnp.sum(log.missed[: system.impact_contacts]),
         "attempts": result.attempts,

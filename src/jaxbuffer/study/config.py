@@ -118,6 +118,12 @@ class Config:
         """Whose design it is."""
         return mechanism_of(self.design)
 
+    @property
+    def varied(self) -> set[str]:
+        """The paths that the study's tuning, sweep or sample gives values."""
+        ranges = self.sample.get("ranges", {})
+        return {*self.table.get("variables", {}), *self.sweep, *(ranges if isinstance(ranges, Mapping) else ())}
+
     def varying(self, paths: Collection[str]) -> "Config":
         """Return the study for runs in which the numbers at some paths vary: its duration, unless one is given, is what
         is usual for what they make of the design."""

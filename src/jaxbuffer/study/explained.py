@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..fields import Part, cut, get, metadata, paths, range_in_words, unit
+from ..mechanisms.cautions import cautions
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
 from .config import Config, Options
@@ -30,7 +31,7 @@ def explained(study: Config, name: str) -> str:
     parts = {
         "mechanism": [f'{mechanism.view.title}, kind = "{mechanism.name}"'],
         "differs from default": _differences(study) or ["nothing"],
-        "worth a look": mechanism.view.doubts(study.design),
+        "worth a look": [*cautions(study.design, study.scenarios, study.varied), *mechanism.view.doubts(study.design)],
         "scenario": [mechanism.view.label(study.scenario)],
         "scenarios": _scenarios(study) if len(study.scenarios) > 1 else [],
         "options": [", ".join(_shown(study.options, path) for path in paths(study.options))],

@@ -71,7 +71,9 @@ def _variables(sweep: RunTable, dims: tuple[str, ...], shape: tuple[int, ...]) -
         quantity = mechanism.quantities[name]
         variables[name] = labelled(sweep.columns[name], quantity.unit, quantity.description)
     names = sweep.contacts()
-    where = [names[k] if solved else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)]
+    where = [
+        names[k] if solved and k >= 0 else "" for k, solved in zip(sweep.columns[contact], sweep.solved, strict=True)
+    ]
     variables[contact] = labelled(np.array(where, str), "", f"{mechanism.view.contact} with the largest force")
     trust = "how far the numbers can be trusted, empty for no verdict"
     variables["trust"] = labelled(np.array(sweep.verdicts, str), "", trust)
@@ -87,5 +89,5 @@ def _rows(sweep: RunTable, inputs: Mapping[str, np.ndarray], numbers: Sequence[s
     for i in np.flatnonzero(sweep.done):
         values = [None if math.isnan(value) else value for value in (column[i].item() for column in columns)]
         outcome = sweep.mechanism.outcomes(int(sweep.columns["code"][i])).name
-        where = names[largest[i]] if solved[i] else None
+        where = names[largest[i]] if solved[i] and largest[i] >= 0 else None
         yield [*(column[i].item() for column in inputs.values()), outcome, *values, where, verdicts[i] or None]

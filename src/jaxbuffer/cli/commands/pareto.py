@@ -9,7 +9,7 @@ from ...tuning.pareto import pareto as compute
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .progress import tuning
-from .request import CommandLine, given
+from .request import CommandLine, given, say_cautions
 
 
 def pareto(
@@ -24,6 +24,7 @@ def pareto(
         if value != only:
             raise InputError(f"{field} = {value!r}: a front has the {only} one only; leave it out")
     problem = study.problem()
+    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables})
     names = [name.strip() for name in objectives.split(",")]
     if not (points.isdecimal() and int(points) >= 2):
         raise InputError(f"--points {points} must be a whole number from 2 up; 9 say")

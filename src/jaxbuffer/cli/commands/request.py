@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, check_choice
+from ...mechanisms.cautions import cautions
 from ...output import style
 from ...output.provenance import made
 from ...programs import process
@@ -55,11 +56,14 @@ class CommandLine:
             if not (number.isdecimal() and 1 <= int(number) <= count):
                 allowed = f"must be a whole number from 1 to {count}, as many as the study has"
                 raise InputError(f"--scenario-number {number} {allowed}")
-            return dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
+            study = dataclasses.replace(study, scenario=study.scenarios[int(number) - 1])
+            say_cautions(study.design, (study.scenario,))
+            return study
         if count > 1:
             which = f"the first of {count} scenarios" if study.scenario == study.scenarios[0] else "[scenario]"
             label = study.mechanism.view.label(study.scenario)
             note(f"running {which}, {label}; --scenario-number N takes another, 1 to {count}")
+        say_cautions(study.design, (study.scenario,))
         return study
 
     def made(self, study: Config, resumed: bool = False) -> dict[str, Any]:
@@ -82,6 +86,12 @@ class CommandLine:
         if self.output is not None and any(name.endswith(".png") for name in names):
             style.require_matplotlib()
         return Output(self.output, names, self.force, resumable, resume, self.as_json)
+
+
+def say_cautions(*runs: Any, **options: Any) -> None:
+    """Say on stderr which numbers have no effect and what the geometry rules out; see `cautions`."""
+    for line in cautions(*runs, **options):
+        note(line)
 
 
 def check_swept_once(fields: Mapping[str, Any], swept: Iterable[str], where: str) -> None:

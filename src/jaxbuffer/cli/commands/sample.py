@@ -17,7 +17,7 @@ from ...sweeps.store import STORE
 from ..exits import INTERRUPTED
 from .output import Output
 from .progress import sweeping, working
-from .request import CommandLine, asked_for, check_swept_once, each_once, given
+from .request import CommandLine, asked_for, check_swept_once, each_once, given, say_cautions
 from .sweep import any_solved, check_scheduler, resumable
 
 
@@ -40,7 +40,9 @@ def sample(
         check_scheduler(scheduler, request)
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
-    study = study.varying([axis.path for axis in points.axes])
+    varied = [axis.path for axis in points.axes]
+    say_cautions(study.design, (study.scenario,), varied, geometry=False)
+    study = study.varying(varied)
     parts = {"indices": indices, "surface": surface}
     names = check_quantities(study.mechanism.quantities, of or study.mechanism.defaults_for(study.design).mapped[:1])
     for name in names:

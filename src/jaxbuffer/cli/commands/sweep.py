@@ -24,7 +24,7 @@ from ...tuning.objective import Limits
 from ..exits import INTERRUPTED, OK, fail
 from ..streams import note
 from .progress import sweeping
-from .request import CommandLine, asked_for, check_swept_once, each_once, given
+from .request import CommandLine, asked_for, check_swept_once, each_once, given, say_cautions
 
 LARGEST = 100_000  # runs of a sweep over a scheduler up to which tables and figures are made as well
 
@@ -39,7 +39,9 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     spans = spans or dict(study.mechanism.defaults.grid)
     grid = made(spans, study.design, study.scenario, in_memory=scheduler is None)
     check_swept_once(request.fields, (axis.path for axis in grid.axes), "this sweep")
-    study = study.varying([axis.path for axis in grid.axes])
+    varied = [axis.path for axis in grid.axes]
+    say_cautions(study.design, (study.scenario,), varied, geometry=False)
+    study = study.varying(varied)
     tabulated = scheduler is None or len(grid) <= LARGEST
     if tabulated:
         grid.batches(study.design, study.scenario)  # checks that the values go together

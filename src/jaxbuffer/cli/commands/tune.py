@@ -14,7 +14,7 @@ from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .output import Output
 from .progress import tuning
-from .request import CommandLine, check_swept_once, given
+from .request import CommandLine, check_swept_once, given, say_cautions
 
 RUN_FILES = ("log.jsonl", "state.npz", "state.old.npz")  # of a tuning, which `tuning.store` keeps
 
@@ -24,6 +24,7 @@ def tune(request: CommandLine, scheduler: str | None, resume: bool, **search: st
     study = request.tuning_study(**search)
     check_swept_once(request.fields, (f"scenario.{name}" for name in study.table.get("grid", {})), "[problem.grid]")
     problem = study.problem()
+    say_cautions(study.design, study.scenarios, {variable.path for variable in problem.variables})
     names = ("design.toml", "tuned.json", "history.csv", "force.json", "tune.png", "tune.txt")
     files = request.files(*names, resumable=RUN_FILES, resume=resume)
     settings = {**vars(study.tuning), "solver": study.options.solver}

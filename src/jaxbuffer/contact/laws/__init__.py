@@ -3,7 +3,7 @@
 import dataclasses
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from ..._types import Scalar
@@ -119,5 +119,14 @@ def contact_law(name: str, numbers: Mapping[str, Scalar]) -> ContactLaw:
     has.
     """
     law = LAWS[name]
-    fields = [field.name for field in dataclasses.fields(law) if not field.metadata.get("static", False)]
-    return law(**{field: numbers[field] for field in fields if field in numbers})
+    return law(**{field: numbers[field] for field in _numbers_of(law) if field in numbers})
+
+
+def laws_with(number: str) -> Callable[[], tuple[str, ...]]:
+    """Return a function that names the laws that have this ``number``, those registered later too."""
+    return lambda: tuple(name for name, law in LAWS.items() if number in _numbers_of(law))
+
+
+def _numbers_of(law: type[ContactLaw]) -> list[str]:
+    """The names of a law's fields that are numbers."""
+    return [field.name for field in dataclasses.fields(law) if not field.metadata.get("static", False)]

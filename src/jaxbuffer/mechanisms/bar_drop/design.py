@@ -8,14 +8,27 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...contact import LAWS, hertz_stiffness
+from ...contact import LAWS, hertz_stiffness, laws_with
 from ...errors import InputError, check_entries, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
+from ...fields import (
+    NON_NEGATIVE,
+    POSITIVE,
+    Number,
+    Part,
+    all_of,
+    choice,
+    chosen_of,
+    number,
+    on,
+    outside_runs,
+    whole,
+)
 from ...multibody.flexible import Bar as UniformBar
 from ..run import DesignOf
 from .run import BarDropRun
 
 HERTZ_EXPONENT = 1.5  # -
+MATERIALS = outside_runs("only BarDrop.hertz_stiffness reads it; the laws take impact.stiffness")
 PUBLISHED_STIFFNESS = 48_049.0 * 1000.0**2.2  # N/m^2.2, the paper's 48 049 N/mm^2.2
 
 
@@ -32,8 +45,12 @@ class Bar(Part):
     density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of the bar and its ball")
     ball_radius: Number = number(0.002, "m", **POSITIVE, doc="radius of the ball at its end")
     modes: int = whole(0, 0, doc="how many modes bend the bar, 0 for a rigid one")
-    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
-    young_modulus: Number = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the bar, for its bending")
+    damping_ratio: Number = number(
+        0.01, "-", low=0.0, high=1.0, needs=on("modes"), doc="damping ratio of each of its modes"
+    )
+    young_modulus: Number = number(
+        2.07e11, "Pa", **POSITIVE, needs=on("modes"), doc="Young's modulus of the bar, for its bending"
+    )
 
     def check_together(self) -> None:
         if self.modes == 1:
@@ -60,14 +77,44 @@ class Impact(Part):
 
     section: ClassVar[str] = "impact"
     law: str = choice("adams", *LAWS, doc="contact law; it takes those of the other fields that it has")
-    stiffness: Number = number(PUBLISHED_STIFFNESS, "N/m^e", **POSITIVE, doc="stiffness k of the law adams")
-    exponent: Number = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
-    damping: Number = number(1000.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws adams and kelvin-voigt")
-    ramp_depth: Number = number(1e-5, "m", **POSITIVE, doc="depth over which the damping of adams sets in")
-    restitution: Number = number(
-        0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
+    stiffness: Number = number(
+        PUBLISHED_STIFFNESS,
+        "N/m^e",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("stiffness")),
+        doc="stiffness k of the law adams",
     )
-    linear_stiffness: Number = number(1e7, "N/m", **POSITIVE, doc="stiffness of the law kelvin-voigt")
+    exponent: Number = number(2.2, "-", low=1.0, doc="exponent e of the law adams")
+    damping: Number = number(
+        1000.0,
+        "N s/m",
+        **NON_NEGATIVE,
+        needs=chosen_of("law", laws_with("damping")),
+        doc="damping c of the laws adams and kelvin-voigt",
+    )
+    ramp_depth: Number = number(
+        1e-5,
+        "m",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("ramp_depth")),
+        doc="depth over which the damping of adams sets in",
+    )
+    restitution: Number = number(
+        0.9,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        needs=chosen_of("law", laws_with("restitution")),
+        doc="restitution that is asked of laws with hysteresis",
+    )
+    linear_stiffness: Number = number(
+        1e7,
+        "N/m",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("linear_stiffness")),
+        doc="stiffness of the law kelvin-voigt",
+    )
     memory_time: Number = number(
         None,
         "s",
@@ -75,12 +122,20 @@ class Impact(Part):
         doc="time in which a smooth contact's memory follows the approach speed; not set: events set it",
     )
     friction: Number = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction between ball and plate")
-    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
+    slip_speed: Number = number(
+        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="slip speed below which friction falls to zero"
+    )
     young_modulus: Number = number(
-        2.07e11, "Pa", **POSITIVE, doc="Young's modulus of ball and plate, for Hertz's stiffness"
+        2.07e11, "Pa", **POSITIVE, needs=MATERIALS, doc="Young's modulus of ball and plate, for Hertz's stiffness"
     )
     poisson_ratio: Number = number(
-        0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of ball and plate, for Hertz's stiffness"
+        0.3,
+        "-",
+        low=-1.0,
+        high=0.5,
+        low_open=True,
+        needs=MATERIALS,
+        doc="Poisson's ratio of ball and plate, for Hertz's stiffness",
     )
 
     def check_together(self) -> None:
@@ -107,15 +162,23 @@ class Plate(Part):
 
     section: ClassVar[str] = "plate"
     modes: int = whole(0, 0, doc="how many modes bend the plate, 0 for a rigid one")
-    length: Number = number(0.3, "m", **POSITIVE, doc="length between the supports")
-    width: Number = number(0.1, "m", **POSITIVE, doc="width along the supports")
-    thickness: Number = number(0.006, "m", **POSITIVE, doc="thickness of the plate")
+    length: Number = number(0.3, "m", **POSITIVE, needs=on("modes"), doc="length between the supports")
+    width: Number = number(0.1, "m", **POSITIVE, needs=on("modes"), doc="width along the supports")
+    thickness: Number = number(0.006, "m", **POSITIVE, needs=on("modes"), doc="thickness of the plate")
     support: str = choice(
-        "supported", "supported", "clamped", doc="supported: free to turn at the supports; or clamped"
+        "supported",
+        "supported",
+        "clamped",
+        needs=on("modes"),
+        doc="supported: free to turn at the supports; or clamped",
     )
-    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
-    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of the plate")
-    young_modulus: Number = number(2.07e11, "Pa", **POSITIVE, doc="Young's modulus of the plate, for its bending")
+    damping_ratio: Number = number(
+        0.01, "-", low=0.0, high=1.0, needs=on("modes"), doc="damping ratio of each of its modes"
+    )
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, needs=on("modes"), doc="density of the plate")
+    young_modulus: Number = number(
+        2.07e11, "Pa", **POSITIVE, needs=on("modes"), doc="Young's modulus of the plate, for its bending"
+    )
 
     @property
     def strip(self) -> UniformBar:
@@ -176,7 +239,8 @@ class BarDropScenario(Part):
 def check_fit(design: BarDrop, scenario: BarDropScenario) -> None:
     """Raise `InputError` where the ball end would start higher than the bar is long."""
     check_type("design", design, BarDrop, "the design first, such as jb.BarDrop(), then the scenario")
-    check_entries("scenario.height", scenario.height, "m", 0.0, design.bar.length)
+    above = "; the ball end hangs on a bar of bar.length"
+    check_entries("scenario.height", scenario.height, "m", 0.0, design.bar.length, too_high=above)
 
 
 def valid(design: BarDrop, scenario: BarDropScenario) -> Bool[Array, ""]:

@@ -12,7 +12,8 @@ class BarDropRun(Run):
     """A simulated drop.
 
     ``rebound_height`` [m]: how high the ball end would rise after its first release, 0 without one; ``restitution``
-    [-]: its speed there over that of the touchdown, both where the gap is zero.
+    [-]: its speed there over that of the touchdown, both where the gap is zero; 0 without a release, NaN without a
+    touchdown.
     """
 
     rebound_height: Float[Array, ""]
@@ -38,5 +39,6 @@ def dropped(mechanism: Assembled, solved: Solved) -> BarDropRun:
     return BarDropRun(
         **solved.common,
         rebound_height=jnp.where(rises, height, 0.0) * solved.known,
-        restitution=jnp.where(rises, restitution, 0.0) * solved.known,
+        restitution=jnp.where(solved.common["impact_count"] > 0, jnp.where(rises, restitution, 0.0), jnp.nan)
+        * solved.known,
     )

@@ -29,7 +29,7 @@ def bar_drop(design: BarDrop, scenario: BarDropScenario, stabilisation: Scalar =
     end: Point = (half, 0.0)
     carrier = GROUND
     middle: Point = top
-    shown = [Shown("penetration", depth)]
+    shown = [Shown("penetration", depth, least=0.0)]
     if bar.modes:
         bent = bending_bar(design)
         bodies, hinge, end = [FlexibleBody(bent.modes)], bent.start, bent.end

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...errors import InputError, check_entries, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Curve, Number, Part, choice, curve, number
+from ...fields import NON_NEGATIVE, POSITIVE, Curve, Number, Part, choice, curve, number, on
 
 DAMPER = ("damper_curve", "c_A2", "rebound_factor")  # what the axial damper may have besides c_A
 
@@ -52,7 +52,9 @@ class Buffer(Part):
     stop_stiffness: Number = number(
         None, "N/m", **POSITIVE, doc="stiffness k_s of an end stop beyond the largest stroke; not set: none"
     )
-    stop_damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_s of the end stop")
+    stop_damping: Number = number(
+        0.0, "N s/m", **NON_NEGATIVE, needs=on("stop_stiffness"), doc="damping c_s of the end stop"
+    )
     spring_curve: Curve | None = curve(
         ("stroke", "m"),
         ("force", "N"),
@@ -66,18 +68,30 @@ class Buffer(Part):
         doc="measured points [speed [m/s], force [N]] of the axial damper, in place of c_A and c_A2; not set: none",
     )
     preload: Number = number(None, "N", **NON_NEGATIVE, doc="force F_p with which the axial spring pushes at once")
-    preload_length: Number = number(1e-4, "m", **POSITIVE, doc="stroke over which the preload is reached")
+    preload_length: Number = number(
+        1e-4, "m", **POSITIVE, needs=on("preload"), doc="stroke over which the preload is reached"
+    )
     c_A2: Number = number(None, "N s²/m²", **NON_NEGATIVE, doc="quadratic damping along the cylinder; not set: none")
     rebound_factor: Number = number(
-        None, "-", **POSITIVE, doc="factor of the damper's force on the way out; not set: 1"
+        None,
+        "-",
+        **POSITIVE,
+        needs=on("c_A", "c_A2", "damper_curve"),
+        doc="factor of the damper's force on the way out; not set: 1",
     )
     friction: Number = number(None, "N", **NON_NEGATIVE, doc="friction F_f along the cylinder; not set: none")
-    friction_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="speed below which that friction falls to zero")
+    friction_speed: Number = number(
+        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="speed below which that friction falls to zero"
+    )
     rebound_stiffness: Number = number(
         None, "N/m", **POSITIVE, doc="stiffness k_r of a stop beyond the free length; not set: none"
     )
-    rebound_damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_r of the rebound stop")
-    rebound_gap: Number = number(5e-4, "m", **POSITIVE, doc="way beyond the free length at which that stop begins")
+    rebound_damping: Number = number(
+        0.0, "N s/m", **NON_NEGATIVE, needs=on("rebound_stiffness"), doc="damping c_r of the rebound stop"
+    )
+    rebound_gap: Number = number(
+        5e-4, "m", **POSITIVE, needs=on("rebound_stiffness"), doc="way beyond the free length at which that stop begins"
+    )
     damping: str = choice(
         "physical",
         "physical",
@@ -87,7 +101,9 @@ class Buffer(Part):
 
     def check_together(self) -> None:
         if self.max_stroke is not None:
-            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, self.free_length, high_open=False)
+            above = "; it ends where the spring's ends meet, at buffer.free_length"
+            length = self.free_length
+            check_entries("buffer.max_stroke", self.max_stroke, "m", 0.0, length, too_high=above, high_open=False)
         damping = concrete(self.stop_damping)
         if self.stop_stiffness is None and damping is not None and np.any(damping != 0.0):
             shown = f"buffer.stop_damping = {float(damping.flat[np.argmax(damping)]):g} N s/m"

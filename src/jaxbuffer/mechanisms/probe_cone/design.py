@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool
 from ..._types import Scalar
 from ...contact import hertz_stiffness
 from ...errors import InputError, check_entries, check_type, concrete, inside, same_shape
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, on
 from ..run import DesignOf
 from .buffer import Buffer
 from .capture import Capture
@@ -56,7 +56,9 @@ class Design(DesignOf[Capture]):
         cone = _known("cone", self.cone.throat_radius, self.cone.length, self.cone.half_angle)
         if cone is not None:
             throat, length, angle = cone
-            check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, throat + length * np.sin(angle))
+            mouth, above = throat + length * np.sin(angle), "; the ball must pass the mouth of cone.throat_radius and"
+            above += " cone.length"
+            check_entries("probe.tip_radius", self.probe.tip_radius, "m", 0.0, mouth, too_high=above)
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
@@ -137,7 +139,7 @@ class Scenario(Part):
     thrust: Number = number(
         None, "N", doc="force that pushes the active vehicle along its axis from the start; not set: none"
     )
-    thrust_time: Number = number(None, "s", **POSITIVE, doc="how long that force lasts")
+    thrust_time: Number = number(None, "s", **POSITIVE, needs=on("thrust"), doc="how long that force lasts")
 
     def check_together(self) -> None:
         free = self.start == "free"
@@ -178,10 +180,13 @@ def check_fit(design: Design, scenario: Scenario) -> None:
     least = 0.0 if start is None else least_contact_distance(*start)
     too_low = "; nearer to the throat the tip would be in the other flank at the start"
     distance = scenario.contact_distance
-    check_entries("scenario.contact_distance", distance, "m", least, cone.length, too_low=too_low, high_open=False)
+    sides = {"too_low": too_low, "too_high": "; the flank ends at cone.length"}
+    check_entries("scenario.contact_distance", distance, "m", least, cone.length, **sides, high_open=False)
     if (angle := _known("cone", cone.half_angle)) is not None:
         limit = np.minimum(angle[0], math.pi / 2 - angle[0])
-        check_entries("scenario.misalignment", scenario.misalignment, "rad", -limit, limit)
+        beyond = "; the tip must face the flank of cone.half_angle"
+        angles = scenario.misalignment
+        check_entries("scenario.misalignment", angles, "rad", -limit, limit, too_low=beyond, too_high=beyond)
 
 
 def valid(design: Design, scenario: Scenario) -> Bool[Array, ""]:

@@ -1,5 +1,5 @@
 """Whether an answer lies within what the model is good for: small penetrations, materials that do not yield, little
-bending by modes that are fast enough, a pin that touches its bush on a small area."""
+bending by modes that are fast enough, a pin that touches its bush on a small area, latches that add little energy."""
 
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from .bending import bending_frequencies
 from .capture import Capture
 from .design import Design
 from .hinge_play import pin_law
+from .latch_energy import closing_warnings
 
 DEEP = 0.1  # of the tip's radius: up to here the contact counts as small against the ball
 BENT = 0.1  # of the probe's length: up to here the bending is linear
@@ -83,7 +84,7 @@ def warnings(capture: Capture) -> list[str]:
             f"{BEYOND_LAW}the materials yield, {1e-6 * reached:.4g} MPa of contact pressure at"
             f" the peak being {float(ratios.pressure):.3g} times where a yield stress of {1e-6 * stress:.4g} MPa allows"
         )
-    return [*lines, *_of_bending(capture), *_of_play(capture)]
+    return [*lines, *_of_bending(capture), *_of_play(capture), *closing_warnings(capture)]
 
 
 def _of_bending(capture: Capture) -> list[str]:

@@ -11,12 +11,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..._types import Scalar, stacked
-from ...fields import POSITIVE, Number, Part, number
+from ...fields import POSITIVE, Number, Part, number, on
 from ...hybrid import Followers
 from ...multibody import Kinematics
 
 VEHICLES = ("active", "passive")
 SLOTS = 3  # frequencies of each vehicle
+SLOT_NAMES = tuple(f"{vehicle}_{k + 1}" for vehicle in VEHICLES for k in range(SLOTS))
 
 
 def _frequency(vehicle: str) -> Number:
@@ -38,7 +39,9 @@ class Shock(Part):
     passive_1: Number = _frequency("passive")
     passive_2: Number = _frequency("passive")
     passive_3: Number = _frequency("passive")
-    damping: Number = number(0.05, "-", low=0.0, high=1.0, high_open=True, doc="damping ratio of the oscillators")
+    damping: Number = number(
+        0.05, "-", low=0.0, high=1.0, high_open=True, needs=on(*SLOT_NAMES), doc="damping ratio of the oscillators"
+    )
 
     @property
     def frequencies(self) -> dict[str, Scalar]:

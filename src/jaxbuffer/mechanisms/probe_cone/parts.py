@@ -13,14 +13,14 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..._types import Scalar
-from ...contact import LAWS
+from ...contact import LAWS, laws_with
 from ...errors import (
     InputError,
     check_entries,
     concrete,
     inside,
 )
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, chosen, chosen_of, number, on, whole
 
 ALUMINIUM_DENSITY = 2740.0  # kg/m³, the paper's section 7
 ROD_RADIUS = 0.009  # m, r_p of Table 2
@@ -88,8 +88,10 @@ class Probe(Part):
         **POSITIVE,
         doc="E I of the rod, which is clamped in the cylinder's guide; not set: it does not bend",
     )
-    bending_modes: int = whole(BENDING_MODES, 2, doc="how many modes bend the rod")
-    bending_damping: Number = number(0.0, "s", **NON_NEGATIVE, doc="damping of the bending over its stiffness")
+    bending_modes: int = whole(BENDING_MODES, 2, needs=on("bending_stiffness"), doc="how many modes bend the rod")
+    bending_damping: Number = number(
+        0.0, "s", **NON_NEGATIVE, needs=on("bending_stiffness"), doc="damping of the bending over its stiffness"
+    )
 
     @property
     def tip_inertia(self) -> Scalar:
@@ -112,16 +114,22 @@ class Hinge(Part):
     play: Number = number(
         None, "m", **POSITIVE, doc="radial clearance, the bush's radius less the pin's; not set: none"
     )
-    bush_radius: Number = number(0.005, "m", **POSITIVE, doc="radius of the bush")
+    bush_radius: Number = number(0.005, "m", **POSITIVE, needs=on("play"), doc="radius of the bush")
     damping: Number = number(
-        5.0, "s/m", **NON_NEGATIVE, doc="factor a of the contact's damping; impacts part with about 1 - 2/3 a v"
+        5.0,
+        "s/m",
+        **NON_NEGATIVE,
+        needs=on("play"),
+        doc="factor a of the contact's damping; impacts part with about 1 - 2/3 a v",
     )
-    young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
-    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
+    young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, needs=on("play"), doc="Young's modulus of pin and bush")
+    poisson_ratio: Number = number(
+        0.3, "-", low=-1.0, high=0.5, low_open=True, needs=on("play"), doc="Poisson's ratio of pin and bush"
+    )
 
     def check_together(self) -> None:
         if self.play is not None:
-            check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius)
+            check_entries("hinge.play", self.play, "m", 0.0, self.bush_radius, too_high="; below hinge.bush_radius")
 
     def in_range(self) -> Iterator[Bool[Array, ""]]:
         yield from super().in_range()
@@ -152,16 +160,36 @@ class Latch(Part):
     stiffness: Number = number(
         None, "N/m", **POSITIVE, doc="stiffness k_l with which the tip is held in its seat; not set: no latch"
     )
-    damping: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping c_l of the tip in its seat")
-    preload: Number = number(0.0, "N", **NON_NEGATIVE, doc="force F_l with which the latch pulls the tip to its seat")
-    preload_length: Number = number(1e-4, "m", **POSITIVE, doc="distance over which that preload is reached")
-    turn_stiffness: Number = number(
-        0.0, "N m/rad", **NON_NEGATIVE, doc="stiffness k_t with which the probe is held along the cone's axis"
+    damping: Number = number(
+        0.0, "N s/m", **NON_NEGATIVE, needs=on("stiffness"), doc="damping c_l of the tip in its seat"
     )
-    turn_damping: Number = number(0.0, "N m s/rad", **NON_NEGATIVE, doc="damping c_t of the probe's turning")
-    closing_time: Number = number(0.02, "s", **NON_NEGATIVE, doc="time in which the latch closes")
-    depth: Number = number(0.0, "m", doc="depth of the seat behind the capture plane")
-    strength: Number = number(None, "N", **POSITIVE, doc="force that tears the latch; not set: none does")
+    preload: Number = number(
+        0.0, "N", **NON_NEGATIVE, needs=on("stiffness"), doc="force F_l with which the latch pulls the tip to its seat"
+    )
+    preload_length: Number = number(
+        1e-4,
+        "m",
+        **POSITIVE,
+        needs=(*on("stiffness"), *on("preload")),
+        doc="distance over which that preload is reached",
+    )
+    turn_stiffness: Number = number(
+        0.0,
+        "N m/rad",
+        **NON_NEGATIVE,
+        needs=on("stiffness"),
+        doc="stiffness k_t with which the probe is held along the cone's axis",
+    )
+    turn_damping: Number = number(
+        0.0, "N m s/rad", **NON_NEGATIVE, needs=on("stiffness"), doc="damping c_t of the probe's turning"
+    )
+    closing_time: Number = number(
+        0.02, "s", **NON_NEGATIVE, needs=on("stiffness"), doc="time in which the latch closes"
+    )
+    depth: Number = number(0.0, "m", needs=on("stiffness"), doc="depth of the seat behind the capture plane")
+    strength: Number = number(
+        None, "N", **POSITIVE, needs=on("stiffness"), doc="force that tears the latch; not set: none does"
+    )
     quiet: Number = number(
         1e-3,
         "-",
@@ -169,6 +197,7 @@ class Latch(Part):
         high=1.0,
         low_open=True,
         high_open=True,
+        needs=on("stiffness"),
         doc="share of the first energy of relative motion at which the vehicles count as held",
     )
 
@@ -241,25 +270,61 @@ class Contact(Part):
         metadata={"doc": "contact law; it takes those of the other fields that it has", "choices": LAWS},
     )
     stiffness: Number = number(
-        None, "N/m^1.5", **POSITIVE, doc="stiffness K; not set: computed from materials and tip radius"
+        None,
+        "N/m^1.5",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("stiffness")),
+        doc="stiffness K; not set: computed from materials and tip radius",
     )
     restitution: Number = number(
-        0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of laws with hysteresis"
+        0.9,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        needs=chosen_of("law", laws_with("restitution")),
+        doc="restitution that is asked of laws with hysteresis",
     )
     friction: Number = number(0.33, "-", **NON_NEGATIVE, doc="coefficient of friction μ")
-    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed v_s below which friction falls to zero")
+    slip_speed: Number = number(
+        1e-3, "m/s", **POSITIVE, needs=on("friction"), doc="slip speed v_s below which friction falls to zero"
+    )
     young_modulus: Number = number(71.7e9, "Pa", **POSITIVE, doc="Young's modulus of both sides")
     poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of both sides")
     yield_stress: Number = number(
         None, "Pa", **POSITIVE, doc="yield stress of the softer side; not set: yielding is not looked at"
     )
-    linear_stiffness: Number = number(1.5e7, "N/m", **POSITIVE, doc="stiffness k of the law kelvin-voigt")
-    damping: Number = number(80.0, "N s/m", **NON_NEGATIVE, doc="damping c of the laws kelvin-voigt and adams")
+    linear_stiffness: Number = number(
+        1.5e7,
+        "N/m",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("linear_stiffness")),
+        doc="stiffness k of the law kelvin-voigt",
+    )
+    damping: Number = number(
+        80.0,
+        "N s/m",
+        **NON_NEGATIVE,
+        needs=chosen_of("law", laws_with("damping")),
+        doc="damping c of the laws kelvin-voigt and adams",
+    )
     exponent: Number = number(1.5, "-", low=1.0, doc="exponent n of the law adams")
-    ramp_depth: Number = number(1e-6, "m", **POSITIVE, doc="depth d over which the damping of adams sets in")
-    onset_length: Number = number(1e-8, "m", **POSITIVE, doc="length over which the smooth contact sets in")
+    ramp_depth: Number = number(
+        1e-6,
+        "m",
+        **POSITIVE,
+        needs=chosen_of("law", laws_with("ramp_depth")),
+        doc="depth d over which the damping of adams sets in",
+    )
+    onset_length: Number = number(
+        1e-8, "m", **POSITIVE, needs=chosen("memory", "smooth"), doc="length over which the smooth contact sets in"
+    )
     memory_time: Number = number(
-        2e-4, "s", **POSITIVE, doc="time in which the smooth contact's memory follows the approach speed"
+        2e-4,
+        "s",
+        **POSITIVE,
+        needs=chosen("memory", "smooth"),
+        doc="time in which the smooth contact's memory follows the approach speed",
     )
     memory: str = choice(
         "event",

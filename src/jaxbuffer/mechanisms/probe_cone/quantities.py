@@ -9,8 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..quantity import CONTACT_TIME, DISSIPATED, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
+from .latch_energy import closing_energy, closing_share, reference_share
 from .law_validity import pressure
 from .oscillators import SLOTS, VEHICLES
+from .vehicle_forces import peak_vehicle_force
 
 MILLIMETRES = ("mm", 1e3)
 DEGREES = ("deg", 180.0 / math.pi)
@@ -51,6 +53,13 @@ QUANTITIES: dict[str, Quantity] = {
     "peak_time": PEAK_TIME,
     "peak_hinge_force": Quantity(
         "N", lambda c: c.peak_hinge_force, "largest reaction in the hinge", "peak hinge force", swept=True, tuned=True
+    ),
+    "peak_vehicle_force": Quantity(
+        "N",
+        peak_vehicle_force,
+        "largest single force on a vehicle: the contact's, the latches' or the hinge's",
+        "largest force on a vehicle",
+        tuned=True,
     ),
     "peak_buffer_force": Quantity(
         "N",
@@ -172,6 +181,31 @@ QUANTITIES: dict[str, Quantity] = {
         "energy of relative motion left",
         swept=True,
         tuned=True,
+    ),
+    "reference_energy_left": Quantity(
+        "-",
+        reference_share,
+        "energy of relative motion at the end over that of both vehicles at 0.1 m/s: alike for all approach speeds",
+        "energy left over that of 0.1 m/s",
+        tuned=True,
+        shown=("%", 100.0),
+    ),
+    "latch_energy": Quantity(
+        "J",
+        closing_energy,
+        "energy that the closing of the latches put in",
+        "energy put in by the latches",
+        tuned=True,
+        part="latch.stiffness",
+    ),
+    "latch_energy_share": Quantity(
+        "-",
+        closing_share,
+        "that over the energy of relative motion at the start",
+        "share of energy put in by the latches",
+        tuned=True,
+        shown=("%", 100.0),
+        part="latch.stiffness",
     ),
     "arrest_stroke": Quantity(
         "m",

@@ -25,8 +25,6 @@ def capture(mechanism: CaptureMechanism, solved: Solved) -> Capture:
     latch_force = jnp.where(latched(mechanism, log), largest.get("latch_force", 0.0), 0.0) * known
     beyond_capture = docked(mechanism, solved.start, log, code, latch_force)
     common = {**solved.common, "code": code, "impacts": FlankImpacts(**vars(solved.common["impacts"]))}
-    if mechanism.scenario.start == "free":  # which may meet no flank: then no time is that of a peak
-        common["peak_time"] = jnp.where(common["impact_count"] > 0, common["peak_time"], 0.0 * known)
     return Capture(
         **common,
         peak_hinge_force=largest["hinge_force"],

@@ -9,9 +9,11 @@ from .bending import bending_frequencies
 from .capture import Capture
 from .hinge_play import pin_law
 from .label import scenario_label
+from .latch_energy import closing_words
 from .law_validity import warnings
 from .outcome import Outcome
 from .system import CONTACTS
+from .vehicle_forces import larger_than_contact
 
 
 def summary(capture: Capture) -> str:
@@ -27,6 +29,7 @@ def summary(capture: Capture) -> str:
         f"  scenario             {scenario_label(capture.scenario)}",
         f"  end time             {float(capture.end_time):.6g} s, in contact {float(capture.contact_time):.4g} s",
         f"  peak contact force   {_peak(capture)}",
+        *_larger(capture),
         *_first_impact(capture),
         f"  peak hinge force     {_force(capture, 'hinge_force')}",
         f"  peak buffer force    {_force(capture, 'buffer_force')}{_stop(capture)}",
@@ -74,6 +77,11 @@ def _peak(capture: Capture) -> str:
     return f"{when}, {flank} flank, {_which_impact(capture)}"
 
 
+def _larger(capture: Capture) -> list[str]:
+    text = larger_than_contact(capture)
+    return [f"                       {text}"] if text else []
+
+
 def _first_impact(capture: Capture) -> list[str]:
     first, peak = capture.first_impact, float(np.asarray(capture.impacts.peak_force)[0])
     if not int(capture.impact_count):
@@ -99,6 +107,7 @@ def _latch(capture: Capture) -> list[str]:
         f" {float(capture.peak_latch_force):.6g} N{strength}{_when(capture.maximum_times.get('latch_force', np.nan))}",
         f"  tip at the latches   {1e3 * float(docked.lateral_miss):.4g} mm off the axis,"
         f" {np.degrees(float(docked.attitude_miss)):.4g} deg against it",
+        *(f"  energy of the latch  {text}" for text in (closing_words(capture),) if text),
     ]
 
 

@@ -12,7 +12,8 @@ from ...multibody import Kinematics
 from ..energy import Energy
 from ..linearisation import inverse_masses
 from ..snapshot import Snapshot
-from ..system import SLOWEST_TOUCHDOWN, ContactSystem, SmoothMemory
+from ..system import SLOWEST_TOUCHDOWN as SLOWEST_TOUCHDOWN
+from ..system import ContactSystem, SmoothMemory
 from .assembly import FLANKS, LOWER, B, P, S, T, start_motion
 from .bending import modal_scales
 from .buffer_force import BufferForce
@@ -36,6 +37,10 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         super().__init__(design, scenario, stabilisation)
 
     @property
+    def typical_speed(self) -> Scalar:
+        return self.scenario.approach_speed
+
+    @property
     def impact_contacts(self) -> int:
         return FLANKS
 
@@ -54,13 +59,13 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         swinging = [] if self.oscillators is None else [self.oscillators.start(self.system.kinematics(q, v))]
         if self.scenario.start == "free":  # nothing touches, and the memory is at its floor (M170)
             rest = none.at[0].set(self.scenario.active_rate) if self.spins else none
-            state = jnp.concatenate([q, v, rest, *swinging, jnp.full(FLANKS, SLOWEST_TOUCHDOWN)])
+            state = jnp.concatenate([q, v, rest, *swinging, jnp.full(FLANKS, self.slowest_touchdown)])
             active = jnp.zeros(self.contact_count)
             return self._with_first_energy(self.posture(state), state, active), active
         state = jnp.concatenate([q, v, none, *swinging, jnp.ones(2)])
         at = self.posture(state)
         approach = at.approach.approach_speed
-        state = jnp.concatenate([state[:-2], jnp.maximum(approach, SLOWEST_TOUCHDOWN)])
+        state = jnp.concatenate([state[:-2], jnp.maximum(approach, self.slowest_touchdown)])
         touching = jnp.where((jnp.arange(FLANKS) == LOWER) & (approach > 0.0), 1.0, 0.0)
         active = jnp.pad(touching, (0, self.contact_count - FLANKS))
         return self._with_first_energy(at, state, active), active
@@ -365,7 +370,7 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
         """A fifteenth of the duration of an impact of the probe's mass at the memorised speed [s]."""
         speed = jnp.max(self.memory(state))
         if self.scenario.start == "free":  # before the first touchdown the memory is at its floor
-            speed = jnp.where(speed > SLOWEST_TOUCHDOWN, speed, self.scenario.approach_speed)
+            speed = jnp.where(speed > self.slowest_touchdown, speed, self.scenario.approach_speed)
         return 0.2 * jnp.asarray(self.pair.law.time_scale(self.probe.mass, speed))
 
     @property
@@ -397,4 +402,11 @@ class CaptureMechanism(ProbeInCone, ContactSystem):
             return None
         contact, approach = self.design.contact, at.approach
         memory = self.memory(at.state)
-        return SmoothMemory.of(memory, approach.gap, approach.approach_speed, contact.memory_time, contact.onset_length)
+        return SmoothMemory.of(
+            memory,
+            approach.gap,
+            approach.approach_speed,
+            contact.memory_time,
+            contact.onset_length,
+            self.slowest_touchdown,
+        )

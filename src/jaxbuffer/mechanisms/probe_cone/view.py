@@ -1,6 +1,7 @@
 """What is told of a capture and drawn of it."""
 
 from ..view import Names, View
+from .contradictions import contradictions
 from .design import Design
 from .diagnosis import diagnosis
 from .doubts import doubts
@@ -10,6 +11,7 @@ from .law_validity import limits, warnings
 from .panels import panels
 from .summary import first_impact_line, first_impact_record, summary
 from .system import CONTACTS
+from .vehicle_forces import larger_than_contact
 
 
 def names(design: Design) -> Names:
@@ -51,6 +53,8 @@ VIEW = View(
     notes=lambda run: [first_impact_line(run)],
     diagnosis=diagnosis,
     doubts=doubts,
+    contradictions=contradictions,
+    larger_force=larger_than_contact,
     leaves_out=(
         "The motion is planar: nothing moves or turns out of the plane.",
         "Without latches (latch.stiffness) the run ends at capture: what the parts do afterwards is not simulated.",

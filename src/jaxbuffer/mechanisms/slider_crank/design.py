@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ...errors import InputError, check_type, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, mesh, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, absent, all_of, choice, chosen, mesh, number, on, whole
 from ...multibody import Body
 from ...multibody.flexible import Bar
 from ..run import DesignOf, Run
@@ -42,8 +42,12 @@ class Drive(Part):
 
     section: ClassVar[str] = "drive"
     kind: str = choice("speed", "speed", "torque", doc="speed: the crank turns steadily; torque: M_0 (1 - ω/ω_0)")
-    torque: Number = number(50.0, "N m", **POSITIVE, doc="torque M_0 at rest, of a drive of the kind torque")
-    no_load_speed: Number = number(5000.0 * RPM, "rad/s", **POSITIVE, doc="speed ω_0 at which that torque is zero")
+    torque: Number = number(
+        50.0, "N m", **POSITIVE, needs=chosen("kind", "torque"), doc="torque M_0 at rest, of a drive of the kind torque"
+    )
+    no_load_speed: Number = number(
+        5000.0 * RPM, "rad/s", **POSITIVE, needs=chosen("kind", "torque"), doc="speed ω_0 at which that torque is zero"
+    )
 
 
 class Rod(Part):
@@ -58,10 +62,17 @@ class Rod(Part):
 
     section: ClassVar[str] = "rod"
     length: Number = number(0.12, "m", **POSITIVE, doc="length between its pins")
-    mass: Number = number(0.21, "kg", **POSITIVE, doc="mass of the rod")
-    inertia: Number = number(2.5e-4, "kg m²", **POSITIVE, doc="inertia about its centre of mass")
+    mass: Number = number(0.21, "kg", **POSITIVE, needs=absent("depth", "shape"), doc="mass of the rod")
+    inertia: Number = number(
+        2.5e-4, "kg m²", **POSITIVE, needs=absent("depth", "shape"), doc="inertia about its centre of mass"
+    )
     centre: Number = number(
-        0.5, "-", low=0.0, high=1.0, doc="place of its centre of mass, a share of the length from the crank pin"
+        0.5,
+        "-",
+        low=0.0,
+        high=1.0,
+        needs=absent("depth", "shape"),
+        doc="place of its centre of mass, a share of the length from the crank pin",
     )
     depth: Number = number(
         None,
@@ -70,10 +81,16 @@ class Rod(Part):
         doc="depth of a uniform bar's section in the plane of motion; not set: mass and inertia hold",
     )
     shape: str | None = mesh(*shapes.ROD, doc="mesh of its planar shape instead of that bar, in any unit of length")
-    width: Number = number(0.015, "m", **POSITIVE, doc="width of bar or shape across the plane")
-    density: Number = number(7850.0, "kg/m³", **POSITIVE, doc="density of bar or shape")
-    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of bar or shape, for its bending")
-    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    width: Number = number(
+        0.015, "m", **POSITIVE, needs=on("depth", "shape"), doc="width of bar or shape across the plane"
+    )
+    density: Number = number(7850.0, "kg/m³", **POSITIVE, needs=on("depth", "shape"), doc="density of bar or shape")
+    young_modulus: Number = number(
+        207e9, "Pa", **POSITIVE, needs=on("modes"), doc="Young's modulus of bar or shape, for its bending"
+    )
+    damping_ratio: Number = number(
+        0.01, "-", low=0.0, high=1.0, needs=on("modes"), doc="damping ratio of each of its modes"
+    )
     modes: int = whole(0, 0, doc="how many modes bend it, none or at least 2, of a shape 3")
 
     def check_together(self) -> None:
@@ -135,13 +152,15 @@ class Slider(Part):
     """
 
     section: ClassVar[str] = "slider"
-    mass: Number = number(0.14, "kg", **POSITIVE, doc="mass of the slider, which does not turn")
+    mass: Number = number(0.14, "kg", **POSITIVE, needs=absent("shape"), doc="mass of the slider, which does not turn")
     shape: str | None = mesh(*shapes.SLIDER, doc="mesh of its planar shape, instead of that mass")
-    scale: Number = number(1.0, "m", **POSITIVE, doc="unit of length of that mesh")
-    width: Number = number(0.04, "m", **POSITIVE, doc="width of that shape across the plane")
-    density: Number = number(2700.0, "kg/m³", **POSITIVE, doc="density of that shape")
-    young_modulus: Number = number(7e10, "Pa", **POSITIVE, doc="Young's modulus of that shape")
-    damping_ratio: Number = number(0.01, "-", low=0.0, high=1.0, doc="damping ratio of each of its modes")
+    scale: Number = number(1.0, "m", **POSITIVE, needs=on("shape"), doc="unit of length of that mesh")
+    width: Number = number(0.04, "m", **POSITIVE, needs=on("shape"), doc="width of that shape across the plane")
+    density: Number = number(2700.0, "kg/m³", **POSITIVE, needs=on("shape"), doc="density of that shape")
+    young_modulus: Number = number(7e10, "Pa", **POSITIVE, needs=on("modes"), doc="Young's modulus of that shape")
+    damping_ratio: Number = number(
+        0.01, "-", low=0.0, high=1.0, needs=on("modes"), doc="damping ratio of each of its modes"
+    )
     modes: int = whole(0, 0, doc="how many modes bend that shape, none or at least 3")
 
     def check_together(self) -> None:

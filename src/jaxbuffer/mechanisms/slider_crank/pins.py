@@ -19,11 +19,13 @@ from ...contact.laws import (
 )
 from ...contact.laws.hysteresis import PowerLaw
 from ...errors import InputError, concrete, inside
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, choice, number
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, absent, choice, chosen, chosen_in, number, on
 from .blunt_impact import BluntImpact
 
 ADAMS = "adams"
 SPHERE_EXPONENT = 1.5  # -
+PLAY = chosen("joint", "clearance")  # without it there is no contact
+LAWS_WITH_LENGTH = tuple(name for name in PIN_IN_HOLE_LAWS if name != "sphere")
 
 
 class GivenStiffness(PowerLaw):
@@ -48,25 +50,72 @@ class Pin(Part):
     """
 
     joint: str = choice("pinned", "pinned", "clearance", doc="pinned: without play; clearance: a pin in a larger bush")
-    clearance: Number = number(5e-4, "m", **POSITIVE, doc="radial clearance, the bush's radius less the pin's")
-    bush_radius: Number = number(0.01, "m", **POSITIVE, doc="radius of the bush")
-    length: Number = number(0.04, "m", **POSITIVE, doc="length of pin and bush along their axis")
-    law: str = choice("sphere", *PIN_IN_HOLE_LAWS, ADAMS, doc="contact law of pin in bush")
-    damping: str = choice("lankarani-nikravesh", *DAMPING_FACTORS, doc="damping factor of the law")
+    clearance: Number = number(
+        5e-4, "m", **POSITIVE, needs=PLAY, doc="radial clearance, the bush's radius less the pin's"
+    )
+    bush_radius: Number = number(0.01, "m", **POSITIVE, needs=PLAY, doc="radius of the bush")
+    length: Number = number(
+        0.04,
+        "m",
+        **POSITIVE,
+        needs=(*PLAY, *chosen("law", *LAWS_WITH_LENGTH)),
+        doc="length of pin and bush along their axis",
+    )
+    law: str = choice("sphere", *PIN_IN_HOLE_LAWS, ADAMS, needs=PLAY, doc="contact law of pin in bush")
+    damping: str = choice(
+        "lankarani-nikravesh",
+        *DAMPING_FACTORS,
+        needs=(*PLAY, *chosen("law", *PIN_IN_HOLE_LAWS)),
+        doc="damping factor of the law",
+    )
     restitution: Number = number(
-        0.9, "-", low=0.0, high=1.0, low_open=True, doc="restitution that is asked of the damping factor"
+        0.9,
+        "-",
+        low=0.0,
+        high=1.0,
+        low_open=True,
+        needs=(*PLAY, *chosen("law", *PIN_IN_HOLE_LAWS)),
+        doc="restitution that is asked of the damping factor",
     )
     stiffness: Number = number(
-        None, "N/m^e", **POSITIVE, doc="stiffness of the laws sphere and adams; not set: computed from the materials"
+        None,
+        "N/m^e",
+        **POSITIVE,
+        needs=PLAY,
+        doc="stiffness of the laws sphere and adams; not set: computed from the materials",
     )
-    exponent: Number = number(1.5, "-", **POSITIVE, doc="exponent of the law adams")
-    viscous: Number = number(0.0, "N s/m", **NON_NEGATIVE, doc="damping of the law adams")
-    ramp_depth: Number = number(1e-6, "m", **POSITIVE, doc="depth over which that damping sets in")
-    onset_depth: Number = number(1e-8, "m", **POSITIVE, doc="depth over which a law that begins with a slope sets in")
-    friction: Number = number(0.0, "-", **NON_NEGATIVE, doc="coefficient of friction of pin in bush")
-    slip_speed: Number = number(1e-3, "m/s", **POSITIVE, doc="slip speed below which friction falls to zero")
-    young_modulus: Number = number(207e9, "Pa", **POSITIVE, doc="Young's modulus of pin and bush")
-    poisson_ratio: Number = number(0.3, "-", low=-1.0, high=0.5, low_open=True, doc="Poisson's ratio of pin and bush")
+    exponent: Number = number(
+        1.5, "-", **POSITIVE, needs=(*PLAY, *chosen("law", ADAMS)), doc="exponent of the law adams"
+    )
+    viscous: Number = number(
+        0.0, "N s/m", **NON_NEGATIVE, needs=(*PLAY, *chosen("law", ADAMS)), doc="damping of the law adams"
+    )
+    ramp_depth: Number = number(
+        1e-6, "m", **POSITIVE, needs=(*PLAY, *chosen("law", ADAMS)), doc="depth over which that damping sets in"
+    )
+    onset_depth: Number = number(
+        1e-8,
+        "m",
+        **POSITIVE,
+        needs=(*PLAY, *chosen("law", ADAMS)),
+        doc="depth over which a law that begins with a slope sets in",
+    )
+    friction: Number = number(0.0, "-", **NON_NEGATIVE, needs=PLAY, doc="coefficient of friction of pin in bush")
+    slip_speed: Number = number(
+        1e-3, "m/s", **POSITIVE, needs=(*PLAY, *on("friction")), doc="slip speed below which friction falls to zero"
+    )
+    young_modulus: Number = number(
+        207e9, "Pa", **POSITIVE, needs=(*PLAY, *absent("stiffness")), doc="Young's modulus of pin and bush"
+    )
+    poisson_ratio: Number = number(
+        0.3,
+        "-",
+        low=-1.0,
+        high=0.5,
+        low_open=True,
+        needs=(*PLAY, *absent("stiffness")),
+        doc="Poisson's ratio of pin and bush",
+    )
 
     @property
     def by_components(self) -> bool:
@@ -137,12 +186,17 @@ class PistonPin(Pin):
         "clearance", "pinned", "clearance", doc="pinned: without play; clearance: a pin in a larger bush"
     )
     contact: str = choice(
-        "round", "round", "components", doc="round; or components: each of the slider's directions on its own"
+        "round",
+        "round",
+        "components",
+        needs=PLAY,
+        doc="round; or components: each of the slider's directions on its own",
     )
     memory_time: Number = number(
         None,
         "s",
         **POSITIVE,
+        needs=chosen_in(("joint", "crank_pin.joint"), "clearance"),
         doc="time in which a smooth contact's memory follows the approach speed; not set: events set it",
     )
 

@@ -1,6 +1,5 @@
 """The catalogue of a slider-crank's quantities."""
 
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..quantity import CONTACT_TIME, DISSIPATED, END_TIME, PEAK_FORCE, PEAK_TIME, PENETRATION, Quantity
@@ -9,7 +8,7 @@ from ..run import Run
 
 def deepest(run: Run) -> Float[Array, ""]:
     """The deepest penetration where it is watched [m], else the depth that the peak force bounds (M72)."""
-    return jnp.maximum(run.maxima["penetration"], 0.0) if "penetration" in run.maxima else run.penetration
+    return run.maxima.get("penetration", run.penetration)
 
 
 QUANTITIES: dict[str, Quantity] = {

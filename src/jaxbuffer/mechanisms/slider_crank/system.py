@@ -191,7 +191,7 @@ def motor_torque(mechanism: Assembled, at: Posture, rate: Array) -> Scalar:
 def deformations(design: SliderCrank) -> tuple[Shown, ...]:
     """The contacts' depth, where their damper makes the peak force, which then says little of how deep they went;
     deflection and stress of a rod that bends."""
-    depths = (Shown("penetration", depth),) if design.piston_pin.by_components else ()
+    depths = (Shown("penetration", depth, least=0.0),) if design.piston_pin.by_components else ()
     bending = (Shown("rod_deflection", rod_deflection), Shown("rod_stress", rod_stress)) if design.rod.modes else ()
     pushed = (Shown("slider_deflection", slider_deflection(design.slider)),) if design.slider.modes else ()
     return (*depths, *bending, *pushed)

@@ -1,6 +1,6 @@
 """The drop onto a tank: its design and its scenario."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool
 
 from ..._types import Scalar
 from ...errors import InputError, check_entries, check_type, concrete, same_shape
-from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, number, whole
+from ...fields import NON_NEGATIVE, POSITIVE, Number, Part, all_of, choice, chosen, number, on, whole
 from ...structures.contact import METHODS
 from ..run import DesignOf
 from .laminate import Composite
@@ -17,7 +17,8 @@ from .tank_run import TankRun
 ZONES = ("bottom", "lower_corner", "lower_side", "upper_side", "upper_corner", "top")
 FILL = {"low": 0.15, "high": 1.0}
 HIGHEST = 0.95  # with a surface, which needs room
-THICKNESS = {"low": 0.0, "low_open": True, "high": 0.03}
+WITH_LIQUID = chosen("contents.kind", "liquid", "full")
+THICKNESS: dict[str, Any] = {"low": 0.0, "low_open": True, "high": 0.03}
 
 
 class Wall(Part):
@@ -72,12 +73,36 @@ class Plates(Part):
 
     section: ClassVar[str] = "plates"
     kind: str = choice("none", "none", "perforated", doc="none, or two perforated baffle plates inside")
-    thickness: Number = number(0.005, "m", **THICKNESS, doc="thickness of a plate without holes that is as stiff")
-    position: Number = number(0.15, "m", **POSITIVE, doc="distance of a plate's middle from the middle of the tank")
-    aperture: Number | None = number(
-        None, "-", low=0.0, low_open=True, high=1.0, doc="open share of a plate; not set: the liquid does not feel it"
+    thickness: Number = number(
+        0.005,
+        "m",
+        **THICKNESS,
+        needs=chosen("kind", "perforated"),
+        doc="thickness of a plate without holes that is as stiff",
     )
-    hole_diameter: Number = number(0.02, "m", **POSITIVE, doc="diameter of the holes, for the liquid in them")
+    position: Number = number(
+        0.15,
+        "m",
+        **POSITIVE,
+        needs=chosen("kind", "perforated"),
+        doc="distance of a plate's middle from the middle of the tank",
+    )
+    aperture: Number | None = number(
+        None,
+        "-",
+        low=0.0,
+        low_open=True,
+        high=1.0,
+        needs=(*chosen("kind", "perforated"), *WITH_LIQUID),
+        doc="open share of a plate; not set: the liquid does not feel it",
+    )
+    hole_diameter: Number = number(
+        0.02,
+        "m",
+        **POSITIVE,
+        needs=(*chosen("kind", "perforated"), *on("aperture"), *WITH_LIQUID),
+        doc="diameter of the holes, for the liquid in them",
+    )
 
 
 class Ribs(Part):
@@ -89,9 +114,23 @@ class Ribs(Part):
 
     section: ClassVar[str] = "ribs"
     kind: str = choice("none", "none", "rings", doc="none, or rings inside that stiffen the wall")
-    height: Number = number(0.01, "m", low=0.0, low_open=True, high=0.1, doc="height of a rib, inwards from the wall")
+    height: Number = number(
+        0.01,
+        "m",
+        low=0.0,
+        low_open=True,
+        high=0.1,
+        needs=chosen("kind", "rings"),
+        doc="height of a rib, inwards from the wall",
+    )
     share: Number = number(
-        0.1, "-", low=0.0, low_open=True, high=1.0, doc="width of a rib over the distance from one to the next"
+        0.1,
+        "-",
+        low=0.0,
+        low_open=True,
+        high=1.0,
+        needs=chosen("kind", "rings"),
+        doc="width of a rib over the distance from one to the next",
     )
 
 
@@ -107,17 +146,36 @@ class TankMaterial(Part):
     kind: str = choice(
         "plastic", "plastic", "composite", doc="plastic: the fields below; composite: the section composite"
     )
-    density: Number = number(950.0, "kg/m³", **POSITIVE, doc="density of the wall")
-    young_modulus: Number = number(1.0e9, "Pa", **POSITIVE, doc="Young's modulus of the wall")
-    poisson_ratio: Number = number(
-        0.4, "-", low=-1.0, high=0.5, low_open=True, high_open=True, doc="Poisson's ratio of the wall"
+    density: Number = number(950.0, "kg/m³", **POSITIVE, needs=chosen("kind", "plastic"), doc="density of the wall")
+    young_modulus: Number = number(
+        1.0e9, "Pa", **POSITIVE, needs=chosen("kind", "plastic"), doc="Young's modulus of the wall"
     )
-    yield_stress: Number = number(25e6, "Pa", **POSITIVE, doc="yield stress of the wall")
+    poisson_ratio: Number = number(
+        0.4,
+        "-",
+        low=-1.0,
+        high=0.5,
+        low_open=True,
+        high_open=True,
+        needs=chosen("kind", "plastic"),
+        doc="Poisson's ratio of the wall",
+    )
+    yield_stress: Number = number(
+        25e6, "Pa", **POSITIVE, needs=chosen("kind", "plastic"), doc="yield stress of the wall"
+    )
     hardening: Number = number(
-        40e6, "Pa", **NON_NEGATIVE, doc="rise of the yield stress over equivalent plastic strain"
+        40e6,
+        "Pa",
+        **NON_NEGATIVE,
+        needs=chosen("kind", "plastic"),
+        doc="rise of the yield stress over equivalent plastic strain",
     )
     failure_strain: Number = number(
-        0.6, "-", **POSITIVE, doc="equivalent plastic strain at which an element is deleted"
+        0.6,
+        "-",
+        **POSITIVE,
+        needs=chosen("kind", "plastic"),
+        doc="equivalent plastic strain at which an element is deleted",
     )
 
 
@@ -136,10 +194,22 @@ class Contents(Part):
         "none",
         doc="what the tank holds: liquid with a surface, liquid up to the top, or none",
     )
-    density: Number = number(740.0, "kg/m³", **POSITIVE, doc="density of the liquid")
-    sound_speed: Number = number(1150.0, "m/s", **POSITIVE, doc="speed of sound in the liquid")
-    air: str = choice("open", "open", "trapped", doc="the air above the liquid: open, or trapped, which is a spring")
-    air_pressure: Number = number(1.013e5, "Pa", **POSITIVE, doc="absolute pressure of trapped air at first")
+    density: Number = number(740.0, "kg/m³", **POSITIVE, needs=WITH_LIQUID, doc="density of the liquid")
+    sound_speed: Number = number(1150.0, "m/s", **POSITIVE, needs=WITH_LIQUID, doc="speed of sound in the liquid")
+    air: str = choice(
+        "open",
+        "open",
+        "trapped",
+        needs=chosen("kind", "liquid", "none"),
+        doc="the air above the liquid: open, or trapped, which is a spring",
+    )
+    air_pressure: Number = number(
+        1.013e5,
+        "Pa",
+        **POSITIVE,
+        needs=(*chosen("kind", "liquid", "none"), *chosen("air", "trapped")),
+        doc="absolute pressure of trapped air at first",
+    )
 
 
 class Cushion(Part):
@@ -153,9 +223,13 @@ class Cushion(Part):
     kind: str = choice(
         "layer", "layer", "none", doc="a layer, or none: the slider strikes the wall as the support does"
     )
-    thickness: Number = number(0.15, "m", **POSITIVE, doc="thickness of the layer under the slider")
-    stiffness: Number = number(4e6, "Pa/m", **POSITIVE, doc="stiffness of an area of it")
-    damping: Number = number(1e4, "Pa s/m", **NON_NEGATIVE, doc="damping of an area of it")
+    thickness: Number = number(
+        0.15, "m", **POSITIVE, needs=chosen("kind", "layer"), doc="thickness of the layer under the slider"
+    )
+    stiffness: Number = number(4e6, "Pa/m", **POSITIVE, needs=chosen("kind", "layer"), doc="stiffness of an area of it")
+    damping: Number = number(
+        1e4, "Pa s/m", **NON_NEGATIVE, needs=chosen("kind", "layer"), doc="damping of an area of it"
+    )
 
 
 class Slider(Part):
@@ -176,7 +250,9 @@ class Support(Part):
 
     section: ClassVar[str] = "support"
     method: str = choice("penalty", *METHODS, doc="how the force of the support is computed")
-    stiffness: Number = number(5e9, "Pa/m", **POSITIVE, doc="stiffness of a penalty, of an area")
+    stiffness: Number = number(
+        5e9, "Pa/m", **POSITIVE, needs=chosen("method", "penalty"), doc="stiffness of a penalty, of an area"
+    )
 
 
 class Mesh(Part):
@@ -251,7 +327,7 @@ class TankDropScenario(Part):
 
     section: ClassVar[str] = "scenario"
     height: Number = number(2.04, "m", **POSITIVE, doc="height through which it falls before the cushion touches")
-    fill: Number = number(0.8, "-", **FILL, doc="height of the liquid over the inner height")
+    fill: Number = number(0.8, "-", **FILL, needs=WITH_LIQUID, doc="height of the liquid over the inner height")
     gravity: Number = number(9.81, "m/s²", **POSITIVE, doc="acceleration of gravity")
     angle: Number = number(
         0.0, "rad", low=-0.5, high=0.5, doc="angle of the slider's underside against the top; needs mesh.extent = whole"

@@ -7,9 +7,10 @@ from jaxtyping import Array, Float
 
 from ..._types import stacked
 from ...composites import CRITERIA, Laminate, Ply, Strength
-from ...fields import POSITIVE, Number, Part, choice, number
+from ...fields import POSITIVE, Number, Part, choice, chosen, number
 from ...structures import Orthotropic, at_faces
 
+LAMINATE = chosen("material.kind", "composite")
 HALF = (45.0, -45.0, 0.0, 90.0, 0.0, 90.0, 45.0, -45.0, 0.0, 90.0)  # °, from either face inwards
 ANGLES = (*HALF, *HALF[::-1])  # from the direction along the wall
 
@@ -22,17 +23,23 @@ class Composite(Part):
     """
 
     section: ClassVar[str] = "composite"
-    density: Number = number(1580.0, "kg/m³", **POSITIVE, doc="density of the plies")
-    along: Number = number(130e9, "Pa", **POSITIVE, doc="Young's modulus along the fibres")
-    across: Number = number(4.65e9, "Pa", **POSITIVE, doc="Young's modulus across the fibres")
-    shear: Number = number(4.65e9, "Pa", **POSITIVE, doc="shear modulus in the ply's plane")
-    poisson: Number = number(0.35, "-", low=0.0, high=1.0, high_open=True, doc="Poisson's ratio in the ply's plane")
-    along_tension: Number = number(1200e6, "Pa", **POSITIVE, doc="strength along the fibres in tension")
-    along_compression: Number = number(1000e6, "Pa", **POSITIVE, doc="strength along the fibres in compression")
-    across_tension: Number = number(50e6, "Pa", **POSITIVE, doc="strength across the fibres in tension")
-    across_compression: Number = number(120e6, "Pa", **POSITIVE, doc="strength across the fibres in compression")
-    shear_strength: Number = number(75e6, "Pa", **POSITIVE, doc="strength in shear in the ply's plane")
-    criterion: str = choice("tsai-hill", *CRITERIA, doc="failure criterion of a ply")
+    density: Number = number(1580.0, "kg/m³", **POSITIVE, needs=LAMINATE, doc="density of the plies")
+    along: Number = number(130e9, "Pa", **POSITIVE, needs=LAMINATE, doc="Young's modulus along the fibres")
+    across: Number = number(4.65e9, "Pa", **POSITIVE, needs=LAMINATE, doc="Young's modulus across the fibres")
+    shear: Number = number(4.65e9, "Pa", **POSITIVE, needs=LAMINATE, doc="shear modulus in the ply's plane")
+    poisson: Number = number(
+        0.35, "-", low=0.0, high=1.0, high_open=True, needs=LAMINATE, doc="Poisson's ratio in the ply's plane"
+    )
+    along_tension: Number = number(1200e6, "Pa", **POSITIVE, needs=LAMINATE, doc="strength along the fibres in tension")
+    along_compression: Number = number(
+        1000e6, "Pa", **POSITIVE, needs=LAMINATE, doc="strength along the fibres in compression"
+    )
+    across_tension: Number = number(50e6, "Pa", **POSITIVE, needs=LAMINATE, doc="strength across the fibres in tension")
+    across_compression: Number = number(
+        120e6, "Pa", **POSITIVE, needs=LAMINATE, doc="strength across the fibres in compression"
+    )
+    shear_strength: Number = number(75e6, "Pa", **POSITIVE, needs=LAMINATE, doc="strength in shear in the ply's plane")
+    criterion: str = choice("tsai-hill", *CRITERIA, needs=LAMINATE, doc="failure criterion of a ply")
 
     @property
     def laminate(self) -> Laminate:

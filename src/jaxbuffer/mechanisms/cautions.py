@@ -1,0 +1,41 @@
+"""What is said before anything is computed: numbers without effect, and what the geometry rules out."""
+
+from collections.abc import Collection, Sequence
+
+import jax
+import numpy as np
+
+from ..fields import Part, inactive
+from .registry import mechanism_of
+
+
+def cautions(design: Part, scenarios: Sequence[Part], varied: Collection[str] = (), geometry: bool = True) -> list[str]:
+    """Return a line for each number of a design that has no effect, and for what its geometry rules out.
+
+    **Arguments:** ``design``; ``scenarios``: those that it is run in, at least one; a line that does not hold for all
+    of several names the first for which it does; ``varied``: paths that a sweep or a tuning gives values;
+    ``geometry``: whether to look at the geometry, which a sweep may vary.
+    """
+    view = mechanism_of(design).view
+    found: dict[str, list[int]] = {}
+    for number, scenario in enumerate(scenarios, 1):
+        lines = inactive(design, scenario, varied)
+        if geometry and _plain(design) and _plain(scenario):
+            lines += view.contradictions(design, scenario)
+        for line in lines:
+            found.setdefault(line, []).append(number)
+    return [line + _where(numbers, len(scenarios)) for line, numbers in found.items()]
+
+
+def _where(numbers: list[int], count: int) -> str:
+    """In which of several scenarios that is so."""
+    if len(numbers) == count:
+        return ""
+    more = f" and {len(numbers) - 1} more" if len(numbers) > 1 else ""
+    return f" (scenario {numbers[0]}{more} of {count})"
+
+
+def _plain(part: Part) -> bool:
+    """Whether all numbers are known, and single."""
+    leaves = jax.tree.leaves(part)
+    return not any(isinstance(leaf, jax.core.Tracer) or np.ndim(leaf) for leaf in leaves)

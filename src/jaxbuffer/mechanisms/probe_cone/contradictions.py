@@ -1,0 +1,87 @@
+"""What the geometry of a design and its approach rules out, before anything is computed."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .design import Design, Scenario
+
+SAME = 1e-9  # relative: a ball of the throat's own radius passes
+INSTANTS = 4001  # of a flight, between which the tip moves by far less than its radius
+FURTHER = 4.0  # times the way to the throat that a flight is followed
+
+
+def contradictions(design: Design, scenario: Scenario) -> list[str]:
+    """Return a line for a ball that does not pass the throat, a seat that it cannot reach, and an approach that misses
+    the cone."""
+    return [*_ball_in_throat(design), *_miss(design, scenario)]
+
+
+def _ball_in_throat(design: Design) -> Iterator[str]:
+    """What a ball that is larger than the throat cannot do (M65)."""
+    radius, throat, angle = (
+        float(x) for x in (design.probe.tip_radius, design.cone.throat_radius, design.cone.half_angle)
+    )
+    if radius <= throat * (1.0 + SAME):
+        return
+    sizes = f"probe.tip_radius {1e3 * radius:.4g} mm is above cone.throat_radius {1e3 * throat:.4g} mm"
+    short = (radius * np.cos(angle) - throat) / np.tan(angle)
+    if short > 0.0:
+        yield f"{sizes}: the ball wedges in the cone {1e3 * short:.3g} mm before the capture plane and cannot reach it"
+        return
+    reach = radius * np.sin(angle) - np.sqrt(radius**2 - throat**2)
+    yield (
+        f"{sizes}: the ball does not pass the throat; it comes to rest on the throat's edge, at most"
+        f" {1e3 * reach:.3g} mm behind the capture plane, where the model counts it as captured"
+    )
+    if design.latch.stiffness is not None and float(design.latch.depth) > reach:
+        yield (
+            f"latch.depth {1e3 * float(design.latch.depth):.4g} mm: the ball cannot reach a seat that is more than"
+            f" {1e3 * reach:.3g} mm behind the capture plane"
+        )
+
+
+def _miss(design: Design, scenario: Scenario) -> Iterator[str]:
+    """Whether the tip of a free start flies past the cone, by the straight flight and steady turning of both sides."""
+    if scenario.start != "free" or (scenario.thrust is not None and float(scenario.thrust) < 0.0):
+        return
+    cone, radius = design.cone, float(design.probe.tip_radius)
+    length, angle = float(cone.length), float(cone.half_angle)
+    mouth = -float(cone.offset) - length * np.cos(angle)
+    rim = float(cone.throat_radius) + length * np.sin(angle)
+    x, y = _flight(design, scenario, mouth - radius - float(scenario.standoff))
+    past = np.flatnonzero(x > mouth)
+    if not past.size:
+        return
+    before = slice(0, int(past[0]) + 1)
+    off = np.interp(mouth, x[before][-2:], y[before][-2:])
+    nearest = np.min(np.hypot(x[before] - mouth, np.abs(y[before]) - rim))
+    if abs(off) > rim and nearest > radius:
+        yield (
+            f"the approach misses the cone: the tip passes its mouth {1e3 * abs(off):.4g} mm off the axis, beyond the"
+            f" rim at {1e3 * rim:.4g} mm; scenario.offset is {1e3 * float(scenario.offset):.4g} mm"
+        )
+
+
+def _flight(design: Design, scenario: Scenario, start: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where the tip's centre is in the axes of the passive vehicle [m] while nothing touches, at instants from 0 on.
+
+    ``start``: its x at t = 0 in those axes [m] (M170).
+    """
+    speed, lateral = float(scenario.approach_speed), float(scenario.lateral_speed)
+    time = np.linspace(0.0, FURTHER * abs(start) / speed, INSTANTS)
+    turn, tilt = float(scenario.misalignment), float(scenario.active_angle)
+    offset = float(scenario.offset)
+    first = start * np.cos(turn) - offset * np.sin(turn), start * np.sin(turn) + offset * np.cos(turn)
+    # The active vehicle turns about its centre of mass, which is this far behind the tip at the spring's free length.
+    behind = float(design.active.hinge_offset) + float(design.buffer.free_length) + float(design.probe.length)
+    pushed = np.zeros_like(time)
+    if scenario.thrust is not None and scenario.thrust_time is not None:
+        for_time, push = float(scenario.thrust_time), float(scenario.thrust) / float(design.active.mass)
+        pushing = np.minimum(time, for_time)
+        pushed = push * pushing * (time - 0.5 * pushing)
+    axis = tilt + float(scenario.active_rate) * time
+    x = first[0] + speed * time + pushed * np.cos(tilt) + behind * (np.cos(axis) - np.cos(tilt))
+    y = first[1] + lateral * time + pushed * np.sin(tilt) + behind * (np.sin(axis) - np.sin(tilt))
+    seen = turn + float(scenario.passive_rate) * time
+    return x * np.cos(seen) + y * np.sin(seen), -x * np.sin(seen) + y * np.cos(seen)

@@ -1,0 +1,149 @@
+"""What is said before anything is computed: numbers that nothing reads, and what the geometry rules out."""
+
+import numpy as np
+import pytest
+
+import jaxbuffer as jb
+from jaxbuffer.cli.entry import run as command
+from jaxbuffer.fields import get, inactive, metadata, paths
+from jaxbuffer.mechanisms import all_mechanisms
+from jaxbuffer.mechanisms.cautions import cautions
+
+ROOT2 = np.sqrt(2.0)
+
+
+def said(changes, scenario=None, **varied):
+    return cautions(jb.replace(jb.table2(), changes), (scenario or jb.Scenario(),), **varied)
+
+
+def other_value(part, path):
+    """A value of a field that is not its default."""
+    value, declared = get(part, path), metadata(part, path)
+    if "choices" in declared:
+        return next(word for word in declared["choices"] if word != value)
+    return 0.5 * value if isinstance(value, float) and value else 0.02 if "unit" in declared else 3
+
+
+@pytest.mark.parametrize("mechanism", all_mechanisms(), ids=lambda it: it.name)
+def test_each_number_that_needs_another_is_named_with_what_it_needs(mechanism):
+    design, scenario = mechanism.design(), mechanism.scenario()
+    assert inactive(design, scenario) == []
+    for path in paths(design):
+        if not metadata(design, path).get("needs"):
+            continue
+        try:
+            changed = jb.replace(design, {path: other_value(design, path)})
+        except jb.InputError as error:  # it cannot be given at all without what it needs
+            assert path.rpartition(".")[2] in str(error)
+            continue
+        lines = [line for line in inactive(changed, scenario) if line.startswith(f"{path} = ")]
+        assert lines == [] or " has no effect: " in lines[0]
+        assert len(inactive(changed, scenario)) == len(lines)
+
+
+@pytest.mark.parametrize(
+    ("changes", "path", "needed"),
+    [
+        ({"latch.strength": 60.0}, "latch.strength = 60 N", "latch.stiffness"),
+        ({"latch.turn_stiffness": 50.0}, "latch.turn_stiffness", "latch.stiffness"),
+        ({"latch.stiffness": 2e3, "latch.preload_length": 1e-3}, "latch.preload_length", "latch.preload"),
+        ({"shock.damping": 0.1}, "shock.damping", "shock.active_1"),
+        ({"buffer.rebound_gap": 1e-3}, "buffer.rebound_gap", "buffer.rebound_stiffness"),
+        ({"buffer.friction": 0.0, "buffer.friction_speed": 0.01}, "buffer.friction_speed", "buffer.friction"),
+        ({"hinge.bush_radius": 0.004}, "hinge.bush_radius", "hinge.play"),
+        ({"probe.bending_modes": 5}, "probe.bending_modes = 5", "probe.bending_stiffness"),
+        ({"contact.linear_stiffness": 1e6}, "contact.linear_stiffness", 'contact.law = "kelvin-voigt"'),
+        ({"contact.memory_time": 1e-3}, "contact.memory_time", 'contact.memory = "smooth"'),
+    ],
+)
+def test_a_number_without_effect_is_said(changes, path, needed):
+    (line,) = said(changes)
+    assert line.startswith(path) and needed in line.partition("has no effect")[2]
+
+
+def test_nothing_is_said_of_a_number_once_what_it_needs_is_there():
+    assert said({"latch.stiffness": 2e3, "latch.strength": 60.0, "latch.turn_stiffness": 50.0}) == []
+    assert said({"shock.passive_2": 60.0, "shock.damping": 0.1}) == []
+    assert said({"contact.law": "kelvin-voigt", "contact.linear_stiffness": 1e6}) == []
+    assert said({"latch.damping": 50.0}, varied=("latch.stiffness",)) == []  # a sweep sets it
+    (line,) = said({}, varied=("latch.strength",))
+    assert line.startswith("latch.strength is varied and has no effect")
+
+
+def test_what_replaces_a_number_is_named():
+    design = jb.replace(jb.SliderCrank(), {"rod.depth": 0.02, "rod.mass": 0.3})
+    assert inactive(design, jb.SliderCrankScenario()) == [
+        "rod.mass = 0.3 kg has no effect: rod.depth stands in its place"
+    ]
+    empty = jb.replace(jb.TankDrop(), {"contents.kind": "none"})
+    (line,) = inactive(empty, jb.TankDropScenario(fill=0.5))
+    assert line.startswith("scenario.fill = 0.5 has no effect") and "contents.kind" in line
+
+
+def test_a_ball_larger_than_the_throat_is_said_with_how_far_it_gets():
+    changes = {"probe.tip_radius": 0.042, "cone.throat_radius": 0.03}
+    (line,) = said(changes)
+    assert "probe.tip_radius 42 mm is above cone.throat_radius 30 mm" in line
+    reach = 0.042 / ROOT2 - np.sqrt(0.042**2 - 0.03**2)  # from touching the edge at 45° to resting on both edges
+    assert f"{1e3 * reach:.3g} mm behind" in line
+    deep = said(changes | {"latch.stiffness": 2e3, "latch.depth": 0.01})
+    assert len(deep) == 2 and deep[1].startswith("latch.depth 10 mm")
+    (line,) = said({"probe.tip_radius": 0.03})  # 21.2 mm to each flank's side on the axis, in a throat of 15 mm
+    assert "wedges" in line and f"{1e3 * (0.03 / ROOT2 - 0.015):.3g} mm before" in line
+    assert said({"probe.tip_radius": 0.014}) == said({}) == []
+
+
+@pytest.mark.parametrize(
+    ("numbers", "miss"),
+    [
+        ({"offset": 0.5}, "500 mm"),
+        ({"offset": -0.1}, "100 mm"),
+        ({"lateral_speed": 0.2, "standoff": 0.1}, "230 mm"),  # 115 mm forward at 0.1 m/s
+        ({"offset": 0.08}, ""),  # 13 mm beyond the rim, less than the ball's radius: it touches
+        ({"offset": 0.06}, ""),
+    ],
+)
+def test_an_approach_that_misses_the_cone_is_said(numbers, miss):
+    lines = said({}, jb.Scenario(start="free", **numbers))
+    if not miss:
+        assert lines == []
+        return
+    assert lines[0].startswith("the approach misses the cone") and miss in lines[0] and "scenario.offset" in lines[0]
+
+
+def test_one_of_several_scenarios_that_misses_is_numbered():
+    scenarios = [jb.Scenario(start="free", offset=x) for x in (0.01, 0.3, 0.02)]
+    (line,) = cautions(jb.table2(), scenarios)
+    assert line.endswith("(scenario 2 of 3)")
+
+
+def test_check_says_them(tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    study.write_text('[latch]\nstrength = "60 N"\n[scenario]\nstart = "free"\noffset = "50 cm"\n')
+    assert command(["check", str(study)]) == 0
+    told = capsys.readouterr().out
+    assert "latch.strength = 60 N has no effect: it needs latch.stiffness" in told
+    assert "misses the cone: the tip passes its mouth 500 mm off the axis" in told
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        ({"buffer.max_stroke": 0.2}, ("buffer.max_stroke", "buffer.free_length")),
+        ({"hinge.play": 0.01}, ("hinge.play", "hinge.bush_radius")),
+        ({"probe.tip_radius": 0.2}, ("probe.tip_radius", "cone.throat_radius", "cone.length")),
+    ],
+)
+def test_a_range_that_another_number_ends_names_that_number(changes, names):
+    with pytest.raises(jb.InputError) as error:
+        jb.replace(jb.table2(), changes)
+    assert all(name in str(error.value) for name in names)
+
+
+def test_a_first_contact_beyond_the_flank_names_its_length():
+    with pytest.raises(jb.InputError, match=r"scenario.contact_distance.*cone.length"):
+        jb.simulate(jb.table2(), jb.Scenario(contact_distance=0.2))
+    with pytest.raises(jb.InputError, match=r"scenario.misalignment.*cone.half_angle"):
+        jb.simulate(jb.table2(), jb.Scenario(misalignment=1.0))
+    with pytest.raises(jb.InputError, match=r"scenario.height.*bar.length"):
+        jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.3))
