@@ -10,9 +10,10 @@ from scipy.integrate import solve_ivp
 
 import jaxbuffer as jb
 from front.made_up import END, made_up_capture
+from jaxbuffer.hybrid.hermite import quintic
 from jaxbuffer.mechanisms.bar_drop import BAR_DROP
 from jaxbuffer.run.history import history_at
-from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _quintic, _straight, at_times
+from jaxbuffer.run.instants import BLOCK, _blocks, _instants, _straight, at_times
 
 START, LENGTH = 0.7, 0.3  # s
 
@@ -22,8 +23,9 @@ def test_a_quintic_is_met_everywhere(share):
     polynomial = np.polynomial.Polynomial([2.0, -1.0, 3.0, 0.5, -4.0, 1.5])
     ends = [[jnp.array([float(polynomial.deriv(k)(time)) if k else float(polynomial(time))]) for k in range(3)]
             for time in (START, START + LENGTH)]  # fmt: skip
-    found = _quintic(jnp.asarray(share), jnp.asarray(LENGTH), *ends)
-    np.testing.assert_allclose(found, polynomial(START + share * LENGTH), rtol=1e-12)
+    value, rate = quintic(*ends, jnp.asarray(LENGTH), jnp.asarray(share))
+    np.testing.assert_allclose(value, polynomial(START + share * LENGTH), rtol=1e-12)
+    np.testing.assert_allclose(rate, polynomial.deriv()(START + share * LENGTH), rtol=1e-11)
 
 
 def test_straight_lines():

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 
 from ..errors import InputError, concrete, shown
 from ..fields import in_unit
+from ..hybrid.hermite import state_within
 from ..mechanisms.history import History
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.run import Run
@@ -21,9 +22,9 @@ BLOCK = 512  # instants looked at together
 def at_times(run: Run, times: Float[np.ndarray, " instants"]) -> History:
     """The history at given times.
 
-    Between two steps the state is the polynomial that has the same state and rate at both (Hermite's cubic; positions
-    the same accelerations too, a quintic), and forces are those that the system exerts in that state. A history without
-    states, read from a file say, is followed in straight lines.
+    Between two steps the state is the polynomial that has the same state and rate at both: Hermite's cubic; for
+    positions, which have the same accelerations too, a quintic, whose rates are the velocities. Forces are those that
+    the system exerts in that state. A history without states, read from a file say, is followed in straight lines.
 
     **Arguments:** ``run``: one simulated with ``history=True``; ``times``: [s], those outside the run at its ends.
 
@@ -116,29 +117,10 @@ def _instants(
     system = mechanism.system(*parameters)
 
     def at(start: Array, end: Array, time: Array, closed: Array, before: Array, after: Array) -> History:
-        length = end - start
-        share = (time - start) / jnp.where(length > 0.0, length, 1.0)
-        rest = 1.0 - share
-        first, last = system.derivative(start, before, closed), system.derivative(end, after, closed)
-        value = rest * rest * (1.0 + 2.0 * share) * before + share * share * (3.0 - 2.0 * share) * after
-        rate = rest * rest * share * first - share * share * rest * last
-        state = value + length * rate
-        # positions take their accelerations at both steps too: the quintic that has these as well
-        n = system.coordinates
-        curved = _quintic(
-            share, length, *((y[:n], dy[:n], dy[n : 2 * n]) for y, dy in ((before, first), (after, last)))
-        )
-        return history_at(system, time, closed, jnp.concatenate([curved, state[n:]]))
+        length = jnp.where(end > start, end - start, 1.0)  # the last step of a history has none after it
+        first = before, system.derivative(start, before, closed)
+        last = after, system.derivative(end, after, closed)
+        state = state_within(system.coordinates, first, last, length, (time - start) / length)
+        return history_at(system, time, closed, state)
 
     return jax.vmap(at)(start, end, time, closed, before, after)
-
-
-def _quintic(share: Array, length: Array, start: tuple[Array, ...], end: tuple[Array, ...]) -> Array:
-    """Hermite's quintic at a ``share`` of a step's ``length``, from values, rates and their rates at both ends."""
-    rest = 1.0 - share
-    total = jnp.zeros_like(start[0])
-    for here, there, sign, (value, rate, bend) in ((share, rest, 1.0, start), (rest, share, -1.0, end)):
-        weights = 1.0 + 3.0 * here + 6.0 * here**2, here * (1.0 + 3.0 * here), 0.5 * here**2
-        terms = value * weights[0] + sign * length * rate * weights[1] + length**2 * bend * weights[2]
-        total = total + there**3 * terms
-    return total
