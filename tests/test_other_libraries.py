@@ -46,6 +46,9 @@ class Plain:
     def __float__(self):
         return self.value
 
+    def __repr__(self):
+        return f"Plain({self.value}, {self.units!r})"
+
 
 def speed(value):
     return jb.Scenario(approach_speed=value).approach_speed
