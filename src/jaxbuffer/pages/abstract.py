@@ -276,7 +276,7 @@ def _sample(results: Results, every: Sequence[Results]) -> str:
     doubtful = {it["quantity"] for it in record["surfaces"] if not it["trusted"]}
     known = [row for row in record["indices"] if row["from"] == "runs" or row["quantity"] not in doubtful]
     for name, rows in by_quantity(known).items():
-        row = max(rows, key=lambda row: row["first_order [-]"])
+        row = max(rows, key=lambda row: -np.inf if (alone := row["first_order [-]"]) is None else alone)
         text += f" The {title(mechanism, name)} is scattered most by {row['number']}: {_share(row)}."
     return text
 
