@@ -90,16 +90,21 @@ def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> 
     with_word = [
         option for option in beside if last in _first_words(option.rpartition(".")[2], meaning and meaning(option))
     ]
-    if 1 < len(with_word) <= FEW:
+    if len(with_word) > FEW:  # the names that have the word stand before those that only mean it
+        words = {option: option.rpartition(".")[2].split("_") for option in with_word}
+        with_word = sorted((it for it in with_word if last in words[it]), key=lambda it: len(words[it]))[:FEW]
+    elif len(with_word) <= 1:
+        near = nearest(name, options)
+        with_word = (same or _meant(last, beside, meaning))[:FEW] or ([near] if near else [])
+    if with_word:
         return f"; did you mean {' or '.join(with_word)}?"
-    if len(with_word) <= FEW:
-        if meant := same or _meant(last, beside, meaning):
-            return f"; did you mean {' or '.join(meant[:FEW])}?"
-        if near := nearest(name, options):
-            return f"; did you mean {near}?"
-    listed = beside or list(dict.fromkeys(option.split(".")[0] for option in options))
-    more = f" and {len(listed) - LISTED} more" if len(listed) > LISTED else ""
-    return "; known: " + ", ".join(listed[:LISTED]) + more
+    return "; known: " + listed(beside or dict.fromkeys(option.split(".")[0] for option in options))
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in a row, of many the first and how many more there are."""
+    first, rest = list(names)[:LISTED], list(names)[LISTED:]
+    return ", ".join(first) + (f" and {len(rest)} more" if rest else "")
 
 
 def nearest(name: Any, known: Iterable[str]) -> str | None:

@@ -9,7 +9,9 @@ from jaxbuffer import Scenario, replace, simulate, table2
 from jaxbuffer.mechanisms.registry import mechanism_of
 from verification.docking_cases import DOCKING, QUANTITIES
 
-ROUNDING = 1e-8  # machines round unlike, by 4e-10 after 24 impacts; on one and the same the numbers are equal
+# Machines and programs round unlike, which 24 impacts amplify: the same steps compiled with a look inside each of them,
+# which finds nothing, or with a print, end 2.2e-8 apart; the other numbers are within 2e-9.
+ROUNDING = 5e-8
 # Table 2's capture without docking, to the last bit of one machine.
 TABLE2 = {
     "peak_force": "0x1.fa4357404537ep+7",

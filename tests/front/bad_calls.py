@@ -174,7 +174,11 @@ PYTHON = [
     call(lambda: stated(variables="buffer.k_A"), "variables = 'buffer.k_A' is not a list"),
     call(lambda: stated(variables=["buffer.k_A"]), "variable = 'buffer.k_A' is not a Variable; write Variable("),
     call(lambda: stated(variables=[K, K]), "buffer.k_A is named twice among the variables"),
-    call(lambda: stated(variables=[Variable("buffer.k_A", "100", "2000")]), "low bound: '100' is not a number", "N/m"),
+    call(
+        lambda: stated(variables=[Variable("buffer.k_A", "100", "2000")]),
+        "low bound = '100': a text needs a unit; write 100",
+        "N/m",
+    ),
     call(lambda: stated(variables=[Variable("buffer.k_A", 100.0, None)]), "high bound: None is not a number", "N/m"),
     call(lambda: stated(variables=[Variable("buffer.k_A", 2e3, 1e2)]), "low bound of [2000, 100] N/m", "swapped"),
     call(lambda: stated(variables=[Variable(5, 1.0, 2.0)]), "5 is not a dotted path"),

@@ -154,7 +154,10 @@ STUDIES = [
     toml("[problem.objective]\npeak_force = 'all'", "problem.objective.peak_force: 'all' is not a number"),
     toml("[problem.objective]\nover = 'wurst'", "objective.over = 'wurst' is unknown", "did you mean worst?"),
     toml("[problem.objective]\nlevel = 1", "objective.level = 1 is out of range; allowed: [0, 1)"),
-    toml("[problem.constraints]\nfizz = 1", "problem.constraints.fizz is unknown; known: captured, impacts"),
+    toml(
+        "[problem.constraints]\nfizz = 1",
+        "problem.constraints.fizz is unknown; known: captured, latched, held, impacts",
+    ),
     toml("[problem.constraints]\nstroke = 0", "problem.constraints.stroke = 0 m is out of range; allowed: (0, inf) m"),
     line(
         "tune study.toml",

@@ -108,7 +108,7 @@ def test_quantities_that_can_change_sign_have_derivatives_and_no_elasticities(es
     shown = repr(escaped)
     elasticities, derivatives = shown.split("Derivatives of quantities that can change sign")
     assert "capture_margin" not in elasticities and "peak_force" in elasticities
-    assert "capture_margin" in derivatives and "+2 m/(N/m)" in derivatives and "-0.3 m" in derivatives
+    assert "capture_margin" in derivatives and "+2000 mm/(N/m)" in derivatives and "-300 mm" in derivatives
     header, rows = sensitivity_rows(escaped)
     by_name = {row[0]: dict(zip(header, row, strict=True)) for row in rows}
     assert by_name["peak_force"]["elasticity [-]"] == pytest.approx(4.0)

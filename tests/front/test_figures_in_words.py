@@ -63,10 +63,13 @@ class Sampled:
     def __init__(self, trusted, source):
         rows = [("a", 0.42, 0.71), ("b", 0.29, 0.6)]
         self.mechanism = all_mechanisms()[0]
+        self.design = self.mechanism.design()
         self.records = {
             "sample": {
                 "outcomes": {"captured": 8},
-                "ranges": [{}, {}],
+                "runs": 8,
+                "done": 8,
+                "ranges": [{"path": "buffer.k_A"}, {"path": "buffer.c_A"}],
                 "surfaces": [{"quantity": "peak_force", "trusted": trusted}],
                 "indices": [
                     {"quantity": "peak_force", "number": n, "first_order [-]": s, "total [-]": t, "from": source}

@@ -40,13 +40,13 @@ def test_run_figure():
         "Gap and distance to capture",
         "Energy without that of the common motion",
         "Buffer stroke",
-        "Hinge angle, largest 0.229°",
+        "Hinge angle, from -0.229 to 0°",
     ]
     zoom = axes["The peak, 250 N at 20 ms"]
     assert zoom.get_xlim()[0] == pytest.approx(-0.75e3 * PULSE, rel=0.15), "the impact and a quarter of it either side"
     assert zoom.get_ylim()[1] > 250.0
     assert axes["Buffer stroke"].get_ylim()[1] > 7.5
-    assert axes["Hinge angle, largest 0.229°"].get_ylim()[0] < -0.2, "signed"
+    assert axes["Hinge angle, from -0.229 to 0°"].get_ylim()[0] < -0.2, "signed"
     assert png(figure).startswith(b"\x89PNG")
 
 

@@ -11,6 +11,7 @@ import jax
 import numpy as np
 import pytest
 from made_up import END, PULSE, STEPS, made_up_sweep, made_up_tuning
+from markupsafe import escape
 from report_folders import COMMANDS, STUDY, every_kind
 
 import jaxbuffer as jb
@@ -356,9 +357,9 @@ def test_a_section_for_every_kind_of_result(folders):
 
 WHAT_WAS_FOUND = {
     "run": "the capture ends after 0.04 s: captured: the tip centre crossed the capture plane inwards. Its largest"
-    " contact force is 250 N. It keeps every limit.",
-    "missed": "escaped: the tip left the cone. Its largest contact force is 250 N. It does not end"
-    " captured, as it must.",
+    " contact force is 250 N; the largest force on a vehicle is the hinge's, 375 N. It keeps every limit.",
+    "missed": "escaped: the tip left the cone. Its largest contact force is 250 N; the largest force on a vehicle is"
+    " the hinge's, 375 N. It does not end captured, as it must.",
     "sensitivity": "Of 5 numbers probe.tip_mass moves the peak contact force most: 1 % more of it changes it by"
     " +0.05 % (trusted).",
     "tuned": "Tuning lowered peak force, worst over the scenarios, from 250 to 200 N (-20 %); the design keeps every"
@@ -379,7 +380,7 @@ def test_a_page_begins_with_what_was_found(folders, name):
     assert WHAT_WAS_FOUND[name] in paragraph
     page = review([load(folders[name])]).html()
     header = page[page.index("<header>") : page.index('class="verdicts"')]
-    assert f'<p class="abstract">{paragraph}</p>' in header
+    assert f'<p class="abstract">{escape(paragraph)}</p>' in header
 
 
 def test_a_page_of_several_begins_with_a_paragraph_for_each(folders):
@@ -573,8 +574,9 @@ def test_compared_folders_say_which_limits_they_keep(folders, tmp_path):
     ]
     assert [[row[-1].text for row in table.rows[:2]] for table in tables] == [["broken", "kept"], ["kept", "kept"]]
     pills = {verdict.text.rpartition("/")[2]: verdict.mark for verdict in page.verdicts}
-    assert pills["first: captured, 1 limit broken, peak force 250 N"] == "bad"
-    assert pills["second: captured, limits kept, peak force 250 N"] == "good"
+    larger = "the largest force on a vehicle is the hinge's, 375 N"
+    assert pills[f"first: captured, 1 limit broken, peak force 250 N, {larger}"] == "bad"
+    assert pills[f"second: captured, limits kept, peak force 250 N, {larger}"] == "good"
 
 
 def test_a_value_at_its_limit_is_told(folders, tmp_path):

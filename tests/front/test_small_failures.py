@@ -139,7 +139,7 @@ def test_histories_at_no_times_and_at_what_are_none():
     drop = jb.simulate(jb.BarDrop(), jb.BarDropScenario(height=0.01), 0.06, history=True)
     nothing, some = jb.at_times(drop, []), jb.at_times(drop, [0.01, 0.02])
     assert nothing.time.shape == (0,) and nothing.position.shape == (0, *some.position.shape[1:])
-    for times in (0.01, np.zeros((2, 2)), "0.01", [0.01, np.nan], [[0.01], [0.02, 0.03]], None):
+    for times in (0.01, np.zeros((2, 2)), "0.01 s", [0.01, np.nan], [[0.01], [0.02, 0.03]], None):
         with pytest.raises(jb.InputError, match=r"^times = .*: expected an array \(n,\) of times \[s\]"):
             jb.at_times(drop, times)
 

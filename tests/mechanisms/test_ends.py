@@ -32,7 +32,7 @@ class Throw(Part):
     """How it is thrown upwards."""
 
     section = "scenario"
-    speed: float = number(0.8, "m/s", **POSITIVE)
+    launch: float = number(0.8, "m/s", **POSITIVE)
 
 
 class Arrival(RunOutcome):
@@ -53,7 +53,7 @@ def thrown(design, scenario, stabilisation=20.0):
     return Assembled(
         System((Body(ball, 1e-5),), (), (AppliedForce(0, (0.0, -GRAVITY * ball)),), stabilisation),
         q=jnp.zeros(3),
-        v=jnp.stack([0.0 * scenario.speed, scenario.speed, 0.0 * scenario.speed]),
+        v=jnp.stack([0.0 * scenario.launch, scenario.launch, 0.0 * scenario.launch]),
         ends=(lambda system, kin: kin.q[1] - MARK,),
         size=(1e-2, 1.0),
     )
@@ -65,7 +65,7 @@ register(Mechanism("thrown", Thrown, Throw, {"end_time": END_TIME}, thrown, view
 @pytest.mark.parametrize("speed", [0.775, 0.8, 0.825])
 def test_a_run_that_reaches_its_mark_is_ended_there(speed):
     """Its apex is 2 to 16 % above the mark, and in 0.6 s it is far below again: one step of free flight."""
-    run = jb.simulate(Thrown(), Throw(speed=speed), 0.6)
+    run = jb.simulate(Thrown(), Throw(launch=speed), 0.6)
     assert run.outcome.name == "ended"
     rise = (speed - np.sqrt(speed**2 - 2.0 * GRAVITY * MARK)) / GRAVITY
     np.testing.assert_allclose(run.end_time, rise, rtol=1e-9)
@@ -75,13 +75,13 @@ def test_a_run_that_reaches_its_mark_is_ended_there(speed):
 def test_its_end_moves_with_the_speed():
     """dt/dv of t = (v - √(v² - 2 g h)) / g."""
     speed = 0.8
-    slope = jax.grad(lambda v: jb.simulate(Thrown(), Throw(speed=v), 0.6).end_time)(speed)
+    slope = jax.grad(lambda v: jb.simulate(Thrown(), Throw(launch=v), 0.6).end_time)(speed)
     exact = (1.0 - speed / np.sqrt(speed**2 - 2.0 * GRAVITY * MARK)) / GRAVITY
     np.testing.assert_allclose(slope, exact, rtol=1e-7)
 
 
 def test_a_run_that_stays_below_its_mark_finishes():
-    run = jb.simulate(Thrown(), Throw(speed=0.76), 0.6)
+    run = jb.simulate(Thrown(), Throw(launch=0.76), 0.6)
     assert run.outcome.name == "finished"
     np.testing.assert_allclose(run.end_time, 0.6)
 

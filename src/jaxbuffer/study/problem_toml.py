@@ -29,10 +29,10 @@ from ..fields import (
 )
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.registry import mechanism_of
-from ..suggestions import Meaning
+from ..suggestions import Meaning, listed
 from ..sweeps.axis import EXAMPLE, choices_example, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
-from ..tuning.objective import end_names, quantity_in_words
+from ..tuning.objective import quantity_in_words
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
 from .own_quantities import named_quantities, own_quantities
 
@@ -253,10 +253,12 @@ def _objective(table: Mapping[str, Any], where: str, units: Mapping[str, str]) -
     return Objective(weights, **options) if weights else Objective(**options)
 
 
-def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
-    asked = {name: value for name, value in table.items() if name in end_names()}
-    known = ("captured", *end_names(), "impacts", *units)
-    check_known(table, known, "problem.constraints", quantity_in_words)
+def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
+    """The limits of a [problem], by default the mechanism's."""
+    units, ends = _units(table, mechanism), tuple(end.name for end in mechanism.tuning.ends)
+    table = _table(table, "constraints", mechanism.defaults.limits)
+    asked = {name: value for name, value in table.items() if name in ends}
+    check_known(table, ("captured", *ends, "impacts", *units), "problem.constraints", quantity_in_words)
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
         if name not in units:
@@ -268,8 +270,9 @@ def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
         check_known(sides, SIDES, where)
         if not sides:
             raise InputError(f"{where} = {{}} limits nothing; write {name} = 0.1 or {name} = {{min = 0.1, max = 0.2}}")
-        ends = [sides.get("min"), sides.get("max")]
-        check_units_agree(where, ends, lambda low, high: f'{{min = "{low}", max = "{high}"}}')
+        check_units_agree(
+            where, [sides.get("min"), sides.get("max")], lambda low, high: f'{{min = "{low}", max = "{high}"}}'
+        )
         for side, text in sides.items():
             value = in_unit(where, text, symbol, low=0.0, low_open=True)
             check_number(where, value, symbol, low=0.0, low_open=True)
@@ -277,15 +280,10 @@ def _limits(table: Mapping[str, Any], units: Mapping[str, str]) -> Limits:
     return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least, **asked)
 
 
-def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
-    """The limits of a [problem], by default the mechanism's."""
-    return _limits(_table(table, "constraints", mechanism.defaults.limits), _units(table, mechanism))
-
-
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:
     check_known(table, (*units, *OPTIONS, "slack"), "problem.then", quantity_in_words)
     if not set(table) & set(units):
-        raise InputError(f"problem.then names no quantity; choose some of {', '.join(units)}")
+        raise InputError(f"problem.then names no quantity; choose some of {listed(units)}")
     objective = {name: value for name, value in table.items() if name != "slack"}
     return Then(_objective(objective, "then", units), table.get("slack", Then.slack))
 
