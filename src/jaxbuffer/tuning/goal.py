@@ -1,6 +1,7 @@
 """One stage of a tuning: an objective, the constraints as rows g ≤ 0, and both to first order in a step."""
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -90,13 +91,14 @@ class Goal:
         by_case = np.einsum("q,cqn->cn", self.weights(self.objective), evaluation.quantities_slope)
         return np.asarray(case_weights @ by_case)
 
-    @property
+    @functools.cached_property
     def limits(self) -> Limits:
         """The problem's limits and those that always hold."""
         return self.problem.limits.with_always(self.problem.mechanism.always(self.problem.design))
 
+    @functools.cached_property
     def indexed_limits(self) -> list[tuple[int, Limit]]:
-        """Return each limit with the index of its quantity in `Problem.names`."""
+        """Each limit with the index of its quantity in `Problem.names`."""
         return [(self.problem.names.index(limit.name), limit) for limit in self.limits.each]
 
     @property
@@ -108,7 +110,7 @@ class Goal:
         self, quantities: Float[np.ndarray, "cases quantities"], margin: Float[np.ndarray, " cases"]
     ) -> Float[np.ndarray, " rows"]:
         """Return all constraints that have slopes: limits by quantity, then margins, then the ceiling."""
-        parts = [limit.rows(quantities[:, q]) for q, limit in self.indexed_limits()]
+        parts = [limit.rows(quantities[:, q]) for q, limit in self.indexed_limits]
         if self.must_succeed:
             parts.append(-margin)
         if self.ceiling is not None:
@@ -174,7 +176,7 @@ class Goal:
         Beside a limit on the peak force stands the first impact, where that alone is above it: no buffer softens it.
         """
         found, solved, problem = list[tuple[float, str]](), evaluation.solved, self.problem
-        for q, limit in self.indexed_limits():
+        for q, limit in self.indexed_limits:
             excess = np.where(solved, limit.excess(evaluation.quantities[:, q]), 0.0)
             k, quantity = int(np.argmax(excess)), problem.catalogue[limit.name]
             text = limit.sentence(float(evaluation.quantities[k, q]), quantity)

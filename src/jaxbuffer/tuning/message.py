@@ -135,7 +135,7 @@ class BrokenLimit(NamedTuple):
 def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
     solved, limits = point.solved, list[BrokenLimit]()
-    for q, limit in goal.indexed_limits():
+    for q, limit in goal.indexed_limits:
         excess = np.where(solved, limit.excess(point.quantities[:, q]), 0.0)
         if np.any(excess > 0.0):
             limits.append(_of_quantity(goal, point, q, limit, excess))

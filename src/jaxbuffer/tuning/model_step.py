@@ -206,7 +206,7 @@ class _Model(Programme):
     def constraints(self) -> list[Row]:
         """Return the rows of `Goal.rows` in their order."""
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
-        for quantity, limit in goal.indexed_limits():
+        for quantity, limit in goal.indexed_limits:
             one = np.zeros(len(goal.problem.names))
             one[quantity] = limit.sign / limit.bound
             for k in self.cases:
