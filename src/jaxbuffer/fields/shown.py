@@ -74,6 +74,8 @@ def _scaled(value: np.ndarray) -> str:
     entries = ", ".join(f"{entry:.6g}" for entry in value.ravel()[:MOST])
     if value.ndim == 1 and value.size <= MOST:
         return f"[{entries}]"
+    if np.all(np.isnan(value)):
+        return f"not known, of shape {value.shape}"
     few = f"[{entries}, …]" if value.size > MOST else f"[{entries}]"
     return f"{few} of shape {value.shape}, from {np.nanmin(value):.6g} to {np.nanmax(value):.6g}"
 
