@@ -47,11 +47,10 @@ def test_flags_of_a_version_that_can_do_without_emitters(flags, trials):
     assert not trials
 
 
-def test_flags_of_a_version_that_has_emitters_only(flags, trials):
-    """NO_EMITTERS would end the process there; fusions are made large instead."""
-    loops, *others = flags("", version="0.12.0.1")
-    assert loops == xla_flags.SHORT_LOOPS + xla_flags.LARGE_FUSIONS
-    assert others == [xla_flags.FEW_PASSES, xla_flags.ONE_MODULE, xla_flags.WIDE_VECTORS]
+def test_flags_of_a_version_that_cannot_do_without_emitters(flags, trials):
+    """`NO_EMITTERS` would end the process there."""
+    others = [xla_flags.FEW_PASSES, xla_flags.ONE_MODULE, xla_flags.WIDE_VECTORS]
+    assert flags("", version="0.12.0.1") == [xla_flags.SHORT_LOOPS, *others]
     assert not trials
 
 
@@ -81,7 +80,7 @@ def test_flags_of_another_version_are_tried_once_and_kept_with_it(flags, trials,
 
 def test_another_version_is_not_tried_at_every_start_where_nothing_can_be_kept(flags, trials, monkeypatch, tmp_path):
     monkeypatch.setattr(xla_flags.store, "folder", lambda: None)
-    alone = [xla_flags.ONE_KERNEL + xla_flags.LARGE_FUSIONS]
+    alone = [xla_flags.ONE_KERNEL]
     assert flags("", version="0.13.0") == alone
     monkeypatch.setattr(xla_flags.store, "folder", lambda: tmp_path)
     monkeypatch.setattr(xla_flags.os, "access", lambda *_: False)

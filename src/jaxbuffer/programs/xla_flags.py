@@ -27,9 +27,6 @@ WIDE_VECTORS = "--xla_cpu_prefer_vector_width=512"
 FEW_PASSES = "--xla_disable_hlo_passes=while-loop-invariant-code-motion,simplify-while-loops"
 ONE_MODULE = "--xla_cpu_parallel_codegen_split_count=1"
 NO_EMITTERS = "--xla_cpu_use_fusion_emitters=false"
-# Where MLIR's emitters cannot be switched off, they make a kernel of each fusion outside the loop. This makes fewer and
-# larger ones. XLA ignores options of its own that it does not know, so this one need not be tried.
-LARGE_FUSIONS = ",xla_cpu_use_multi_output_fusion=true"
 
 TRIALS = (SHORT_LOOPS, FEW_PASSES, NO_EMITTERS, ONE_MODULE, WIDE_VECTORS)
 TAKEN: dict[str, tuple[str, ...]] = {
@@ -51,9 +48,13 @@ def added(present: str, jaxlib: str) -> list[str]:
     if taken is None:
         folder = store.folder()
         taken = () if folder is None else tried(folder, jaxlib)
-    loops = SHORT_LOOPS if SHORT_LOOPS in taken else ONE_KERNEL
     others = [flag for flag in taken if flag != SHORT_LOOPS and flag.split("=")[0] not in present]
-    return [loops if NO_EMITTERS in taken else loops + LARGE_FUSIONS, *others]
+    return [SHORT_LOOPS if SHORT_LOOPS in taken else ONE_KERNEL, *others]
+
+
+def without_emitters() -> bool:
+    """Return whether this process compiles without MLIR's emitters."""
+    return NO_EMITTERS in os.environ.get("XLA_FLAGS", "").split()
 
 
 def tried(folder: Path, jaxlib: str) -> tuple[str, ...]:
