@@ -9,8 +9,10 @@ PYTHON ?= $(call first_python,$(PYTHONS),11)
 NEWEST_PYTHONS := python3.13 python3.12 python3 $(foreach it,13 12,$(call of_pyenv,$(it)))
 NEWEST_PYTHON ?= $(call first_python,$(NEWEST_PYTHONS),12)
 NEWEST := .venv-newest
-# Time stepping, lanes, stored programs, settings of the process, a capture and its gradient.
-NEWEST_TESTS := tests/hybrid tests/test_runtime.py tests/test_programs.py
+# Lanes, logs and transitions of time stepping, stored programs, settings of the process, a capture and its gradient.
+NEWEST_TESTS := $(foreach it,batched_lanes kernel log stored transitions,tests/hybrid/test_$(it).py) tests/test_runtime.py \
+	tests/test_programs.py tests/docking/test_runs.py::test_the_papers_capture_did_not_move \
+	tests/docking/test_runs.py::test_a_captures_gradient_is_that_of_its_differences
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -52,7 +54,7 @@ $(NEWEST)/.ready: pyproject.toml constraints.txt
 .PHONY: $(NEWEST)/.tested
 $(NEWEST)/.tested: $(NEWEST)/.ready
 	$(NEWEST)/bin/python -c "import sys, jax; print('JAX', jax.__version__, 'on Python', sys.version.split()[0])"
-	$(subst $(BIN),$(NEWEST)/bin,$(PYTEST)) -m "not ($(SLOW))" $(NEWEST_TESTS)
+	$(subst $(BIN),$(NEWEST)/bin,$(PYTEST)) $(NEWEST_TESTS)
 
 lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff check .
