@@ -35,7 +35,10 @@ def test_the_papers_capture_did_not_move():
 def test_a_captures_gradient_is_that_of_its_differences():
     design = table2()
     stiffness = design.buffer.k_A
-    peak = lambda k: simulate(replace(design, {"buffer.k_A": k})).peak_force
+
+    def peak(k):
+        return simulate(replace(design, {"buffer.k_A": k})).peak_force
+
     step = 1e-3 * stiffness
     slope = (float(peak(stiffness + step)) - float(peak(stiffness - step))) / (2.0 * step)
     assert_allclose(float(jax.jit(jax.grad(peak))(stiffness)), slope, rtol=1e-4)
