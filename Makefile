@@ -1,5 +1,18 @@
-# Two commands do everything on a machine with Python 3.11 and make: `make run` and `make test`.
-PYTHON ?= python3.11
+# Two commands do everything on a machine with make and Python 3.11 or later: `make run` and `make test`.
+# The first of these that runs and is late enough makes the environment; `make PYTHON=…` names another.
+of_pyenv = $(wildcard $(HOME)/.pyenv/versions/3.$(1)*/bin/python)
+PYTHONS := python3.11 python3.12 python3.13 python3 $(foreach it,11 12 13,$(call of_pyenv,$(it)))
+first_python = $(firstword $(foreach it,$(1),$(shell \
+	$(it) -c 'import sys; print("$(it)" if sys.version_info >= (3, $(2)) else "")' 2>/dev/null)))
+PYTHON ?= $(call first_python,$(PYTHONS),11)
+# JAX's newest versions need a later Python than its oldest here: `make test` has the one, `make test-newest` the other.
+NEWEST_PYTHONS := python3.13 python3.12 python3 $(foreach it,13 12,$(call of_pyenv,$(it)))
+NEWEST_PYTHON ?= $(call first_python,$(NEWEST_PYTHONS),12)
+NEWEST := .venv-newest
+# Lanes, logs and transitions of time stepping, stored programs, settings of the process, a capture and its gradient.
+NEWEST_TESTS := $(foreach it,batched_lanes kernel log stored transitions,tests/hybrid/test_$(it).py) tests/test_runtime.py \
+	tests/test_programs.py tests/docking/test_runs.py::test_the_papers_capture_did_not_move \
+	tests/docking/test_runs.py::test_a_captures_gradient_is_that_of_its_differences
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
@@ -10,7 +23,7 @@ PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 
 SLOW := slow or whole or long
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable
 
-.PHONY: run studies test test-slow test-long lint types smoke bench bench-check bench-docs verify faults docs clean
+.PHONY: run studies test test-slow test-long test-newest lint types smoke bench bench-check bench-docs verify faults docs clean
 
 run: $(READY)  ## tune the Table-2 buffer and say what was found
 	$(BIN)/jaxbuffer tune optimise/table2.toml --output results/table2 --force
@@ -26,6 +39,22 @@ test-slow: $(READY)  ## the other tests but the longest
 
 test-long: $(READY)  ## the longest, which CI leaves out
 	$(PYTEST) -m long
+
+test-newest:  ## some of the quick tests with the newest JAX, in an environment of its own, if a Python 3.12 or later is here
+	@if [ -z "$(NEWEST_PYTHON)" ]; then \
+		echo "test-newest: the newest JAX is not tried: none of $(NEWEST_PYTHONS) is Python 3.12 or later"; \
+	else $(MAKE) --no-print-directory $(NEWEST)/.tested; fi
+
+$(NEWEST)/.ready: pyproject.toml constraints.txt
+	$(NEWEST_PYTHON) -m venv $(NEWEST)
+	$(NEWEST)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
+		--editable . beartype hypothesis jsonschema pytest pytest-xdist
+	touch $@
+
+.PHONY: $(NEWEST)/.tested
+$(NEWEST)/.tested: $(NEWEST)/.ready
+	$(NEWEST)/bin/python -c "import sys, jax; print('JAX', jax.__version__, 'on Python', sys.version.split()[0])"
+	$(subst $(BIN),$(NEWEST)/bin,$(PYTEST)) $(NEWEST_TESTS)
 
 lint: $(READY)  ## style, and which package may import which
 	$(BIN)/ruff check .
@@ -59,6 +88,7 @@ docs: $(READY)  ## these pages as a site, docs/_build/html/index.html; a warning
 	$(BIN)/python -m sphinx -W --keep-going --quiet -b html docs docs/_build/html
 
 $(READY): pyproject.toml constraints.txt
+	$(if $(PYTHON),,$(error none of $(PYTHONS) is Python 3.11 or later: install one, or name it: make PYTHON=/path/to/python))
 	$(PYTHON) -m venv $(VENV)
 	$(INSTALL) ".[dev]"
 	touch $@
@@ -68,4 +98,4 @@ $(PEERS): $(READY)
 	touch $@
 
 clean:
-	rm -rf $(VENV) results docs/_build docs/generated .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(NEWEST) results docs/_build docs/generated .pytest_cache .mypy_cache .ruff_cache

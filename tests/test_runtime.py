@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from importlib.metadata import version
 
 import jax
 import pytest
@@ -11,6 +12,7 @@ import pytest
 import jaxbuffer as jb
 from jaxbuffer.mechanisms.probe_cone.comparison import compare_laws
 from jaxbuffer.programs import process as runtime
+from jaxbuffer.programs import xla_flags
 
 
 @pytest.fixture
@@ -27,22 +29,85 @@ def flags(monkeypatch):
     return configured
 
 
-OURS = [runtime.ONE_KERNEL + runtime.SHORT_LOOPS, *runtime.QUICK_COMPILATION, runtime.WIDE_VECTORS]
+@pytest.fixture
+def trials(monkeypatch):
+    """The flags that were tried, in lists, by a jaxlib that takes all but `NO_EMITTERS`."""
+    begun = []
+
+    def takes(flags):
+        begun.append(list(flags))
+        return [flag != xla_flags.NO_EMITTERS for flag in flags]
+
+    monkeypatch.setattr(xla_flags, "_takes", takes)
+    return begun
 
 
-def test_all_flags_of_a_version_that_was_tried(flags):
-    assert flags("") == OURS
+def test_flags_of_a_version_that_can_do_without_emitters(flags, trials):
+    assert flags("") == list(xla_flags.TRIALS)
+    assert not trials
+
+
+def test_flags_of_a_version_that_cannot_do_without_emitters(flags, trials):
+    """`NO_EMITTERS` would end the process there."""
+    others = [xla_flags.FEW_PASSES, xla_flags.ONE_MODULE, xla_flags.WIDE_VECTORS]
+    assert flags("", version="0.12.0.1") == [xla_flags.SHORT_LOOPS, *others]
+    assert not trials
 
 
 def test_what_is_set_already_stays(flags):
     result = flags("--xla_cpu_parallel_codegen_split_count=8 --xla_force_host_platform_device_count=2")
     assert result[:2] == ["--xla_cpu_parallel_codegen_split_count=8", "--xla_force_host_platform_device_count=2"]
-    assert len(result) == 1 + len(OURS)
+    assert len(result) == 1 + len(xla_flags.TRIALS)
     assert flags(" ".join(result)) == result
 
 
-def test_a_version_that_was_not_tried_gets_no_flags_that_may_end_it(flags):
-    assert flags("", version="0.11.0") == [runtime.ONE_KERNEL]
+def test_flags_of_another_version_are_tried_once_and_kept_with_it(flags, trials, monkeypatch, tmp_path):
+    monkeypatch.setattr(xla_flags.store, "folder", lambda: tmp_path)
+    first = flags("", version="0.13.0")
+    assert first == flags("", version="0.12.0")
+    assert flags("", version="0.13.0") == first
+    assert trials == [list(xla_flags.TRIALS)]
+    assert flags("", version="0.13.1") == first
+    assert len(trials) == 2
+    (file,) = tmp_path.glob("*0.13.0*")
+    file.write_text("{half")  # damaged
+    assert flags("", version="0.13.0") == first
+    assert len(trials) == 3
+    file.write_text('{"--xla_of_an_earlier_jaxbuffer=1": true}')
+    assert flags("", version="0.13.0") == first
+    assert len(trials) == 4
+
+
+def test_another_version_is_not_tried_at_every_start_where_nothing_can_be_kept(flags, trials, monkeypatch, tmp_path):
+    monkeypatch.setattr(xla_flags.store, "folder", lambda: None)
+    alone = [xla_flags.ONE_KERNEL]
+    assert flags("", version="0.13.0") == alone
+    monkeypatch.setattr(xla_flags.store, "folder", lambda: tmp_path)
+    monkeypatch.setattr(xla_flags.os, "access", lambda *_: False)
+    assert flags("", version="0.13.0") == alone
+    assert not trials
+
+
+def test_a_full_disk_ends_no_start(trials, tmp_path):
+    folder = tmp_path / "a file"  # nothing can be written in it
+    folder.write_text("")
+    assert xla_flags.tried(folder, "0.13.0") == tuple(it for it in xla_flags.TRIALS if it != xla_flags.NO_EMITTERS)
+
+
+def test_a_trial_says_which_flag_this_jaxlib_takes():
+    """One that XLA does not know, one that LLVM does not know, and what the table says of this version."""
+    unknown = ["--xla_no_such_flag=1", f"{xla_flags.ONE_KERNEL},-no-such-option=1"]
+    answers = dict(zip(flags := [*unknown, *xla_flags.TRIALS], xla_flags._takes(flags), strict=True))
+    assert not any(answers[flag] for flag in unknown)
+    taken = tuple(flag for flag in xla_flags.TRIALS if answers[flag])
+    series = [it for it in xla_flags.TAKEN if version("jaxlib").startswith(it)]
+    assert all(taken == xla_flags.TAKEN[it] for it in series)
+    assert xla_flags.SHORT_LOOPS in taken
+
+
+def test_a_trial_without_an_interpreter_takes_no_flag(monkeypatch, tmp_path):
+    monkeypatch.setattr(xla_flags.sys, "executable", str(tmp_path / "none"))
+    assert xla_flags._takes(xla_flags.TRIALS[:2]) == [False, False]
 
 
 KEEPS = """
@@ -111,7 +176,7 @@ def test_slow_loops_are_said_once_and_only_where_they_are_slow():
     code, _, errors = process(COMPUTE.format(before=late))
     assert code == 0 and SLOW not in errors and errors.count("jaxbuffer.configure() came after") == 1
     # flags that are set once the backend has started are of no use
-    late = f"import jax, os; jax.devices(); os.environ['XLA_FLAGS'] = {runtime.ONE_KERNEL!r}"
+    late = f"import jax, os; jax.devices(); os.environ['XLA_FLAGS'] = {xla_flags.ONE_KERNEL!r}"
     code, _, errors = process(COMPUTE.format(before=late), JAX_ENABLE_X64="1")
     assert code == 0 and errors.count(SLOW) == 1
 

@@ -1,5 +1,6 @@
 """Whole runs: two reference runs of docking, how runs end, and that the paper's captures are what they were."""
 
+import jax
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -30,6 +31,19 @@ def test_the_papers_capture_did_not_move():
         assert_allclose(float(getattr(found, name)), float.fromhex(bits), rtol=ROUNDING, err_msg=name)
     assert int(found.impact_count) == 24
     assert found.outcome.name == "captured"
+
+
+@pytest.mark.slow
+def test_a_captures_gradient_is_that_of_its_differences():
+    design = table2()
+    stiffness = design.buffer.k_A
+
+    def peak(k):
+        return simulate(replace(design, {"buffer.k_A": k})).peak_force
+
+    step = 1e-3 * stiffness
+    slope = (float(peak(stiffness + step)) - float(peak(stiffness - step))) / (2.0 * step)
+    assert_allclose(float(jax.jit(jax.grad(peak))(stiffness)), slope, rtol=1e-4)
 
 
 @pytest.mark.parametrize("name", ["free start above, all rates", "real buffer"])

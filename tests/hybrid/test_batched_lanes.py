@@ -11,7 +11,9 @@ from hybrid.test_diffeqsolve import STIFFNESS, Ball, expected
 from jaxbuffer.hybrid import ExplicitRungeKutta, Options, Status, Tolerance, solve
 
 LOCATED = Options(solver=ExplicitRungeKutta(), tolerance=Tolerance(1e-10, 1e-10), max_events=8)
-HEIGHTS = jnp.array([0.05, jnp.nan, 0.04, 0.055])
+# The third and the last two rise a few percent through the end and fall again, within one step of free flight: its
+# rounding decides whether one of the guard's signs is seen, so that the end must be found without it.
+HEIGHTS = jnp.array([0.05, jnp.nan, 0.04, 0.055, 0.0365, 0.038])
 
 
 @pytest.fixture
@@ -30,7 +32,7 @@ def ball(height):
 
 
 def test_lanes_are_the_runs_alone_and_one_fails_alone(together):
-    """Values and derivatives of a ball that bounces once, against closed forms."""
+    """Events, end, largest force and its derivative of balls that bounce once, against closed forms."""
 
     def both(height):
         status, *_ = ball(height)
@@ -39,8 +41,8 @@ def test_lanes_are_the_runs_alone_and_one_fails_alone(together):
 
     status, times, force, slope = jax.jit(jax.vmap(both))(HEIGHTS)
     assert together
-    assert status.tolist() == [0, int(Status.NOT_FINITE), 0, 0]
-    for lane in (0, 2, 3):
+    assert status.tolist() == [0, int(Status.NOT_FINITE), 0, 0, 0, 0]
+    for lane in (0, 2, 3, 4, 5):
         exact, peak = expected(HEIGHTS[lane], STIFFNESS)
         np.testing.assert_allclose(times[lane], exact, rtol=1e-8)
         np.testing.assert_allclose(force[lane], peak, rtol=1e-8)

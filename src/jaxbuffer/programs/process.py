@@ -4,6 +4,7 @@ Importing jaxbuffer changes nothing; calling `configure` does.
 
 XLA's CPU backend runs each operation of a loop on its own unless the loop is small. The option below lets it compile a
 whole loop into one function, which makes a capture about ten times faster; it must be set before JAX's backend starts.
+`xla_flags` has it and the others.
 """
 
 import functools
@@ -23,26 +24,12 @@ from jax.extend.backend import get_compile_options
 from ..errors import InputError
 from ..files import home, user_path
 from .store import folder, store_in
+from .xla_flags import THRESHOLD, added
 
 PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "jaxtyping", "lineax", "numpy", "optax", "optimistix")
 Kind = Mapping[str, str]
 NO_HOME = "the home folder is not known; set JAXBUFFER_CACHE to a folder of your own"
 HOST = ("processor", "backend", "XLA")  # what a machine has, rather than an installation
-THRESHOLD = "xla_cpu_small_while_loop_byte_threshold"
-ONE_KERNEL = f"--xla_backend_extra_options={THRESHOLD}=1000000000"
-# XLA ends the process at a flag that it does not know: what follows is set only with versions that it was tried on.
-TRIED = "0.10."  # of jaxlib
-# Our programs compile in two thirds of the time and run as fast without two passes that XLA repeats two dozen times,
-# and with all operations in one module instead of one each (docs/decisions.md).
-QUICK_COMPILATION = (
-    "--xla_disable_hlo_passes=while-loop-invariant-code-motion,simplify-while-loops",
-    "--xla_cpu_use_fusion_emitters=false",
-    "--xla_cpu_parallel_codegen_split_count=1",
-)
-# A loop over the lanes of sensitivities becomes vector instructions only if LLVM does not unroll it first, as it does
-# with loops this short unless told otherwise: a gradient in three quarters of the time.
-SHORT_LOOPS = ",-unroll-full-max-count=7"
-WIDE_VECTORS = "--xla_cpu_prefer_vector_width=512"
 # JAX does not write its files whole in one go, so processes that start together could read a half of what each of them
 # compiles all the time, single operations; these take no longer to compile than to read.
 WORTH_KEEPING = 0.1  # s of compilation
@@ -86,6 +73,14 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     >>> jax.numpy.zeros(1).dtype
     dtype('float64')
     """
+    jax.config.update("jax_enable_x64", True)
+    if cache is True and folder() is None:
+        if (usual := cache_folder()) is None:
+            print(f"note: compiled programs are not stored: {NO_HOME}", file=sys.stderr)
+        else:
+            _keep_programs(usual, jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
+    elif cache and cache is not True:
+        _keep_programs(user_path(cache))
     flags = os.environ.get("XLA_FLAGS", "")
     if THRESHOLD not in flags:
         if backend_is_up():
@@ -97,15 +92,7 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
                 stacklevel=2,
             )
         else:
-            os.environ["XLA_FLAGS"] = " ".join([flags, *_flags(flags)]).strip()
-    jax.config.update("jax_enable_x64", True)
-    if cache is True and folder() is None:
-        if (usual := cache_folder()) is None:
-            print(f"note: compiled programs are not stored: {NO_HOME}", file=sys.stderr)
-        else:
-            _keep_programs(usual, jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
-    elif cache and cache is not True:
-        _keep_programs(user_path(cache))
+            os.environ["XLA_FLAGS"] = " ".join([flags, *added(flags, version("jaxlib"))]).strip()
 
 
 def cache_folder() -> Path | None:
@@ -130,14 +117,6 @@ def _keep_programs(cache: Path, of_jax: str | None = None) -> None:
     elif of_jax is None:
         jax.config.update("jax_compilation_cache_dir", str(cache.resolve()))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", WORTH_KEEPING)
-
-
-def _flags(present: str) -> list[str]:
-    """One-kernel loops, and what else this version knows and is not set already."""
-    if not version("jaxlib").startswith(TRIED):
-        return [ONE_KERNEL]
-    others = [flag for flag in (*QUICK_COMPILATION, WIDE_VECTORS) if flag.split("=")[0] not in present]
-    return [ONE_KERNEL + SHORT_LOOPS, *others]
 
 
 def warned_of_slow_loops() -> bool:
