@@ -567,30 +567,3 @@ def test_a_compilation_is_expected_to_take_as_long_as_the_last(folder):
             stored(slow)(np.ones(shape))
     assert calls[0] == cache.UNKNOWN and calls[1] is calls[3] is None
     assert 0.3 < calls[2] < 5.0
-
-
-def several(x, flag):
-    """Results that XLA computes in kernels of their own, and an argument that is returned."""
-    return jnp.sum(jnp.sin(x)), jnp.cumsum(x[::-1]), jnp.where(flag, x[0], x[1]), jnp.max(x), x
-
-
-def entry(program):
-    """The operations outside all loops, as XLA compiles them."""
-    (part,) = program.parts
-    return part.as_text().partition("ENTRY")[2]
-
-
-@pytest.mark.parametrize("emitters", [False, True])
-def test_a_program_is_one_kernel_where_each_would_take_long_to_compile(monkeypatch, emitters):
-    """Without MLIR's emitters it is compiled as it is."""
-    monkeypatch.setattr(cache, "without_emitters", lambda: not emitters)
-    monkeypatch.setattr(cache.store, "folder", lambda: None)
-    function, x = stored(several), np.array([0.5, 2.0, 1.0])
-    total, sums, one, most, same = function(x, True)
-    np.testing.assert_allclose(total, np.sin(x).sum(), rtol=1e-15)
-    np.testing.assert_allclose(sums, [1.0, 3.0, 3.5], rtol=1e-15)
-    assert (float(one), float(most)) == (0.5, 2.0) and same is x
-    (program,) = function.programs.values()
-    assert ("xla_cpu_small_call" in entry(program)) == emitters
-    # The loop's results begin as zeros, which may be a kernel.
-    assert entry(program).count(" fusion(") <= 1 or not emitters

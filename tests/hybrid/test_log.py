@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxbuffer.hybrid import Kind, Log, Steps, chosen_first
+from jaxbuffer.hybrid import Kind, Log, Steps
 
 ROWS = jnp.zeros((2, 3))  # a state of three numbers and one tangent
 CONTACTS, OBSERVABLES = 2, 3  # the first two observables are the contacts' forces
@@ -129,12 +129,3 @@ def test_steps_are_stored_while_there_is_room():
     np.testing.assert_array_equal(stored.time[:2], [1.0, 3.0])
     np.testing.assert_array_equal(stored.rows[1], ROWS + 3.0)
     assert none.time.shape == (0,)
-
-
-@pytest.mark.parametrize("chosen", [[False], [True], [False, True, True, False, False, True], [True] * 3, [False] * 3])
-def test_chosen_slots_come_first_and_all_keep_their_order(chosen):
-    chosen = np.array(chosen, bool)
-    expected = [*np.flatnonzero(chosen), *np.flatnonzero(~chosen)]
-    assert chosen_first(jnp.asarray(chosen)).tolist() == expected
-    both = jax.vmap(chosen_first)(jnp.stack([jnp.asarray(chosen), ~jnp.asarray(chosen)]))
-    assert both.tolist() == [expected, [*np.flatnonzero(~chosen), *np.flatnonzero(chosen)]]

@@ -6,7 +6,6 @@ from .event_times import moving as moving
 from .loop.log import Kind as Kind
 from .loop.log import Log as Log
 from .loop.log import Steps as Steps
-from .loop.log import chosen_first as chosen_first
 from .loop.loop import Result as Result
 from .loop.loop import run as run
 from .loop.state import Status as Status

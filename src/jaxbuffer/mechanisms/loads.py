@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..hybrid import Kind, Log, chosen_first
+from ..hybrid import Kind, Log
 from ..plane import ldl_solve
 from ..programs.cache import Static, stored
 from .registry import mechanism_of
@@ -36,7 +36,7 @@ def load(
         return jnp.full(numbers.shape, jnp.nan)
     touch = (log.kind == Kind.TOUCHDOWN) & (log.which < contacts) & (slots < log.room)
     of = LOADS[name.value]
-    touchdowns = chosen_first(touch)[numbers]
+    touchdowns = jnp.argsort(~touch, stable=True)[numbers]
     return jax.vmap(lambda slot: jnp.where(touch[slot], of(system, log, touch, slot), jnp.nan))(touchdowns)
 
 

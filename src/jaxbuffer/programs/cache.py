@@ -33,7 +33,6 @@ from jax.stages import Compiled, Lowered
 from . import store, structure
 from .identity import UserCode, fingerprint, label
 from .process import check_ready, kind
-from .xla_flags import without_emitters
 
 R = TypeVar("R")
 
@@ -265,19 +264,6 @@ def _uncollected() -> Iterator[None]:
             gc.enable()
 
 
-def _in_one_kernel(function: Callable[..., list[Any]]) -> Callable[..., list[Any]]:
-    """Return the function as a loop that runs once, which XLA compiles as it does the loop over a run's steps.
-
-    What is outside a loop becomes hundreds of kernels, and MLIR's emitters take about 20 ms for each.
-    """
-
-    def looped(*arrays: Any) -> list[Any]:
-        _, outputs = jax.lax.scan(lambda carry, _: (carry, function(*arrays)), None, None, length=1)
-        return [jnp.squeeze(output, 0) for output in outputs]
-
-    return looped
-
-
 @_uncollected()
 def _built(
     functions: Sequence[Callable[..., list[Any]]], arguments: Sequence[Any], file: Path | None = None
@@ -289,10 +275,9 @@ def _built(
     it is traced and compiled while XLA is at work on the loop.
     """
     compiled, exported = [], list[bytes]()
-    one_kernel_pays = jax.default_backend() == "cpu" and not without_emitters()
     with ThreadPoolExecutor(len(functions)) as beside:
         for k, function in enumerate(functions):
-            jitted = jax.jit(_in_one_kernel(function) if one_kernel_pays else function)
+            jitted = jax.jit(function)
             jitted.trace(*arguments)  # raises the function's own errors; the export below finds it traced
             try:
                 part = export.export(jitted)(*arguments) if file is not None else None

@@ -52,11 +52,6 @@ def added(present: str, jaxlib: str) -> list[str]:
     return [SHORT_LOOPS if SHORT_LOOPS in taken else ONE_KERNEL, *others]
 
 
-def without_emitters() -> bool:
-    """Return whether this process compiles without MLIR's emitters."""
-    return NO_EMITTERS in os.environ.get("XLA_FLAGS", "").split()
-
-
 def tried(folder: Path, jaxlib: str) -> tuple[str, ...]:
     """Return the flags of `TRIALS` that a version of jaxlib takes, as a folder has them or, once, by trial."""
     file = folder / f"flags-of-jaxlib-{jaxlib}.json"

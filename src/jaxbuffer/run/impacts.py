@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..hybrid import Kind, Log, chosen_first
+from ..hybrid import Kind, Log
 from ..mechanisms.impacts import Impacts
 from ..mechanisms.system import ContactSystem
 from .survey import Survey
@@ -22,7 +22,7 @@ def impacts(system: ContactSystem, log: Log, events: Survey) -> Impacts:
     top, release = _impact_ends(log, contacts)
     peak = jnp.maximum(events.force[top, contact], 0.0)
 
-    picked = chosen_first(touch)
+    picked = jnp.argsort(~touch, stable=True)
     present = touch[picked]
     return Impacts(
         time=jnp.where(present, log.time[picked], 0.0),

@@ -169,21 +169,6 @@ class Steps(eqx.Module):
         return dataclasses.replace(_put(self, entry, slot), count=self.count + when)
 
 
-def chosen_first(chosen: Bool[Array, " slots"]) -> Int[Array, " slots"]:
-    """Return the numbers of all slots: those of ``chosen`` in order, then the others in order.
-
-    A loop does it, rather than a stable sort, because XLA compiles nothing that has a sort into one kernel.
-    """
-
-    def place(slot: Int[Array, ""], carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        order, first, other = carry
-        order = lax.dynamic_update_index_in_dim(order, slot, jnp.where(chosen[slot], first, other), 0)
-        return order, first + chosen[slot], other + ~chosen[slot]
-
-    none = jnp.zeros(chosen.shape[0], int)
-    return lax.fori_loop(0, chosen.shape[0], place, (none, jnp.asarray(0), jnp.sum(chosen)))[0]
-
-
 def _put(buffers: B, entry: dict[str, Array], slot: Int[Array, ""]) -> B:
     """The buffers that the entry names, with its items written into one slot."""
     put = lax.dynamic_update_index_in_dim
