@@ -185,8 +185,8 @@ def _until(system: HybridSystem, path: Path, s: Search) -> Float[Array, ""]:
 
     def at(fraction: Array) -> Float[Array, " guards"]:
         state = path.within(s.step, s.time + fraction * length)
-        gap = jnp.where(s.active > 0.5, 1.0, -1.0) * system.gaps(state)
-        return jnp.concatenate([gap, system.terminals(state)])
+        gaps, terminals = system.gaps_and_terminals(state)
+        return jnp.concatenate([jnp.where(s.active > 0.5, 1.0, -1.0) * gaps, terminals])
 
     def guards_along(fraction: Array) -> Look:
         value, rate = jax.jvp(at, (fraction,), (jnp.ones(()),))

@@ -150,6 +150,10 @@ class HybridSystem(eqx.Module):
         """Functions whose crossing of zero upwards ends the run."""
         raise NotImplementedError
 
+    def gaps_and_terminals(self, state: State) -> tuple[Float[Array, " contacts"], Float[Array, " terminals"]]:
+        """`gaps` and `terminals`, for systems that find them together."""
+        return self.gaps(state), self.terminals(state)
+
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
         """Quantities whose maxima over time are wanted; the first ones belong to the contacts, in order."""
         raise NotImplementedError

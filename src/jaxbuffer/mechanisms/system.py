@@ -217,6 +217,10 @@ class ContactSystem(HybridSystem):
     def terminals(self, state: State) -> Float[Array, " terminals"]:
         return self.terminals_at(self.posture(state))
 
+    def gaps_and_terminals(self, state: State) -> tuple[Active, Float[Array, " terminals"]]:
+        at = self.posture(state)
+        return self.gaps_at(at)[0], self.terminals_at(at)
+
     def observables(self, state: State, rate: State, active: Active) -> Float[Array, " observables"]:
         return self.observables_at(self.posture(state), rate, active)
 

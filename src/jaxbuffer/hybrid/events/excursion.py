@@ -65,13 +65,17 @@ def excursion_in_step(
     open_guards = jnp.concatenate([active < 0.5, jnp.ones(before.terminal.shape[0], bool)])
     possible = wanted & open_guards & _may_rise(z0, z1, step, before.gap.shape[0])
 
-    def guards_along(fraction: Array) -> Look:
-        def at(fraction: Array, fine: bool) -> Float[Array, " guards"]:
-            state = state_within(system.coordinates if fine else 0, start, end, step, fraction)
-            return jnp.concatenate([-system.gaps(state), system.terminals(state)])
+    def guards_of(state: State) -> Float[Array, " guards"]:
+        gaps, terminals = system.gaps_and_terminals(state)
+        return jnp.concatenate([-gaps, terminals])
 
-        value, rate = jax.jvp(lambda x: at(x, True), (fraction,), (jnp.ones(()),))
-        return Look(value, rate, jnp.abs(at(fraction, False) - value))
+    def guards_along(fraction: Array) -> Look:
+        state_at = lambda x: state_within(system.coordinates, start, end, step, x)  # noqa: E731
+        state, motion = jax.jvp(state_at, (fraction,), (jnp.ones(()),))
+        value, change = jax.linearize(guards_of, state)
+        # the cubic lacks what the quintic knows of second derivatives: as much may be wrong with the quintic
+        cruder = state_within(0, start, end, step, fraction)
+        return Look(value, change(motion), jnp.abs(change(cruder - state)))
 
     first = Look(z0.value, z0.rate * step, jnp.zeros_like(z0.value))
     return first_excursion(guards_along, first, possible)
