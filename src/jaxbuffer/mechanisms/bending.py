@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..multibody.flexible import Bar, free_bar, plate_strip
-from .validity import Limit
+from .validity import ValidityLimit
 
 UNIT = Bar.rectangle(1.0, 1.0, math.sqrt(12.0), 1.0, 1.0)  # of radius of gyration, length and speed of sound 1
 
@@ -40,10 +40,10 @@ def highest_of_plate(which: tuple[int, ...], support: str) -> float:
     return float(plate_strip(UNIT, which[-1:], support=support).modes.frequencies()[0])
 
 
-def too_few(part: str, modes: int, highest: Any, time: Any) -> Limit:
+def too_few(part: str, modes: int, highest: Any, time: Any) -> ValidityLimit:
     """How the highest mode's period [s], ``highest``, compares with a force's ``time`` [s]: a slower one is too few."""
     said = f"the {part}'s {modes} modes are too few for the peak: the highest is slower than the force"
-    return Limit(said, highest / np.maximum(time, 1e-300))
+    return ValidityLimit(said, highest / np.maximum(time, 1e-300))
 
 
 def modes_line(part: str, modes: str, highest: Any) -> str:

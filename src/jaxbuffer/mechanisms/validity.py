@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 BEYOND_LAW = "outside the contact law's validity: "
 
 
-class Limit(NamedTuple):
+class ValidityLimit(NamedTuple):
     """How near runs come to a limit.
 
     ``beyond``: what happens there in words, after `BEYOND_LAW` where it is the contact law's; ``share`` [-] of the

@@ -10,7 +10,7 @@ import numpy as np
 from ..fields import Part, paths, unit
 from .drawing import Drawing, plain_drawing
 from .picture import Meshed, Panel
-from .validity import Limit
+from .validity import ValidityLimit
 
 
 @dataclasses.dataclass(frozen=True)
@@ -91,7 +91,7 @@ class View:
     contradictions: Callable[[Any, Any], list[str]] = lambda design, scenario: []
     leaves_out: tuple[str, ...] = ()
     warnings: Callable[[Any], list[str]] = lambda run: []
-    validity: Callable[..., list[Limit]] = lambda design, peak_force, penetration=None: []
+    validity: Callable[..., list[ValidityLimit]] = lambda design, peak_force, penetration=None: []
     chaotic: bool = False
     panels: Callable[[Any], list[Panel]] = lambda run: []
     meshes: Callable[..., list[Meshed]] = lambda run, times=None: []

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..bending import build_up, force_line, highest_of_free, highest_of_plate, modes_line, period, too_few
-from ..validity import Limit
+from ..validity import ValidityLimit
 from .design import BarDrop
 from .run import BarDropRun
 from .system import moving_modes
@@ -29,7 +29,7 @@ def bar_period(design: BarDrop) -> Any:
     return period(design.bar.rod, highest_of_free(design.bar.modes))
 
 
-def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[Limit]:
+def limits(design: BarDrop, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
     """How the highest modes' periods compare with the time the force takes to its peak."""
     time, lines = rise_time(design, peak_force, penetration), []
     for part, modes, highest in (("plate", design.plate.modes, plate_period), ("bar", design.bar.modes, bar_period)):

@@ -7,7 +7,7 @@ import numpy as np
 from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
 from ..plain_summary import plain_summary
-from ..validity import BEYOND_LAW, Limit
+from ..validity import BEYOND_LAW, ValidityLimit
 from ..view import Names, View
 from .bending import limits, mode_lines
 from .design import BarDrop, BarDropScenario
@@ -22,12 +22,12 @@ def label(scenario: BarDropScenario, among: Any = ()) -> str:
     return f"from {1e3 * float(scenario.height):.4g} mm"
 
 
-def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
+def validity(design: BarDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """How near the deepest penetrations [m] come to what the contact law is good for, and modes to being too few."""
     if penetration is None:
         return []
     share = np.asarray(penetration) / (DEEP * np.asarray(design.bar.ball_radius))
-    deep = Limit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
+    deep = ValidityLimit(f"{BEYOND_LAW}the ball goes deeper into the plate than a tenth of its radius", share)
     return [deep, *limits(design, peak_force, penetration)]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...contact.laws import hertz_pressure, yield_pressure
-from ..validity import BEYOND_LAW, Limit
+from ..validity import BEYOND_LAW, ValidityLimit
 from .assembly import assemble_contact
 from .bending import bending_frequencies
 from .capture import Capture
@@ -50,15 +50,15 @@ def validity(design: Design, penetration: np.ndarray, peak_force: np.ndarray) ->
     return Validity(depth, np.asarray(pressure(design, peak_force)) / np.asarray(limit))
 
 
-def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[Limit]:
+def limits(design: Design, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """Both limits with what lies beyond them in words; the ``penetration`` follows from the peak force [N] if it is not
     given."""
     if penetration is None:
         penetration = assemble_contact(design).law.depth(peak_force)
     ratios = validity(design, np.asarray(penetration), np.asarray(peak_force))
     return [
-        Limit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
-        Limit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
+        ValidityLimit(f"{BEYOND_LAW}the tip goes deeper into a flank than a tenth of its radius", ratios.depth),
+        ValidityLimit(f"{BEYOND_LAW}the materials yield", ratios.pressure),
     ]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..bending import build_up, force_line, highest_of_free, modes_line, period, too_few
 from ..run import Run
-from ..validity import Limit
+from ..validity import ValidityLimit
 from . import shapes
 from .design import SliderCrank
 from .shapes import highest_period
@@ -36,7 +36,7 @@ def bending_parts(design: SliderCrank) -> list[tuple[str, int, Any]]:
     return parts
 
 
-def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[Limit]:
+def limits(design: SliderCrank, peak_force: Any, penetration: Any) -> list[ValidityLimit]:
     """How each part's highest mode's period compares with the time the force takes to its peak."""
     parts = bending_parts(design)
     if not parts or penetration is None:

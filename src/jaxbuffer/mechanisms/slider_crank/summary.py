@@ -6,7 +6,7 @@ import numpy as np
 
 from ..plain_summary import plain_summary
 from ..run import Run
-from ..validity import BEYOND_LAW, Limit
+from ..validity import BEYOND_LAW, ValidityLimit
 from .bending import limits as bending_limits
 from .bending import mode_lines
 from .design import SliderCrank, SliderCrankScenario
@@ -27,20 +27,20 @@ def loose(design: SliderCrank) -> tuple[Pin, ...]:
     return tuple(pin for pin in (design.piston_pin, design.crank_pin) if pin.joint == "clearance")
 
 
-def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[Limit]:
+def validity(design: SliderCrank, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """How near the peak forces [N] come to what the contact laws are good for, and the rod's modes to being too few."""
     few = bending_limits(design, peak_force, penetration) if loose(design) else []
     return contact_validity(design, peak_force) + few
 
 
-def contact_validity(design: SliderCrank, peak_force: Any) -> list[Limit]:
+def contact_validity(design: SliderCrank, peak_force: Any) -> list[ValidityLimit]:
     """The same of the laws alone."""
     limits = [pin.by_materials.limit_force for pin in loose(design) if pin.law != ADAMS and pin.stiffness is None]
     if not limits:
         return []
     least = np.min([np.broadcast_to(np.asarray(limit), np.shape(peak_force)) for limit in limits], axis=0)
     wide = f"{BEYOND_LAW}the contact is too wide for the law, which takes it for small"
-    return [Limit(wide, np.asarray(peak_force) / least)]
+    return [ValidityLimit(wide, np.asarray(peak_force) / least)]
 
 
 def warnings(run: Run) -> list[str]:

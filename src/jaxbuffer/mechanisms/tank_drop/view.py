@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...structures.contact import SOLID
-from ..validity import Limit
+from ..validity import ValidityLimit
 from ..view import Names, View
 from .design import TankDrop, TankDropScenario
 from .drawing import drawing
@@ -78,12 +78,12 @@ def names(design: TankDrop) -> Names:
     return Names(bodies=("slider",), contacts=("cushion" if design.cushion.kind == "layer" else "wall",), others=others)
 
 
-def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[Limit]:
+def validity(design: TankDrop, peak_force: Any, penetration: Any = None) -> list[ValidityLimit]:
     """How near cushions come to being solid."""
     if penetration is None:
         return []
     used = np.asarray(penetration) / (SOLID * np.asarray(design.cushion.thickness))
-    return [Limit("the cushion is solid: more than 80 % of its thickness are used up", used)]
+    return [ValidityLimit("the cushion is solid: more than 80 % of its thickness are used up", used)]
 
 
 VIEW = View(
