@@ -70,7 +70,11 @@ def test_a_stop_closed_and_open_differ_by_its_force_along_the_cylinder():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"buffer.max_stroke": 0.2}, "buffer.max_stroke = 0.2 m is out of range; allowed: (0, 0.1365] m"),
+        (
+            {"buffer.max_stroke": 0.2},
+            "buffer.max_stroke = 0.2 m is out of range; allowed: (0, 0.1365] m; it ends where the spring's ends meet,"
+            " at buffer.free_length",
+        ),
         ({"buffer.max_stroke": 0.0}, "buffer.max_stroke = 0 m is out of range; allowed: (0, inf) m"),
         ({"buffer.stop_stiffness": -1.0}, "buffer.stop_stiffness = -1 N/m is out of range; allowed: (0, inf) N/m"),
         (

@@ -138,7 +138,10 @@ def test_many_plays_at_once():
     ("values", "message"),
     [
         ({"hinge.play": 0.0}, "hinge.play = 0 m is out of range; allowed: (0, inf) m"),
-        ({"hinge.play": 0.005}, "hinge.play = 0.005 m is out of range; allowed: (0, 0.005) m"),
+        (
+            {"hinge.play": 0.005},
+            "hinge.play = 0.005 m is out of range; allowed: (0, 0.005) m; below hinge.bush_radius",
+        ),
         ({"hinge.play": -1e-4}, "hinge.play = -0.0001 m is out of range; allowed: (0, inf) m"),
         ({"hinge.damping": -1.0}, "hinge.damping = -1 s/m is out of range; allowed: [0, inf) s/m"),
         ({"hinge.bush_radius": 0.0}, "hinge.bush_radius = 0 m is out of range; allowed: (0, inf) m"),

@@ -29,7 +29,12 @@ OUT_OF_RANGE = [
         'cone.half_angle = 2 rad is out of range; allowed: (0, 1.5708) rad; "2 deg" if that is meant',
     ),
     # The mouth's radius is 0.015 m + 0.0735 m sin 45°.
-    ("probe.tip_radius", 0.07, "probe.tip_radius = 0.07 m is out of range; allowed: (0, 0.0669723) m"),
+    (
+        "probe.tip_radius",
+        0.07,
+        "probe.tip_radius = 0.07 m is out of range; allowed: (0, 0.0669723) m; the ball must pass the mouth of"
+        " cone.throat_radius and cone.length",
+    ),
 ]
 
 
@@ -139,7 +144,7 @@ def test_scenario_out_of_range(scenario, message):
     [
         (
             {"contact_distance": 0.08},
-            "scenario.contact_distance = 0.08 m is out of range; allowed: (0, 0.0735] m",
+            "scenario.contact_distance = 0.08 m is out of range; allowed: (0, 0.0735] m; the flank ends at cone.length",
         ),
         (
             {"misalignment": -0.8},

@@ -88,7 +88,7 @@ def test_files_of_a_front(tmp_path, monkeypatch, capsys):
     assert run(command) == 0
     names = {path.name for path in (tmp_path / "out").iterdir() if path.is_file()}
     written = {f"pareto.{kind}" for kind in ("csv", "png", "svg", "txt", "json")}
-    assert names == {*written, "design-1.toml", "design-2.toml"}
+    assert names == {*written, "design-1.toml", "design-2.toml", "front.json"}
     assert "2 of 2 points are on the front" in capsys.readouterr().out
     assert run(command) == 2
     assert "--resume goes on" in capsys.readouterr().err
