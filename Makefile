@@ -9,9 +9,9 @@ PYTHON ?= $(call first_python,$(PYTHONS),11)
 NEWEST_PYTHONS := python3.13 python3.12 python3 $(foreach it,13 12,$(call of_pyenv,$(it)))
 NEWEST_PYTHON ?= $(call first_python,$(NEWEST_PYTHONS),12)
 NEWEST := .venv-newest
-# Lanes and transitions of time stepping, stored programs, settings of the process, a capture and its gradient.
+# Lanes and transitions of time stepping, settings of the process, a capture and its gradient.
 NEWEST_TESTS := $(foreach it,batched_lanes kernel transitions,tests/hybrid/test_$(it).py) tests/test_runtime.py \
-	tests/test_programs.py tests/docking/test_runs.py::test_the_papers_capture_did_not_move \
+	tests/docking/test_runs.py::test_the_papers_capture_did_not_move \
 	tests/docking/test_runs.py::test_a_captures_gradient_is_that_of_its_differences
 VENV := .venv
 BIN := $(VENV)/bin

@@ -33,7 +33,7 @@ def test_the_papers_capture_did_not_move():
     assert found.outcome.name == "captured"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_captures_gradient_is_that_of_its_differences():
     design = table2()
     stiffness = design.buffer.k_A
