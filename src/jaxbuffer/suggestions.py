@@ -146,8 +146,8 @@ def _meant(name: str, options: Iterable[str], meaning: Meaning | None) -> list[s
         return []
     for option in options:
         own = _words(option.rpartition(".")[2])
-        told = own | (_words(meaning(option)) if meaning else set())
-        has, means = (sum(any(_kin(it, other) for other in those) for it in words) for those in (own, told))
+        both = own | (_words(meaning(option)) if meaning else set())
+        has, means = (sum(any(_kin(it, other) for other in those) for it in words) for those in (own, both))
         if means >= WORD * len(words) and (has or means == len(words)):
             surplus = sum(not any(_kin(it, other) for it in words) for other in own)
             spelt = difflib.SequenceMatcher(None, name.lower(), option.rpartition(".")[2]).ratio()

@@ -66,8 +66,8 @@ def test_a_design_that_is_not_held_is_led_back_to_it(limits):
     variables = [Variable("buffer.k_A", 200.0, 2000.0), Variable("buffer.c_A", 1.0, 60.0)]
     problem = Problem(replace(table2(), parts), scenarios, variables, limits=limits, duration=3.0)
     tuned = tune(problem, iterations=8, starts=1)
-    assert tuned.end_counted(tuned.before) == "held in 0 of 2"
-    assert tuned.feasible and tuned.end_counted(tuned.after) == "held in 2 of 2"
+    assert str(tuned.end_count(tuned.before)) == "held in 0 of 2"
+    assert tuned.feasible and str(tuned.end_count(tuned.after)) == "held in 2 of 2"
     settling = tuned.reported(tuned.after)[:, problem.names.index("settling_time")]
     assert np.all(settling <= limits.at_most.get("settling_time", 3.0))
     for scenario in scenarios:

@@ -176,7 +176,7 @@ def test_a_summary_says_that_held_is_not_asked_for(outcome, said):
     text = " ".join(repr(tuned).split())
     assert ("held is not asked for" in text) == bool(said) and said in text
     assert f"cases held 2 of 2 {'0' if said else '2'} of 2" in text
-    assert tuned.end_counted(tuned.before) == "held in 2 of 2"
+    assert str(tuned.end_count(tuned.before)) == "held in 2 of 2"
 
 
 @pytest.mark.parametrize(("before", "after"), [(0.0, 250.0), (250.0, 0.0), (0.0, 0.0), (math.nan, 250.0)])

@@ -101,8 +101,8 @@ class SafeRectangle:
         """How many runs are safe, in words: "22 of 48 captures", of an interrupted sweep "22 of 30 captures run, of
         48"."""
         name, size = f"{self.swept.mechanism.view.run_name}s", self.safe.size
-        of = f"{size} {name}" if self.done == size else f"{self.done} {name} run, of {size},"
-        return f"{int(self.safe.sum())} of {of}".rstrip(",")
+        of = f"{size} {name}" if self.done == size else f"{self.done} {name} run, of {size}"
+        return f"{int(self.safe.sum())} of {of}"
 
     @property
     def asked(self) -> str:
@@ -178,11 +178,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     def face(column: np.ndarray) -> np.ndarray:
         return column.reshape(len(first), len(second))[np.ix_(right, up)]
 
-    for name in limits.names:
-        if name not in (known := swept.mechanism.swept):
-            raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
-    moved = {axis.path for axis in swept.grid.axes}
-    limits.check(swept.mechanism, lambda path: path in moved or get(swept.design, path))
+    _check_limits(swept, limits)
     share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
     for limit, values in _limited(swept, limits):
         share = np.fmax(share, face(limit.share(values)))
@@ -207,6 +203,15 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
         runs=runs,
         scenarios=tuple(scenarios),
     )
+
+
+def _check_limits(swept: Sweep, limits: Limits) -> None:
+    """Raise `InputError` for limits on what sweeps do not have, or the design has not."""
+    for name in limits.names:
+        if name not in (known := swept.mechanism.swept):
+            raise InputError(f"limits.{name} is no quantity of a sweep{suggest(name, known)}")
+    moved = set() if swept.grid is None else {axis.path for axis in swept.grid.axes}
+    limits.check(swept.mechanism, lambda path: path in moved or get(swept.design, path))
 
 
 def _ends(swept: Sweep, limits: Limits) -> np.ndarray:

@@ -7,6 +7,7 @@ from .address import check_alone as check_alone
 from .address import check_numbers as check_numbers
 from .address import metadata_at as metadata_at
 from .address import single_fields as single_fields
+from .address import single_paths as single_paths
 from .address import unit_at as unit_at
 from .address import value_at as value_at
 from .address import with_values as with_values
@@ -52,6 +53,7 @@ from .units import POSITIVE as POSITIVE
 from .units import as_typed as as_typed
 from .units import as_written as as_written
 from .units import check_units_agree as check_units_agree
+from .units import display_unit as display_unit
 from .units import errors_in_typed_units as errors_in_typed_units
 from .units import in_unit as in_unit
 from .units import in_words as in_words

@@ -36,8 +36,12 @@ def check_address(design: eqx.Module, scenario: eqx.Module, address: str, where:
 
 def single_fields(design: eqx.Module, scenario: eqx.Module) -> set[str]:
     """The addresses of all fields that are no measured curve, which has numbers of its own."""
-    owned = ((address, *_owner(design, scenario, address)) for address in addresses(design, scenario))
-    return {address for address, owner, path in owned if "curve" not in metadata(owner, path)}
+    return {*single_paths(design), *(SCENARIO + path for path in single_paths(scenario))}
+
+
+def single_paths(part: eqx.Module) -> tuple[str, ...]:
+    """The paths of a part, for measured curves those of their numbers."""
+    return tuple(path for path in (*paths(part), *point_paths(part)) if "curve" not in metadata(part, path))
 
 
 def _owner(design: eqx.Module, scenario: eqx.Module, address: str) -> tuple[eqx.Module, str]:

@@ -234,6 +234,15 @@ def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
         return value, unit
 
 
+# In which people are shown numbers that were typed with no unit, and how many of them a number's own is.
+DISPLAYED = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi), "rad/s": ("deg/s", 180.0 / math.pi)}
+
+
+def display_unit(unit: str) -> tuple[str, float]:
+    """Return the unit in which people are shown a number, and how many of it its own unit is."""
+    return DISPLAYED.get(unit, (unit, 1.0))
+
+
 def as_written(value: float, unit: str, typed: str) -> float | str:
     """A value as it is written into a study: a text in the unit that was ``typed``, with as few digits as give exactly
     this value when it is read, or the number in ``unit`` where none was typed or no such text is."""

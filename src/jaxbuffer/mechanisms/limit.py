@@ -116,7 +116,7 @@ def beyond(rows: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
     return np.where(np.isnan(rows), np.inf, np.where(rows > ROUNDING, rows, 0.0))
 
 
-def limits_of(at_most: Mapping[str, float], at_least: Mapping[str, float]) -> tuple[Limit, ...]:
+def both_sides(at_most: Mapping[str, float], at_least: Mapping[str, float]) -> tuple[Limit, ...]:
     """Return upper limits by quantity, then lower ones."""
     upper = [Limit(name, float(bound)) for name, bound in at_most.items()]
     return (*upper, *(Limit(name, float(bound), lowest=True) for name, bound in at_least.items()))

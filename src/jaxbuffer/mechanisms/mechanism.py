@@ -80,6 +80,22 @@ class RequiredEnd:
     threshold: str = ""
 
 
+class EndCount(NamedTuple):
+    """In how many of some ``runs`` the end called ``name`` was ``reached``."""
+
+    name: str
+    reached: int
+    runs: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was in all of them."""
+        return self.reached == self.runs
+
+    def __str__(self) -> str:
+        return f"{self.name} in {self.reached} of {self.runs}"
+
+
 @dataclasses.dataclass(frozen=True)
 class TuningRules:
     """What tuning needs to know of a mechanism.
@@ -232,15 +248,15 @@ class Mechanism:
         """Return the strictest end that a run of a design can have, given as its value at a path; None for no such."""
         return next((end for end in reversed(self.tuning.ends) if value_at(end.part) is not None), None)
 
-    def end_counted(self, value_at: Callable[[str], Any], counts: Mapping[str, int]) -> str:
-        """Return in how many runs the strictest end was reached: "held in 36 of 36"; "" where a design has none.
+    def end_count(self, value_at: Callable[[str], Any], counts: Mapping[str, int]) -> EndCount | None:
+        """Return in how many runs of a design its strictest end was reached; None where it can have no such end.
 
         **Arguments:** ``value_at``: as of `strictest_end`; ``counts``: how many runs had each outcome.
         """
         end = self.strictest_end(value_at)
         if end is None:
-            return ""
-        return f"{end.name} in {sum(counts.get(name, 0) for name in end.outcomes)} of {sum(counts.values())}"
+            return None
+        return EndCount(end.name, sum(counts.get(name, 0) for name in end.outcomes), sum(counts.values()))
 
     def succeeded(self, code: Any) -> Any:
         """Return which outcomes, given as codes, are successes; all that did not fail, where any end will do."""

@@ -12,9 +12,9 @@ from .style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 
 # Of filled parts in their order, and how opaque: so that each is lighter than the next, also without colours.
 FILLS = ((SKY, 0.25), (ORANGE, 0.5), (GREEN, 0.45), (GREY, 0.75), (BLUE, 0.68), (RED, 1.0))
-LINES = ("#222222", RED, BLUE, PURPLE)  # of parts that are lines, likewise
-FORCE = "#B2182B"
 INK = "#222222"
+LINES = (INK, RED, BLUE, PURPLE)  # of parts that are lines, likewise
+FORCE = "#B2182B"
 SHORTEST = 0.02  # of the longest arrow: what is shorter is a dot
 ROUND, TURNS = 60, 8  # corners of a disc; turns of a spring
 

@@ -55,8 +55,8 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
     legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
     before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
-    counts = [f", {text}" if (text := tuned.end_counted(point)) else "" for point in (tuned.before, tuned.after)]
-    whole = f"{before} before{counts[0]}; {after} after{counts[1]}" if counts[0] else f"{before} before, {after} after"
+    counts = [f", {count}" for point in (tuned.before, tuned.after) if (count := tuned.end_count(point)) is not None]
+    whole = f"{before} before{counts[0]}; {after} after{counts[1]}" if counts else f"{before} before, {after} after"
     figure.suptitle(f"{_objective_text(problem, problem.objective)}: {whole}")
     return figure
 

@@ -140,7 +140,7 @@ def tuned_comment(tuned: Tuned) -> str:
     limits = problem.limits.lines(problem.catalogue)
     before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
     lines = [
-        f"{headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_counted(tuned.after))}.",
+        f"{headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",
         f"Simulated up to {problem.duration:g} s at rtol {problem.rtol:g}; {', '.join(limits) or 'no limits'}.",
         f"{problem.worded(problem.objective)}, before and after: {before}, {after}.",

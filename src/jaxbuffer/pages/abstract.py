@@ -12,7 +12,7 @@ from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, reached, safe
 from .limits import (
     LimitCounts,
     corners_verdict,
-    end_counted,
+    end_count,
     fails_in_corners_alone,
     limit_check,
     limit_counts,
@@ -49,8 +49,8 @@ def _of_tuning(results: Results, others: Sequence[Results]) -> list[Cell]:
         return [Cell(f"the design {corners_verdict(tuned)}", "bad"), force, *_of_search({**tuned, "feasible": True})]
     first = [] if tuned["feasible"] else [Cell(f"{INFEASIBLE} found", "bad")]
     limits = [] if counts is None or not (counts.faults or tuned["feasible"]) else [_of_limits(results, counts)]
-    if counts is None and (ended := end_counted(results)):
-        limits = [Cell(ended, "good" if all_reached(ended) else "unsure")]
+    if counts is None and (count := end_count(results)) is not None:
+        limits = [Cell(str(count), "good" if count.complete else "unsure")]
     return [*first, *limits, force, *_of_search(tuned)]
 
 
@@ -71,19 +71,13 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
 def _of_limits(results: Results, counts: LimitCounts) -> Cell:
     """Which limits are broken, or how sure it is that all are kept, and how many runs have the strictest end."""
     missed = [f"{counts.missed} of {counts.runs} not {words(counts.success or '')}"] if counts.missed else []
-    ended = end_counted(results)
-    reached = [ended] if ended else []
+    count = end_count(results)
+    reached = [] if count is None else [str(count)]
     if counts.faults:
         return Cell(", ".join([*_broken(counts), *missed, *reached]), "bad")
-    unsure = bool(_nearly(counts)) or not all_reached(ended)
+    unsure = bool(_nearly(counts)) or not (count is None or count.complete)
     kept = "limits kept as far as known" if counts.unknown else "all limits kept"
     return Cell(", ".join([kept, *_nearly(counts), *reached]), "unsure" if unsure else "good")
-
-
-def all_reached(ended: str) -> bool:
-    """Return whether all runs have the end of "held in 36 of 36"; true of ""."""
-    count, _, every = ended.rpartition(" in ")[2].partition(" of ")
-    return count == every
 
 
 def _broken(counts: LimitCounts) -> list[str]:
@@ -171,12 +165,12 @@ def _tuning(results: Results, every: Sequence[Results]) -> str:
     counts = limit_counts(results, every)
     verdict = " keeps every limit" if counts is None or not counts.faults else " does not keep every limit"
     where = "its scenario" if count == 1 else f"the {count} scenarios"
-    ended = f", {ended}" if (ended := end_counted(results)) else ""
-    text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}{ended}."
-    ended = (
+    ends = end_count(results)
+    text = f"{_objective(mechanism, tuned)}; the design{verdict} in {where}{'' if ends is None else f', {ends}'}."
+    search = (
         "The search converged." if tuned.get("converged", True) else f"The search {tuned['message'].split('. ')[0]}."
     )
-    texts = [text, _variables(mechanism, tuned), ended]
+    texts = [text, _variables(mechanism, tuned), search]
     if (corners := tuned.get("corners")) is not None:  # how far samples say what is worst
         texts.append(f"The scenarios are {tuned['sample']['count']} samples, which are no bound: {corners['said'][0]}.")
     return " ".join(texts)

@@ -10,7 +10,7 @@ from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from .abstract import abstract, badges
-from .limits import bound_text, case_labels, end_counted, limit_check, limits, limits_of
+from .limits import bound_text, case_labels, end_count, limit_check, limits, limits_of
 from .origin import origin
 from .page import Cell, Page, Section, Table, shown
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
@@ -117,11 +117,12 @@ def compared(every: Sequence[Results]) -> list[Table]:
 
 def _ends(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
     """In how many scenarios of each tuning the strictest end was reached that its design can have, before and after."""
-    counts = [[end_counted(results, side) for side in ("before", "after")] for results in every]
+    counts = [[end_count(results, side) for side in ("before", "after")] for results in every]
     if not any(after for _, after in counts):
         return []
+    sides = ("before tuning", "after tuning")
     rows: list[list[str | Cell]] = [
-        [side, *(Cell(pair[k] or "–") for pair in counts)] for k, side in enumerate(("before tuning", "after tuning"))
+        [side, *(Cell(str(pair[k] or "–")) for pair in counts)] for k, side in enumerate(sides)
     ]
     return [Table("How many scenarios end so", ("of", *folders), rows)]
 

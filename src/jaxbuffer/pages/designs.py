@@ -7,7 +7,7 @@ from ..fields import Part, as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
-from .limits import bound_text, limits_of, required_end, source_of_limits
+from .limits import bound_text, limits_of, required_success, source_of_limits
 from .page import Cell, Section, Table, shown
 from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
 
@@ -36,10 +36,7 @@ def _limits(first: Results, source: Record | None) -> Rows:
     """How runs must end, and what is limited."""
     if source is None:
         return []
-    mechanism, end = first.mechanism, required_end(first.mechanism, source)
-    success = first.success if end is None else end.name
-    if end is None and not source.get("must_succeed", True):
-        success = None
+    mechanism, success = first.mechanism, required_success(first, source)
     rows = [] if success is None else [["end", f"each {mechanism.view.run_name}", words(success)]]
     for limit in limits_of(mechanism, source):
         title, symbol, factor = in_figures(mechanism, limit.name, source.get("quantities", {}))

@@ -54,7 +54,7 @@ def reached(results: Results, counts: Mapping[str, int]) -> str:
         return ""
     axes = [*results.records.get("sweep", {}).get("axes", ()), *results.records.get("sample", {}).get("ranges", ())]
     moved, computed = {axis["path"] for axis in axes}, {name: n for name, n in counts.items() if name != OPEN}
-    found = results.mechanism.end_counted(lambda path: path in moved or get(design, path), computed)
+    found = results.mechanism.end_count(lambda path: path in moved or get(design, path), computed)
     return f", {found}" if found else ""
 
 

@@ -7,8 +7,8 @@ from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..fields import get
-from ..mechanisms.limit import IMPACTS, Limit, digits_apart
-from ..mechanisms.mechanism import Mechanism, RequiredEnd
+from ..mechanisms.limit import IMPACTS, Limit, both_sides, digits_apart
+from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Record, Results
 from .page import WHOLE, Cell, Section, Table, shown
 from .records import by_name, in_figures, same, scenario_of, words
@@ -77,9 +77,8 @@ class LimitCheck:
         """The scenarios that do not end as they must, that of the smallest margin first where margins are known."""
         margin, end = self.mechanism.tuning.margin or "", self.end
         successes = self.mechanism.successes if end is None else end.outcomes
+        successes = () if self.success is None else successes
         failed = [name for name in self.mechanism.outcomes.__members__ if self.mechanism.outcomes[name].failed]
-        if end is None and not self.source.get("must_succeed", True):
-            successes = ()
         missed = [k for k, it in enumerate(self.outcomes) if (successes and it not in successes) or it in failed]
         return sorted(missed, key=lambda k: float(self.values[k].get(margin) or 0.0))
 
@@ -109,9 +108,7 @@ def limit_check(results: Results, every: Sequence[Results] = (), side: str = "af
     if record is None or source is None or (results.tuned is None and not _has_limits(limiting)):
         return None
     name = "" if limiting is results else str(limiting.folder)
-    end = required_end(mechanism, source)
-    success = results.success if end is None else end.name
-    success = success if end is not None or source.get("must_succeed", True) else None
+    success = required_success(results, source)
     if results.tuned is None:
         values = by_name(record) | record.get("limited", {}) | {IMPACTS: len(record[IMPACTS])}
         said = mechanism.view.label(scenario_of(mechanism, record["scenario"]))
@@ -127,20 +124,26 @@ def required_end(mechanism: Mechanism, source: Record) -> RequiredEnd | None:
     return mechanism.required_end(source.get("ends", ()), limited(source))
 
 
-def end_counted(results: Results, side: str = "after") -> str:
-    """Return in how many runs of a folder the strictest end was reached that its design can have: "held in 36 of 36".
+def required_success(results: Results, source: Record) -> str | None:
+    """Return how a folder's runs must end by a record's limits, in a word; None where any end will do."""
+    if (end := required_end(results.mechanism, source)) is not None:
+        return end.name
+    return results.success if source.get("must_succeed", True) else None
 
-    It is "" where there is none. ``side``: of a tuning, as of `limit_check`."""
+
+def end_count(results: Results, side: str = "after") -> EndCount | None:
+    """Return in how many runs of a folder the strictest end was reached that its design can have; None where there is
+    none. ``side``: of a tuning, as of `limit_check`."""
     design = results.design
     if design is None:
-        return ""
+        return None
     if results.tuned is not None:
         outcomes = [case[side]["outcome"] for case in results.tuned["scenarios"]]
     elif "run" in results.records:
         outcomes = [results.records["run"]["outcome"]]
     else:
-        return ""
-    return results.mechanism.end_counted(lambda path: get(design, path), Counter(outcomes))
+        return None
+    return results.mechanism.end_count(lambda path: get(design, path), Counter(outcomes))
 
 
 def repeats_tuning(results: Results, every: Sequence[Results]) -> bool:
@@ -300,9 +303,8 @@ def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None
     """Upper limits, those that always hold before the others, and lower ones; on quantities ``among`` some, or else on
     those that the study limits."""
     among = limited(source) if among is None else among
-    upper = [Limit(name, limit) for name, limit in {**mechanism.tuning.always, **source["limits"]}.items()]
-    lower = [Limit(name, limit, lowest=True) for name, limit in source.get("lower_limits", {}).items()]
-    return [limit for limit in (*upper, *lower) if limit.name in among]
+    every = both_sides({**mechanism.tuning.always, **source["limits"]}, source.get("lower_limits", {}))
+    return [limit for limit in every if limit.name in among]
 
 
 def _row(check: LimitCheck, limit: Limit) -> Row:

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..fields import as_typed, percent, unit
-from ..mechanisms.limit import Limit
+from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
 from ..tuning.problem import Variable
 from .designs import other_design
-from .limits import case_labels, corners_verdict, elsewhere, end_counted
+from .limits import case_labels, corners_verdict, elsewhere, end_count
 from .page import Cell, Section, Table, shown
 from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
 
@@ -108,9 +108,8 @@ def scenarios(results: Results) -> Section | None:
         row: list[str | Cell] = [label]
         row += [ended(mechanism, values["outcome"]) for values in (before, after)]
         for name in names:
-            factor, upper = in_figures(mechanism, name, own)[2], tuned["limits"]
-            sides = [Limit(name, upper[name])] if name in upper else []
-            sides += [Limit(name, lower[name], lowest=True)] if name in lower else []
+            factor = in_figures(mechanism, name, own)[2]
+            sides = [limit for limit in both_sides(tuned["limits"], lower) if limit.name == name]
             row += [_value(values[name], factor, sides) for values in (before, after)]
         rows.append(row)
     headings = ["scenario", "outcome\nbefore", "\nafter"]
@@ -120,7 +119,7 @@ def scenarios(results: Results) -> Section | None:
     worst = results.records.get("force", {}).get("scenario", "")
     curves = forces(results, f"Contact force of the worst scenario ({worst}), before and after tuning")
     tables, corners = [Table("Before and after tuning", headings, rows)], tuned.get("corners")
-    counts = [end_counted(results, side) for side in ("before", "after")]
+    counts = [end_count(results, side) for side in ("before", "after")]
     reached = [f"Before tuning {counts[0]} scenarios, after it {counts[1]}."] if counts[1] else []
     if corners is None:
         return Section("Scenarios", reached, curves=curves, tables=tables)

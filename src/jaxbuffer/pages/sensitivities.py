@@ -3,11 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from ..fields import display_unit
 from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
-from ..sensitivities.result import display_unit, per
+from ..sensitivities.result import per
 from .designs import other_design
 from .limits import bound_text, elsewhere, limits_of, source_of_limits
 from .page import Cell, Section, Table, shown

@@ -52,10 +52,12 @@ class UserCode(ValueError):
 class Visited(dict[int, tuple[int, Any]]):
     """What was described already, by identity: in which order it came, and the thing itself, which so stays alive.
 
-    ``lasting``: whether the description is to mean the same in another process.
+    ``for_all``: whether the description is to mean the same in every process, rather than in this one alone.
     """
 
-    lasting = False
+    def __init__(self, for_all: bool = False) -> None:
+        super().__init__()
+        self.for_all = for_all
 
 
 class Same:
@@ -160,8 +162,7 @@ def fingerprint(*things: Any) -> Hashable:
 def digest(*things: Any) -> str:
     """Return a hash of code, with all of the user's that it reads, that is the same in every process with this Python.
     What cannot be described counts by its type alone."""
-    visited = Visited()
-    visited.lasting = True
+    visited = Visited(for_all=True)
     text = repr(tuple(_described(thing, visited) for thing in things))
     return hashlib.sha256(text.encode(errors="backslashreplace")).hexdigest()[:16]
 
@@ -176,8 +177,8 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
         return ("again", visited[id(thing)][0])
     visited[id(thing)] = (len(visited), thing)
     if known(thing):
-        return ("known", *_address(thing)) if visited.lasting else Same(thing)
-    if visited.lasting and (package := _installed(thing)):
+        return ("known", *_address(thing)) if visited.for_all else Same(thing)
+    if visited.for_all and (package := _installed(thing)):
         return package
     if isinstance(thing, type):
         return _class(thing, visited)
@@ -200,7 +201,7 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
     for wrappers, names in _WRAPPERS:
         if isinstance(thing, wrappers):
             return (kind.__name__, *(_described(getattr(thing, name), visited) for name in names))
-    return _object(thing, visited) if visited.lasting else Same(thing)
+    return _object(thing, visited) if visited.for_all else Same(thing)
 
 
 def _object(thing: Any, visited: Visited) -> Hashable:

@@ -9,7 +9,7 @@ import numpy as np
 from rich.table import Table
 
 from .._types import DataFrame, Dataset
-from ..fields import unit_at
+from ..fields import display_unit, unit_at
 from ..labelled.arrays import Labelled, dataset, frame
 from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
@@ -160,17 +160,8 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
     return "\n".join(lines)
 
 
-# The units in which people are shown numbers of designs and scenarios, and how many of them the number's own is.
-DISPLAYED = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi), "rad/s": ("deg/s", 180.0 / math.pi)}
-
-
-def display_unit(unit: str) -> tuple[str, float]:
-    """The unit in which people are shown a parameter, and how many of it its own unit is."""
-    return DISPLAYED.get(unit, (unit, 1.0))
-
-
 def shown_unit(catalogue: Catalogue, name: str) -> tuple[str, float]:
-    """The same of a quantity, or of one of an impact."""
+    """Return the unit in which people are shown a quantity, or one of an impact, and how many of it its own is."""
     return catalogue[name].in_figures if name in catalogue else (unit_of(catalogue, name), 1.0)
 
 

@@ -22,8 +22,8 @@ from ..fields import (
     metadata,
     no_number,
     paths,
-    point_paths,
     range_in_words,
+    single_paths,
     typed_unit,
     unit,
 )
@@ -213,11 +213,6 @@ def _meanings(part: Part) -> Meaning:
     return lambda path: meaning(part, path)
 
 
-def single_paths(part: Part) -> tuple[str, ...]:
-    """The paths of a part, for measured curves those of their numbers."""
-    return tuple(path for path in (*paths(part), *point_paths(part)) if "curve" not in metadata(part, path))
-
-
 def _distributions(table: Mapping[str, Any], known: tuple[str, ...], where: str, means: Meaning) -> dict[str, Any]:
     """Distributions by path. **Raises:** `InputError` for an unknown path or kind, with the nearest one."""
     by_name = by_path(table, KINDS, where, known)
@@ -257,7 +252,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
     """The limits of a [problem], by default the mechanism's."""
     units, ends = _units(table, mechanism), tuple(end.name for end in mechanism.tuning.ends)
     table = _table(table, "constraints", mechanism.defaults.limits)
-    asked = {name: value for name, value in table.items() if name in ends}
+    of_ends = {name: value for name, value in table.items() if name in ends}
     check_known(table, ("captured", *ends, "impacts", *units), "problem.constraints", quantity_in_words)
     at_most, at_least = dict[str, float](), dict[str, float]()
     for name, given in table.items():
@@ -277,7 +272,7 @@ def limits(table: Mapping[str, Any], mechanism: Mechanism) -> Limits:
             value = in_unit(where, text, symbol, low=0.0, low_open=True)
             check_number(where, value, symbol, low=0.0, low_open=True)
             (at_most if side == "max" else at_least)[name] = value
-    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least, **asked)
+    return Limits(table.get("captured", True), at_most, table.get("impacts"), at_least, **of_ends)
 
 
 def _then(table: Mapping[str, Any], units: Mapping[str, str]) -> Then:

@@ -54,8 +54,8 @@ def _variables(problem: Problem) -> list[str]:
         bounds = [as_written(end, symbol, problem.units.get(v.path, "")) for end in (v.low, v.high)]
         if isinstance(bounds[0], str) != isinstance(bounds[1], str):  # one cannot be written in its unit exactly
             bounds = [float(v.low), float(v.high)]
-        line = f"{_list([*bounds, v.scale])}"
-        lines.append(f'"{v.path}" = {line}' + ("" if isinstance(bounds[0], str) or symbol == "-" else f"  # {symbol}"))
+        comment = "" if isinstance(bounds[0], str) or symbol == "-" else f"  # {symbol}"
+        lines.append(f'"{v.path}" = {_list([*bounds, v.scale])}{comment}')
     return lines
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from rich.table import Table
 
 from ..fields import as_typed, get
+from ..mechanisms.mechanism import EndCount
 from ..tables import table
 from .axis import Axis
 from .columns import RunTable
@@ -35,7 +36,7 @@ def sweep_table(sweep: RunTable) -> Table:
     done = int(sweep.done.sum())
     title = f"Sweep of {len(sweep)} {sweep.mechanism.view.run_name}s: {ends}"
     title += "" if done == len(sweep) else f"; interrupted, {done} of them done"
-    title += f"; {reached}" if (reached := end_counted(sweep)) else ""
+    title += f"; {reached}" if (reached := end_count(sweep)) else ""
     shown = table(title, ("quantity",), ("least", "median", "greatest"))
     for name in sweep.mechanism.swept:
         values, (symbol, factor) = sweep.columns[name], sweep.mechanism.quantities[name].in_figures
@@ -46,14 +47,14 @@ def sweep_table(sweep: RunTable) -> Table:
     return shown
 
 
-def end_counted(sweep: RunTable) -> str:
-    """Return in how many of the runs that were computed the strictest end was reached: "held in 36 of 36"; "" where
-    their design can have none."""
+def end_count(sweep: RunTable) -> EndCount | None:
+    """Return in how many of the runs that were computed the strictest end was reached; None where their design can
+    have none."""
     moved = set() if sweep.grid is None else {axis.path for axis in sweep.grid.axes}
     designs = sweep.design if sweep.design is not None else sweep.mechanism.design()
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
     named = {sweep.mechanism.outcomes(int(code)).name: int(n) for code, n in zip(codes, counts, strict=True)}
-    return sweep.mechanism.end_counted(lambda path: True if path in moved else get(designs, path), named)
+    return sweep.mechanism.end_count(lambda path: True if path in moved else get(designs, path), named)
 
 
 def _outcomes(sweep: RunTable) -> Table:
@@ -75,7 +76,7 @@ def summary(sweep: RunTable, title: str, fields: Mapping[str, str], file: str) -
     """
     done = int(sweep.done.sum())
     title = title if done == len(sweep) else f"{title}; interrupted, {done} of them done"
-    parts: list[str | Table] = [f"{title}; {reached}" if (reached := end_counted(sweep)) else title]
+    parts: list[str | Table] = [f"{title}; {reached}" if (reached := end_count(sweep)) else title]
     parts += [*(f"  {path:26} {words}" for path, words in fields.items()), _outcomes(sweep)]
     if sweep.solved.any():
         parts += [_spread(sweep), *_extremes(sweep)]

@@ -164,12 +164,12 @@ def _descent(
         rows, slopes = _rows(goal, point)
         # The multipliers of the augmented Lagrangian's slope; they become its own only every few steps, because
         # estimates far from the optimum are no good.
-        estimates, multipliers_before = np.maximum(0.0, multipliers + STIFFNESS * rows), multipliers
+        estimates = np.maximum(0.0, multipliers + STIFFNESS * rows)
+        value = goal.value(point) / search.scale + np.sum(estimates**2 - multipliers**2) / (2.0 * STIFFNESS)
         if step % PATIENCE == 0:
             multipliers = estimates
         weights = goal.weights(goal.objective)
         cases = goal.objective.case_weights(point.quantities @ weights)
-        value = goal.value(point) / search.scale + np.sum(estimates**2 - multipliers_before**2) / (2.0 * STIFFNESS)
         slope = goal.slope(point, cases) / search.scale + estimates @ slopes
         change, state = step_of(optimizer, slope, state, point.scaled, float(value))
         if not np.all(np.isfinite(change)):

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from ..fields import get, percent
 from ..mechanisms.limit import Limit, digits_apart
+from ..mechanisms.mechanism import EndCount
 from .evaluation import Evaluation
 from .goal import Goal
 from .problem import Settings, Variable
@@ -46,9 +47,9 @@ def infeasible(goal: Goal, after: Evaluation, effort: str) -> str:
     return f"{INFEASIBLE}after {effort}, {broken}. To keep the limits, {widen} the limits"
 
 
-def headline(message: str, feasible: bool, ended: str = "") -> str:
-    """Return a tuning's first line. ``ended``: in how many scenarios a strict end was reached, "held in 2 of 2"."""
-    counted = f", {ended}" if ended else ""
+def headline(message: str, feasible: bool, ended: EndCount | None = None) -> str:
+    """Return a tuning's first line. ``ended``: in how many scenarios its strictest end was reached."""
+    counted = "" if ended is None else f", {ended}"
     if feasible:
         return f"Tuned{counted}: {message}"
     return f"No feasible design found{counted}: {message.removeprefix(INFEASIBLE)}"

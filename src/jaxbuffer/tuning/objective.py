@@ -20,7 +20,7 @@ from ..errors import (
 )
 from ..fields import POSITIVE, Part, get, in_unit
 from ..mechanisms import all_mechanisms
-from ..mechanisms.limit import IMPACTS, Limit, limits_of
+from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
@@ -216,7 +216,7 @@ class Limits:
     @property
     def each(self) -> tuple[Limit, ...]:
         """The limits on quantities, upper ones first."""
-        return limits_of(self.at_most, self.at_least)
+        return both_sides(self.at_most, self.at_least)
 
     @property
     def of_impacts(self) -> tuple[Limit, ...]:

@@ -10,7 +10,6 @@ import contextlib
 import hashlib
 import io
 import json
-import math
 import os
 import re
 import warnings
@@ -21,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..fields import display_unit
 from ..files import Lock, naming, write, write_beside
 from ..version import version
 from .evaluation import Evaluation
@@ -31,7 +31,6 @@ LOG, STATE, PREVIOUS = "log.jsonl", "state.npz", "state.old.npz"
 CHECKSUM, VERSION, FINGERPRINT, LINES = "checksum", "jaxbuffer", "fingerprint", "log"
 OPTIMIZER, CODE = "optimizer_steps", "own_code"  # in a fingerprint: hashes, which say nothing to people
 _SETTING = re.compile(r"(\w+)(?: \[[^\]]*\])? ?= ?([^,\n)]+)")  # "seed=0" or "tolerance [-] = 0.0001"
-FIGURES = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi)}  # units that people are shown
 STATUS = ("running", "converged", "stalled", "behind")
 NUMBERS = ("stage", "captures", "scale", "ceiling", "searches", "apart")
 Record = dict[str, Any]
@@ -229,7 +228,7 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
 
 def objective_in_words(value: float, unit: str, digits: int) -> str:
     """Return an objective's value in the unit that people are shown: "7.1 mm"."""
-    symbol, factor = FIGURES.get(unit, (unit, 1.0))
+    symbol, factor = display_unit(unit)
     return f"{factor * value:.{digits}g} {symbol}".rstrip(" -")
 
 

@@ -14,6 +14,7 @@ from ..fields import Part, change_in_words, get, percent, relative_change, unit
 from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
+from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
 from .checks import Corners, Floor, corners, floor
 from .evaluation import Evaluation, Evaluator
@@ -131,11 +132,11 @@ class Tuned(Saved):
         in vain."""
         return np.where(self.problem.known(point.code), point.quantities, np.nan)
 
-    def end_counted(self, point: Evaluation) -> str:
-        """Return in how many load cases the strictest end was reached that a design can have: "held in 36 of 36"; ""
-        where there is none. ``point``: `before` or `after`."""
+    def end_count(self, point: Evaluation) -> EndCount | None:
+        """Return in how many load cases the strictest end was reached that the design can have; None where there is
+        none. ``point``: `before` or `after`."""
         counts = Counter(self.problem.mechanism.outcomes(int(code)).name for code in point.code)
-        return self.problem.mechanism.end_counted(lambda path: get(self.design, path), counts)
+        return self.problem.mechanism.end_count(lambda path: get(self.design, path), counts)
 
     def to_pandas(self) -> DataFrame:
         """Return a row for each evaluated design, as in history.csv: objective, worst values, variables."""
@@ -224,7 +225,7 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     lines += [f"broken: {line}" for line in broken[:SHOWN]]
     lines += [f"and {len(broken) - SHOWN} more" for _ in broken[SHOWN : SHOWN + 1]]
     tables = [_tuned_objective(tuned), _tuned_cases(tuned), _left_open(tuned), _tuned_variables(tuned)]
-    first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_counted(tuned.after))
+    first = headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))
     return [first, *(it for it in tables if it is not None), *lines]
 
 
@@ -245,9 +246,9 @@ def _tuned_objective(tuned: Tuned) -> Table:
     points = (tuned.before, tuned.after)
     succeeded = f"cases {problem.success or 'solved'}"
     summary.add_row(succeeded, *(f"{int(np.sum(p.succeeded))} of {len(p.code)}" for p in points))
-    ended = [tuned.end_counted(point) for point in points]
-    if (name := ended[0].partition(" ")[0]) not in ("", problem.success):
-        summary.add_row(f"cases {name}", *(text.partition(" in ")[2] for text in ended))
+    counts = [count for point in points if (count := tuned.end_count(point)) is not None]
+    if counts and counts[0].name != problem.success:
+        summary.add_row(f"cases {counts[0].name}", *(f"{count.reached} of {count.runs}" for count in counts))
     return summary
 
 
@@ -270,19 +271,16 @@ def tuned_warnings(tuned: Tuned) -> list[str]:
 
 def unasked_end(tuned: Tuned) -> list[str]:
     """Return a line where runs could have a stricter end than the problem asks for and not all have it; else none."""
-    problem, every = tuned.problem, len(tuned.after.code)
-    end = problem.mechanism.strictest_end(lambda path: get(tuned.design, path))
-    if end is None or problem.end == end or not problem.limits.captured:
+    problem, before, after = tuned.problem, tuned.end_count(tuned.before), tuned.end_count(tuned.after)
+    if before is None or after is None or after.complete or after.name == problem.success:
         return []
-    codes = [int(problem.mechanism.outcomes[name]) for name in end.outcomes]
-    before, after = (int(np.sum(np.isin(point.code, codes))) for point in (tuned.before, tuned.after))
-    if after == every:
+    if not problem.limits.captured:
         return []
-    earlier = f", {before} before" if before != after else ""
-    name = end.name
+    earlier = f", {before.reached} before" if before.reached != after.reached else ""
+    name = after.name
     return [
-        f"{name} is not asked for: {after} of {every} are {name}{earlier}; {name} = true among the constraints asks for"
-        " it"
+        f"{name} is not asked for: {after.reached} of {after.runs} are {name}{earlier}; {name} = true among the"
+        " constraints asks for it"
     ]
 
 

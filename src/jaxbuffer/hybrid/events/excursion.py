@@ -49,12 +49,12 @@ def excursion_in_step(
     step: Scalar,
     active: Active,
     located: Int[Array, ""],
-    wanted: Bool[Array, ""],
+    when: Bool[Array, ""],
 ) -> Float[Array, ""]:
     """Return the fraction of a step at which its first excursion is above zero, 1 where there is none.
 
     **Arguments:** state and rate at both ends of the ``step`` [s], and the guards there; ``active``: closed contacts;
-    ``located``: the guard on whose event the step ends, -1 for none; ``wanted``: whether the step is to be searched.
+    ``located``: the guard on whose event the step ends, -1 for none; ``when``: whether the step is to be searched.
     Only open contacts and the run's end are looked at: what a closed contact does is resolved by the steps within its
     impact.
     """
@@ -63,7 +63,7 @@ def excursion_in_step(
     # a step that ends on an event leaves its guard at zero or on either side of it
     z1 = z1._replace(value=jnp.where(jnp.arange(rated) == located, jnp.minimum(z1.value, 0.0), z1.value))
     open_guards = jnp.concatenate([active < 0.5, jnp.ones(before.terminal.shape[0], bool)])
-    possible = wanted & open_guards & _may_rise(z0, z1, step, before.gap.shape[0])
+    possible = when & open_guards & _may_rise(z0, z1, step, before.gap.shape[0])
 
     def guards_of(state: State) -> Float[Array, " guards"]:
         gaps, terminals = system.gaps_and_terminals(state)
@@ -123,5 +123,4 @@ def first_excursion(
 
     # No look at all where nothing is possible: most steps. Unlike `cond`, that also spares lanes stepped together.
     looks = jnp.where(jnp.any(possible), SAMPLES, 0)
-    search_all = lax.fori_loop(0, looks, search, _Search(first, first.value < 0.0, jnp.ones(())))
-    return search_all.fraction
+    return lax.fori_loop(0, looks, search, _Search(first, first.value < 0.0, jnp.ones(()))).fraction

@@ -73,7 +73,7 @@ def _without_excursion(
         step=trial.length,
         active=state.active,
         located=state.bracket.guard,
-        wanted=stands & (trial.length > task.options.event_time),
+        when=stands & (trial.length > task.options.event_time),
     )
     return fraction * trial.length
 
