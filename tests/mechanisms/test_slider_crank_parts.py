@@ -67,9 +67,8 @@ def test_a_rigid_rod_bends_by_nothing_and_torques_ripple_between_largest_and_lea
     assert of == dict(zip(ASKED, (0.0, 0.0, 42.0, 0.75), strict=True))
     deep = SLIDER_CRANK.quantities["penetration"].of
     assert deep(run) == 2e-5
-    for watched, expected in ((3e-5, 3e-5), (-1e-6, 0.0)):
-        run.maxima["penetration"] = watched
-        assert float(deep(run)) == expected
+    run.maxima["penetration"] = 3e-5
+    assert deep(run) == 3e-5
 
 
 def test_a_bush_by_components_is_a_square():
