@@ -189,7 +189,7 @@ def test_history_at_its_fixed_times(solution, moment):
         assert_close(derivatives[name][slot], difference[name], largest, name)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_history_holds_the_largest_stroke_with_its_derivative(solution, expected):
     """As a user asks for it, without jit, in reverse."""
 

@@ -12,6 +12,7 @@ from pages import DOCS, ROOT, blocks
 
 HEADING = "**Example:**"
 COMPILES = re.compile(r"\.(simulate|sensitivity|sweep|sample|tune|pareto|diffeqsolve)\(")
+LONG = ("Certificate", "published_slider_crank")  # whose examples are for `make test-long`
 PARSER = doctest.DocTestParser()
 
 
@@ -21,9 +22,9 @@ def docstring(name: str) -> str:
 
 
 def that_compile(name: str):
-    """The name, marked as slow where its example solves something."""
+    """The name, marked as slow where its example solves something and as long where that takes long."""
     slow = COMPILES.search("".join(example.source for example in PARSER.get_examples(docstring(name))))
-    return pytest.param(name, marks=pytest.mark.slow if slow else ())
+    return pytest.param(name, marks=pytest.mark.long if name in LONG else pytest.mark.slow if slow else ())
 
 
 def run(text: str, name: str, names: dict) -> dict:

@@ -17,6 +17,8 @@ import pytest
 from jaxbuffer.cli.entry import run
 from pages import GUIDES, commands
 
+LONG = ("quickstart", "clusters", "laws", "gradients", "tuning", "tank_drop", "data_sheet")  # for `make test-long`
+
 # `jaxbuffer` for the shell: sends where it is and its words, prints what comes back and ends with the command's code
 SENDER = """
 import os, sys
@@ -75,7 +77,11 @@ def run_here(text, folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in GUIDES if commands(page)], ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.long if page.stem in LONG else ()) for page in GUIDES if commands(page)],
+    ids=lambda page: page.name,
+)
 def test_commands_of_a_guide_run(page, tmp_path):
     done = run_here(commands(page), tmp_path)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]

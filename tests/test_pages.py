@@ -14,6 +14,8 @@ from jaxbuffer.mechanisms import all_mechanisms, registry
 from pages import PAGES, ROOT, blocks
 
 README = ROOT / "README.md"
+# Pages for `make test-long`.
+LONG = ("diffrax", "gradients", "mechanisms", "slider_crank", "structures", "tank_drop", "tuning")
 
 
 @pytest.mark.slow
@@ -39,6 +41,10 @@ def module(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in PAGES if page != README], ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.long if page.stem in LONG else ()) for page in PAGES if page != README],
+    ids=lambda page: page.name,
+)
 def test_examples_of_a_page_run(page, module):
     exec(compile(blocks(page), str(page), "exec"), vars(module))

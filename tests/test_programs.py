@@ -114,7 +114,7 @@ def test_which_numbers_are_left_out_makes_another_program(folder, parts):
     assert len(files(folder)) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_stiffness_given_in_one_process_is_no_yield_stress_in_the_next(tmp_path):
     """It was: a capture of 253.13 N failed with a stored program that read 300 MPa as 300e6 N/m^1.5."""
     code = (

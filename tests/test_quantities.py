@@ -26,7 +26,9 @@ RUNS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("run", RUNS)
+@pytest.mark.parametrize(
+    "run", [pytest.param(run, marks=pytest.mark.long if run == "captured" else ()) for run in RUNS]
+)
 def test_derivatives_of_every_quantity_agree_with_differences_of_tight_solves(run):
     """Relative to the elasticity, or to 1e-3 where it is smaller. Measured: off by 2.5e-5 at most; the differences' own
     uncertainty, which says nothing of the gradients, is 4.7e-4 at most (peak buffer force)."""

@@ -138,7 +138,7 @@ def bounded(low, high):
     return jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", low, high)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_history_between_its_steps_is_differentiated():
     """Before the touchdown a bar about its end falls as a pendulum does: its derivatives come from differences too."""
     times = np.array([0.05, 0.1, 0.15])

@@ -103,7 +103,7 @@ def test_numbers_out_of_range_fail_and_leave_other_lanes_alone():
         np.testing.assert_allclose(batch.stroke[lane], alone.stroke, rtol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_failed_capture_has_no_derivative():
     """Whether a number is out of range or the run out of steps."""
     peak = jax.jit(jax.value_and_grad(lambda *x: captured(*x, max_steps=20).peak_force))

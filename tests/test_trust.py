@@ -105,7 +105,7 @@ def test_a_tenth_of_the_tolerance_is_one_or_not_there():
     assert [tenth(rtol) for rtol in (9.9e-13, 2e-13, 1e-13)] == [None] * 3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_wide_design_is_silently_off():
     """Of the first designs of `python -m benchmarks.trust`, welded and free, and one of 120 impacts."""
     silent, marked = [], []

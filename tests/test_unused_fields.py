@@ -65,7 +65,9 @@ def split(name):
 
 
 @pytest.mark.slow
-@each_mechanism
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "bar_drop" else pytest.mark.long) for name in RUNS]
+)
 def test_fields_that_do_nothing_have_no_derivatives(name):
     """All of them together, without any that does something beside them."""
     unused, _ = split(name)
@@ -91,7 +93,7 @@ def test_a_field_is_said_to_have_no_effect_exactly_where_no_number_of_a_run_move
             jb.replace(design, {path: numbers(name)[path] + 0.1})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["bar_drop", "slider_crank"])
 def test_a_field_that_does_nothing_alone(name):
     """By itself, forward and reverse; and beside one that does something, which has a derivative then."""

@@ -45,7 +45,7 @@ def test_of_processes_that_need_one_program_one_compiles(tmp_path):
     assert len((tmp_path / "told").read_text().splitlines()) == len(list((tmp_path / "cache").glob("*.program")))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_tuning_over_a_scheduler_is_the_same(tmp_path):
     problem = jb.Problem(jb.table2(), [jb.Scenario()], [jb.Variable("buffer.k_A", 100.0, 2000.0)])
     here, there = (jb.tune(problem, iterations=2, starts=1, client=client) for client in (None, "local"))

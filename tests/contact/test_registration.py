@@ -69,7 +69,7 @@ def as_stiff_as(factor):
     return force(jb.replace(jb.table2(), {"contact.law": "hertz", "contact.stiffness": stiffness}))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_law_is_looked_up_when_it_is_used(register, monkeypatch):
     with pytest.raises(jb.InputError, match=r"contact\.law = 'mine' is unknown"):
         jb.replace(jb.table2(), {"contact.law": "mine"})
@@ -153,7 +153,7 @@ PROGRAM = """
 """
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_law_redefined_in_another_process_is_another_program(tmp_path):
     """A program of a law of the user's is kept by no process for another."""
 

@@ -59,7 +59,7 @@ def test_implicit_steps_know_them():
     np.testing.assert_allclose(found, np.linalg.solve(np.eye(len(state)) - shift * jacobian, right), rtol=1e-10)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_shocks_of_a_run_are_those_of_its_history(evidence):
     """By SciPy's linear systems in both axes, and by Smallwood's filter in the direction of the largest."""
     fields = {f"shock.{name.replace('_shock', '')}": frequency for name, (_, frequency) in NAMED.items()}

@@ -20,7 +20,7 @@ def smaller(design):
     return replace(design, values | {"contact.stiffness": design.contact.stiffness / SMALLER**0.5})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_mechanism_of_a_thousandth_the_size_and_speed_moves_as_the_large_one():
     """At 0.3 mm/s, where 10 µm/s are no small speed: with a floor of that on the memory of touchdowns the stroke was
     off by 4e-6 and the hinge force by 2.5e-7."""

@@ -416,7 +416,7 @@ def test_version(capsys):
     assert re.fullmatch(r"jaxbuffer \S.*\n", capsys.readouterr().out)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_real_capture_from_another_process(tmp_path):
     words = ["simulate", "--output", "out", "--scenario.approach_speed", "0.2"]
     with _started(tmp_path, *words) as process:

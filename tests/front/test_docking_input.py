@@ -156,7 +156,7 @@ def test_bounds_of_a_curves_points_must_keep_it_rising(study):
         problem((1.0, 7.0))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_folders_and_pages_have_the_curves(computed, capsys, tmp_path):
     """Of a run, of another one whose curve is another, and of a tuning by a point of the curve; the made-up runs have
     no latch."""

@@ -47,7 +47,7 @@ def completed(folder, *words):
     assert process.returncode == 0, errors
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("command", "first_signal"), [("sweep", 0), ("tune", 2)])
 def test_killed_at_random_moments(tmp_path, pytestconfig, command, first_signal):
     options, store, files = COMMANDS[command]

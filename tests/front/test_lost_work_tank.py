@@ -39,7 +39,7 @@ def killed_once_it_kept_something(folder, words, store):
     assert store.exists() and process.returncode == -signal.SIGKILL, "it was killed in the middle"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_tanks_study_that_was_killed_is_resumed_to_the_same_bits(tmp_path, command):
     options, store, files = COMMANDS[command]

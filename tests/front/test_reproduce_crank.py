@@ -64,7 +64,7 @@ def test_a_jump_from_the_joint_comes_after_a_touch(touch, verdict):
     assert claim("Its jump at start-up").judge({"crank_rod": rows}).verdict == verdict
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_studies():
     """All runs finish, a turn of every printed set takes 2π/10 s, and every statement is verdicts_of."""
     *_, part = paper_named("impact").parts

@@ -109,7 +109,7 @@ def test_a_force_that_jumps_at_touchdown():
     assert_allclose(found, [1500.0, 0.1], rtol=1e-8)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_reverse_mode_meets_no_nan(found):
     """What has no derivative (``guard_rate``: NaN) must not reach what has."""
     time = jax.jit(jax.grad(lambda speed: flown(speed, HERE[1]).log.time[2]))(HERE[0])

@@ -98,7 +98,7 @@ def test_many_at_once_and_under_vmap():
     assert "drops" in repr(found) and "penetration [µm]" in repr(found)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tuned_under_a_limit_on_penetration():
     """The least worst peak over three heights keeps to the limit, and no smaller force can: to stop the ball within
     the limit takes at least the mean force m v²/2δ."""

@@ -27,6 +27,7 @@ def dropped(duration=DURATION, rtol=1e-9, solver="explicit", **changes):
     return jb.simulate(design(**changes), SCENARIO, duration, rtol=rtol, solver=solver)
 
 
+@pytest.mark.long
 def test_known_numbers_of_a_plate_in_eight_modes(evidence):
     """Peak 1810.679 N at 0.2114478 s, second touch 0.21474 s with 4.865 N, deflection 30.851 µm, printed beforehand."""
     tight = dropped(plate__modes=8)
@@ -49,6 +50,7 @@ def test_known_numbers_of_a_plate_in_eight_modes(evidence):
     assert "plate modes              8, of which 4 move its middle" in text and "too few" in text
 
 
+@pytest.mark.long
 def test_elasticities_of_peak_and_deflection(evidence):
     """Against differences of the independent program's runs."""
     found = jb.sensitivity(
@@ -89,7 +91,7 @@ def test_a_thick_plate_is_a_rigid_one(damping, thicknesses):
     assert 0.0 < off[1] < off[0] * thicknesses[0] / thicknesses[1], off
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("damping", "enough"), [(0.0, (16, 24)), (1000.0, (32, 48))])
 def test_how_many_modes_the_peak_takes(damping, enough):
     """So many for 1e-3 and 1e-4 of the peak with 64, and no warning from there on; half as many are warned of."""
@@ -138,6 +140,7 @@ def test_one_mode_of_a_free_bar_is_refused():
         jb.replace(jb.BarDrop(), {"bar.modes": 1})
 
 
+@pytest.mark.long
 def test_history_figure_and_multipliers(tmp_path):
     from jaxbuffer.output.figures import run_figure
     from jaxbuffer.output.records import run_history, run_record

@@ -63,6 +63,7 @@ def test_a_frequency_is_what_was_asked_for(modes):
     assert design.probe.bending_modes == modes
 
 
+@pytest.mark.long
 def test_stiffer_probes_tend_to_the_rigid_one(evidence):
     """The first peak's distance from the rigid probe's goes with 1/f², as a static deflection does."""
     rigid, steps = first_peak(table2()), np.array([1e4, 3e4, 9e4])
@@ -86,7 +87,9 @@ def test_first_impact_of_a_soft_probe_meets_the_closed_form(evidence):
              "closed form through the modes (M79, M81)", "relative")  # fmt: skip
 
 
-@pytest.mark.parametrize(("frequency", "modes"), [(50.0, 2), (200.0, 3), (2000.0, 2)])
+@pytest.mark.parametrize(
+    ("frequency", "modes"), [(50.0, 2), pytest.param(200.0, 3, marks=pytest.mark.long), (2000.0, 2)]
+)
 def test_first_impact_of_an_independent_program(evidence, frequency, modes):
     design = soft(frequency, modes)
     model, run = BendingModel(design, jb.Scenario()), jb.simulate(design, duration=FIRST, rtol=1e-9)
@@ -96,6 +99,7 @@ def test_first_impact_of_an_independent_program(evidence, frequency, modes):
     evidence(TOPIC, "hinge force in it", abs(float(run.peak_hinge_force) / hinge - 1.0), 1e-6, SOURCE, "relative")
 
 
+@pytest.mark.long
 def test_elasticities_of_the_first_peak(evidence):
     """By stiffness and damping of the bending and a number of the buffer, against differences of the other program."""
     design = soft(2000.0)
@@ -125,6 +129,7 @@ def test_a_whole_capture_conserves(evidence, frequency):
         evidence(TOPIC, f"{name} of whole captures", error, tolerance, "conservation", "m" if name == "drift" else "")
 
 
+@pytest.mark.long
 def test_many_stiffnesses_at_once():
     """A traced number, and a sweep's array of designs, give what single runs give."""
     design, values = soft(50.0), np.array([10.0, 40.0])
@@ -138,6 +143,7 @@ def test_many_stiffnesses_at_once():
     assert_allclose(found.peak_force, one, rtol=1e-7)
 
 
+@pytest.mark.long
 def test_what_a_run_shows():
     run = jb.simulate(soft(5.0), history=True)
     highest = f"{float(jb.bending_frequencies(run.design)[-1]):.4g}"

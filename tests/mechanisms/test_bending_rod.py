@@ -50,6 +50,7 @@ def test_a_slow_rod_bends_as_under_its_inertia_at_rest(evidence):
         )
 
 
+@pytest.mark.long
 def test_a_stiff_rod_is_a_rigid_one(evidence):
     """The drive's largest torque tends to that of the same rod without modes, its deviation with 1/E."""
     scenario, torques = jb.SliderCrankScenario(crank_speed=300.0), []
@@ -62,6 +63,7 @@ def test_a_stiff_rod_is_a_rigid_one(evidence):
     evidence("bending rod", "stiff rod: drive torque as of the rigid one", float(off[2]), 2e-4, "limit of a rigid rod")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("modes", [2, 4])
 def test_energy_and_joints_with_play(modes, evidence):
     play = design(modes, piston_pin__joint="clearance")
@@ -78,6 +80,7 @@ def test_energy_and_joints_with_play(modes, evidence):
     assert float(found.quantity("rod_stress")) > 0.0
 
 
+@pytest.mark.long
 def test_a_torque_that_rings_loses_none_of_its_peaks(evidence):
     """It rises within a step from far below its largest value to above it: default settings missed 5 % of the ripple
     that tight tolerances find, where only values near the largest were followed."""

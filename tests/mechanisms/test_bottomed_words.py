@@ -20,7 +20,7 @@ def vehicles(rng):
     return jb.replace(jb.table2(), {path: float(x) for path, x in values.items()}), jb.Scenario(float(speed))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_cure_is_named_and_no_amount():
     """Of 30 random designs, cut to a share of the stroke that each needs: the margin is off by far, either way, so that
     no amount is said; the cure that is named, with the stroke that the longer run used, is one."""

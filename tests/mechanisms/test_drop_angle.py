@@ -35,21 +35,21 @@ def drop(design, duration, angle=0.0, **options):
     return jb.simulate(design, scenario, duration, **options)
 
 
-def slow(*values):
-    return pytest.param(*values, marks=pytest.mark.slow)
+def long(*values):
+    return pytest.param(*values, marks=pytest.mark.long)
 
 
 @pytest.mark.parametrize(
     ("changes", "duration"),
     [
         (PLATES | {"contents.air": "trapped"}, 1e-3),
-        slow(PLATES | {"plates.aperture": 0.3}, 3e-3),
-        slow(PLATES | FULL | {"plates.aperture": 0.3, "mesh.refinement": 2}, 1e-3),
-        slow(EMPTY, 8e-3),
-        slow({}, 4e-3),
-        slow(FULL | {"support.method": "multiplier"}, 2e-3),
-        slow(RIBS | {"cushion.kind": "none"}, 2e-3),
-        slow({"material.kind": "composite", "support.method": "defence node"}, 1e-3),
+        long(PLATES | {"plates.aperture": 0.3}, 3e-3),
+        long(PLATES | FULL | {"plates.aperture": 0.3, "mesh.refinement": 2}, 1e-3),
+        long(EMPTY, 8e-3),
+        long({}, 4e-3),
+        long(FULL | {"support.method": "multiplier"}, 2e-3),
+        long(RIBS | {"cushion.kind": "none"}, 2e-3),
+        long({"material.kind": "composite", "support.method": "defence node"}, 1e-3),
     ],
 )
 def test_the_whole_section_does_what_its_half_says(changes, duration, evidence):
@@ -235,7 +235,7 @@ def test_a_rigid_tank_slides_under_a_cushion_at_an_angle(evidence):
     assert float(found.rebound_speed) == pytest.approx(-expected.y[1, -1], rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_derivatives_by_the_angle_are_those_of_differences():
     design = tank(WHOLE, {"material.yield_stress": 2e6})
     names = ("impulse", "smooth_stress", "deflection", "slide")

@@ -65,6 +65,7 @@ def test_first_impact_without_the_vehicle_meets_the_closed_form(evidence):
     evidence(TOPIC, "first peak before the pin touches", error, 1e-6, "closed form (M79, M81)", "relative")
 
 
+@pytest.mark.long
 def test_elasticities_of_the_first_impact(evidence):
     """Hinge force and contact force by play and by a buffer's number."""
     design, names = loose(1e-8), ("peak_force", "peak_hinge_force")
@@ -94,6 +95,7 @@ def test_a_whole_capture_conserves(evidence, play):
         evidence(TOPIC, f"{name} of whole captures", error, tolerance, "conservation", "m" if name == "drift" else "")
 
 
+@pytest.mark.long
 def test_the_pin_stays_in_its_bush_and_its_force_is_the_vehicles():
     run = jb.simulate(loose(1e-4), history=True)
     gap, force = np.asarray(run.history.hinge_gap), np.asarray(run.history.hinge_force)
@@ -121,6 +123,7 @@ def test_the_pins_law_against_its_integration(speed):
     assert_allclose(run.restitution, 1.0 - 2.0 / 3.0 * 5.0 * speed, atol=0.5 * (5.0 * speed) ** 2)
 
 
+@pytest.mark.long
 def test_many_plays_at_once():
     plays = np.array([1e-7, 1e-5])
     one = [[float(x) for x in (run.peak_force, run.peak_hinge_force)] for run in (first(loose(p), 1e-6) for p in plays)]

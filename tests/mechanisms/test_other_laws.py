@@ -10,7 +10,7 @@ from jaxbuffer.mechanisms.probe_cone.comparison import first_contact
 from jaxbuffer.mechanisms.probe_cone.design import Scenario
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_energy_and_first_impact():
     """The first impact is two free bodies' but for the buffer's softness: its peak within 1.5 % of the law's own."""
     design = replace(table2(), {"contact.law": "kelvin-voigt", "contact.friction": 0.0})

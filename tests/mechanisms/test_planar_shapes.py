@@ -39,6 +39,7 @@ def with_shape(**changes):
     return jb.replace(jb.SliderCrank(), {name.replace("__", "."): value for name, value in changes.items()})
 
 
+@pytest.mark.long
 def test_a_straight_mesh_runs_as_the_bar_does(evidence):
     """Turned and in millimetres, past the first impact. It also stretches, and its sections shear and turn: that is the
     difference."""
@@ -115,7 +116,7 @@ def test_mass_and_centre_of_a_tapered_rod(evidence):
     evidence(TOPIC, "bowed rod, shaped slider: start", max(errors, np.abs(rates).max()), 1e-10, "constraints")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_slider_like_a_pile_is_squeezed_by_its_own_inertia(evidence):
     """Its pin pulls m a, the guided end is free along the line: m a L/2EA."""
     length, depth, modulus = 0.06, 0.02, 1e8

@@ -26,6 +26,7 @@ def test_onset_leaves_the_power_law(exponent):
     assert float(law.energy(-1e-9)) == pytest.approx(0.0, abs=1e-18)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("exponent", [0.01, 0.1, 0.2])
 def test_it_runs_over_a_cycle(exponent):
     """One turn takes 2π/10 s, the torque is largest at the start, and no contact pushes but along its component."""
@@ -42,6 +43,7 @@ def test_it_runs_over_a_cycle(exponent):
     assert any("exponent below 1" in line for line in run.mechanism.view.warnings(run))
 
 
+@pytest.mark.long
 def test_the_onset_matters_little():
     """A tenth of it changes the first peaks by less than a per cent."""
     design = jb.published_slider_crank(0.1)

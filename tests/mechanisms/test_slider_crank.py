@@ -79,6 +79,7 @@ def test_largest_acceleration_and_torque_of_independent_programs(name, evidence)
         evidence(TOPIC, f"largest {quantity.replace('_', ' ')}, rtol 1e-9", error, 1e-6, PROGRAMS, detail=name)
 
 
+@pytest.mark.long
 def test_elasticities_of_independent_programs(evidence):
     """Of three peaks and the first touchdown, at default settings; all trusted."""
     stiffness = DESIGNS["reference"]["numbers"]["stiffness"]
@@ -192,6 +193,7 @@ def test_first_impact_of_every_law(law, evidence):
     assert float(run.peak_time) == pytest.approx(time, abs=5e-9)
 
 
+@pytest.mark.long
 def test_damping_factors_are_the_authors():
     """ "exact" delivers what it is asked for, so less than Lankarani and Nikravesh's for the same restitution."""
     ends = {}
@@ -213,6 +215,7 @@ def test_both_pins_with_play():
         np.testing.assert_allclose(eccentricity, 3e-4 - gap, atol=1e-12)
 
 
+@pytest.mark.long
 def test_horizon():
     """The first three peaks can be differentiated and trusted, the fifteenth is refused; the horizon lies between."""
     names = [f"impact.{k}.peak_force" for k in (1, 2, 3, 15)]
@@ -241,6 +244,7 @@ def test_digits_lost_at_every_impact(evidence):
     evidence(TOPIC, "digits lost at each impact", error, 0.02, PROGRAMS, "digits", f"{lost:.3f}")
 
 
+@pytest.mark.long
 def test_gradients_where_play_decides():
     """Against differences of solves at rtol 1e-11, through jax.grad."""
 
@@ -252,6 +256,7 @@ def test_gradients_where_play_decides():
     assert float(jax.grad(peak)(5e-4)) == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-4)
 
 
+@pytest.mark.long
 def test_many_at_once_and_under_vmap():
     clearances = np.linspace(1e-4, 5e-4, 4)
     found = jb.sweep(changed(piston_pin__clearance=clearances), crank(), duration=1e-3)
@@ -261,7 +266,7 @@ def test_many_at_once_and_under_vmap():
     assert "slider_acceleration [m/s²]" in repr(found)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_run_of_thirty_wide_designs_fails():
     """Play from 20 µm to 1 mm in one pin or both, slow and fast, light and heavy, with weight and friction."""
     random = np.random.default_rng(7)

@@ -69,6 +69,7 @@ def test_standard_errors_of_independent_and_of_alike_values():
     assert np.isnan(standard_error(np.array([1.0])))
 
 
+@pytest.mark.long
 def test_the_summary_has_them_and_says_what_is_missing(run):
     assert "means over 7 turns ± standard error" in repr(run)
     short = jb.simulate(jb.SliderCrank(), jb.SliderCrankScenario(), 8.5 * TURN, max_events=32)

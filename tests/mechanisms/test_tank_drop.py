@@ -158,7 +158,7 @@ def test_an_empty_rigid_tank_is_a_mass_on_a_cushion(evidence):
     assert float(found.highest_pressure) == 0.0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_three_supports_give_the_same(gentle):
     for method in ("multiplier", "defence node"):
         other = dropped({"support.method": method})
@@ -166,7 +166,7 @@ def test_three_supports_give_the_same(gentle):
             assert float(getattr(other, name)) == pytest.approx(float(getattr(gentle, name)), rel=within), name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_three_meshes_converge():
     """Of an empty tank. Its first peak of force, where the cushion meets node after node, scatters: 3064, 3108, 3039,
     3061 N at refinements 1 to 4."""

@@ -7,7 +7,7 @@ import pytest
 
 import jaxbuffer as jb
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 VARIABLES = {"wall.top": 0.005, "wall.lower_side": 0.005, "cushion.stiffness": 4e6, "cushion.damping": 1e4, "fill": 0.8}
 QUANTITIES = ("peak_force", "peak_stress", "smooth_stress", "plastic_work", "deflection")

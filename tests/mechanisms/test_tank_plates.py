@@ -189,7 +189,7 @@ def test_a_liquid_feels_a_plate_by_its_aperture(contents, fill):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contents", ["liquid", "full"])
+@pytest.mark.parametrize("contents", [pytest.param("liquid", marks=pytest.mark.long), "full"])
 def test_derivatives_by_holes_are_those_of_differences(contents):
     """Aperture and diameter, over 4 ms: of the force, the stress and the energy lost in the holes."""
     drop = jb.TankDropScenario(height=0.1, fill=1.0 if contents == "full" else 0.6)
@@ -220,7 +220,7 @@ def test_plates_of_a_composite_wall_are_of_its_plies():
     assert sum("may be where a plate meets the wall" in line for line in run.mechanism.view.warnings(run)) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_derivatives_by_a_plate_are_those_of_differences():
     """Thickness and position, over 4 ms: of the force and the stress."""
 

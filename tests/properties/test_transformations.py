@@ -75,7 +75,7 @@ def assert_equal_captures(evidence, claim, found, lane):
         evidence(TOPIC, claim, off, 1e-6, "captures one by one", detail=name)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_captures_batched_over_scenarios_are_the_loop(evidence, batch):
     assert len({int(batch[lane].impact_count) for lane in SCENARIOS}) == 3
     for lane in SCENARIOS:
@@ -103,7 +103,7 @@ def test_lanes_over_designs_and_scenarios_are_those_of_a_loop(batch):
         np.testing.assert_allclose(*impacts, rtol=1e-8, atol=1e-8 * float(alone.peak_force))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_capture_inside_an_outer_jit_is_the_same(evidence):
     lane = (800.0, 0.1, 0.0)
     assert_equal_captures(evidence, "a capture inside an outer jit is the same", jax.jit(simulated)(*lane), lane)

@@ -142,7 +142,7 @@ def test_a_dropped_bars_energy_and_end_of_compression():
     assert_allclose(found, peer.t_events[0][0], rtol=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_energys_derivative():
     """d(m g H/2)/dH = m g/2 by forward differentiation of a whole run; a capture's first impact is its closed form."""
     design = jb.BarDrop()

@@ -74,7 +74,7 @@ def test_the_spectrum_of_a_motion_is_differentiable_by_the_velocity():
     assert float(jax.grad(spectrum)(2.0)) == pytest.approx(float(spectrum(1.0)), rel=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_tanks_slider_shakes_what_it_carries_as_its_force_says():
     """Its acceleration is the force over the mass less gravity's: another way to the same spectrum."""
     run = jb.simulate(jb.TankDrop(), jb.TankDropScenario(height=0.1), 0.01, history=True)

@@ -32,7 +32,7 @@ def test_a_run_above_the_best_known_fails_the_benchmark(monkeypatch, tmp_path, c
     assert "worst: 2.00 % above" in capsys.readouterr().out
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_small_problem_is_solved_by_default():
     """Within 1 % of the best known of several seeds; the old default ended at 374.03 N."""
     row = problems.ran("small", 0)

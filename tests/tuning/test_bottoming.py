@@ -17,7 +17,7 @@ def problem(design=SOFT, variables=VARIABLES, **limits):
     return Problem(design, [Scenario(approach_speed=0.35)], variables, limits=Limits(**limits))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_start_at_the_buffers_end_is_infeasible_and_slopes_lead_out_of_it():
     """The slope of the share of stroke, against differences of tight solves; then the search."""
     asked = problem()

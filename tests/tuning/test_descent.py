@@ -159,6 +159,7 @@ def test_what_is_refused(options, message):
         tune.tune(stated, **{"optimizer": optax.adam(0.1), **options})
 
 
+@pytest.mark.long
 def test_the_whole_of_it_by_diffrax(tmp_path):
     """Table 2 for two approaches: better, all captures solved at the check, and its forces are those of the exact law
     by the default solver, within the smooth law's bias."""

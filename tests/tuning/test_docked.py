@@ -13,7 +13,7 @@ LATCHED = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_curve_is_tuned_until_the_vehicles_are_nearly_at_rest():
     """Two free starts, either flank first; the energy left after 4 s falls, every limit holds, the curve rises."""
     design = replace(table2(), LATCHED)
@@ -38,7 +38,7 @@ def test_a_curve_is_tuned_until_the_vehicles_are_nearly_at_rest():
     assert forces[0] == 2.0 and np.all(np.diff(forces) > 0.0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_derivatives_by_a_curves_points_are_those_of_differences():
     """Central differences at rtol 1e-9, of the largest stroke and latch force."""
     design, scenario = replace(table2(), LATCHED), Scenario(start="free", offset=-0.005)

@@ -186,7 +186,7 @@ def test_a_floor_that_can_not_be_had_is_said_in_words(monkeypatch):
     assert "nan" not in shown
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_answer_survives_bounds_that_do_not_fit(tmp_path):
     """A half-angle of 0.1 to 1.5 under a misalignment of 0.5: the floor's search comes by angles that do not fit."""
     variables = [ANGLE, Variable("buffer.k_A", 100.0, 2000.0)]

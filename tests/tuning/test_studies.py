@@ -27,7 +27,7 @@ def test_every_study_reads(name):
         assert len(problem.variables) == tuned_numbers.get(name, 5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_literal_way_ends_where_the_default_one_does(tmp_path):
     """diffrax, jax.grad, optax and vmap beside `tune`: both end within a hundredth and keep the stroke."""
     default, literal = card.ways(tmp_path)
@@ -35,7 +35,7 @@ def test_the_literal_way_ends_where_the_default_one_does(tmp_path):
     assert max(literal.stroke, default.stroke) < 0.025 * (1.0 + 1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_main_study_ends_low_in_both_objectives():
     """The lowest that any rule and seed ended at: 305.20 N, and 261.5 N in the hinge of a design within 1 % of that
     (docs/tuning.md)."""

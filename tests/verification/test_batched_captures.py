@@ -11,7 +11,7 @@ from jaxbuffer.hybrid import lanes
 SPEEDS = jnp.array([0.1, jnp.nan, 0.2])  # m/s
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_lanes_are_the_runs_alone_and_one_fails_alone(monkeypatch):
     """Peak forces and their derivatives by the approach speed."""
 

@@ -50,6 +50,7 @@ STOP_PATHS = ("buffer.c_A", "buffer.max_stroke", "buffer.stop_stiffness", "buffe
 END_PATHS = ("buffer.c_A", "probe.tip_mass", "buffer.free_length")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("design", "paths"),
     [
@@ -98,6 +99,7 @@ def test_the_margin_goes_on_where_the_stroke_just_reaches_the_end():
     assert -2e-5 * stroke < margins[Outcome.bottomed] < 0.0
 
 
+@pytest.mark.long
 def test_the_flank_has_a_back():
     """The tip's centre passed the flank and the run ended captured."""
     soft = replace(table2(), {"contact.stiffness": 1e3})
@@ -115,9 +117,18 @@ def test_no_speed_is_too_high_for_a_word():
     assert simulate(table2(), Scenario(approach_speed=900.0)).outcome == Outcome.bottomed
 
 
-@pytest.mark.parametrize("law", ["lankarani-nikravesh", "adams", "kelvin-voigt"])
-@pytest.mark.parametrize("restitution", [0.3, 0.9])
-def test_no_penetration_exceeds_the_one_told(law, restitution):
+@pytest.mark.parametrize(
+    ("restitution", "law"),
+    [
+        (0.3, "lankarani-nikravesh"),
+        pytest.param(0.3, "adams", marks=pytest.mark.long),
+        pytest.param(0.3, "kelvin-voigt", marks=pytest.mark.long),
+        (0.9, "lankarani-nikravesh"),
+        (0.9, "adams"),
+        (0.9, "kelvin-voigt"),
+    ],
+)
+def test_no_penetration_exceeds_the_one_told(restitution, law):
     """Against every step's gap; at e = 0.9 within two per cent."""
     design = replace(table2(), {"contact.law": law, "contact.restitution": restitution})
     capture = simulate(design, history=True)
@@ -127,6 +138,7 @@ def test_no_penetration_exceeds_the_one_told(law, restitution):
         assert deepest > 0.98 * float(capture.penetration)
 
 
+@pytest.mark.long
 def test_a_yield_stress_is_held_against_the_pressure():
     """Aluminium of 300 MPa yields under Table 2's peak; its pressure is Hertz's 3 F/(2 π a²), a² = R δ."""
     capture = simulate(replace(table2(), {"contact.yield_stress": 300e6}))
@@ -143,6 +155,7 @@ NUMBERS = (
 )
 
 
+@pytest.mark.long
 def test_a_full_log_loses_nothing_but_the_list_of_impacts():
     """21 of 16 000 random captures failed with a full log: they had more impacts than it lists."""
     whole, short = (simulate(table2(), max_events=events) for events in (512, 20))
@@ -156,7 +169,7 @@ def test_a_full_log_loses_nothing_but_the_list_of_impacts():
     assert "impact after the 5th of 24" in repr(short)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_derivatives_of_a_run_with_a_full_log():
     """Right as ever, but for the time in contact, whose events are not all known: NaN."""
 

@@ -66,6 +66,7 @@ def kelvin_voigt_end(speed, damping, stiffness=2e7, mass=MASS, height=1e-4, end=
     return jnp.stack([RADIUS - depth + back * (end - height / speed - spent), back])
 
 
+@pytest.mark.long
 def test_kelvin_voigt_impact_and_its_gradients_through_the_jump_of_the_force():
     """Force c v at touchdown itself. The state's derivative by v and c at a later time needs its jump at touchdown."""
     here = jnp.asarray(SPEED), jnp.asarray(1500.0)

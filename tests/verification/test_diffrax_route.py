@@ -27,7 +27,10 @@ def capture(name, rtol=1e-8, solver=TSIT5):
     return jb.simulate(jb.replace(design, {"contact.memory": memory}), scenario, rtol=rtol, solver=solver)
 
 
-@pytest.mark.parametrize("name", ["table2", "table2-fast", "random-1-4", "random-1-12"])
+@pytest.mark.parametrize(
+    "name",
+    [*(pytest.param(name, marks=pytest.mark.long) for name in ("table2", "table2-fast")), "random-1-4", "random-1-12"],
+)
 def test_captures_are_those_of_the_loop(name, evidence):
     """Of the same law; measured 2e-6, of which the interpolation between steps has the most."""
     ours, theirs = capture(name, 1e-10, None), capture(name)
@@ -64,6 +67,7 @@ IMPLICIT = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", IMPLICIT)
 def test_implicit_methods(name, evidence):
     """The first impact and the largest force are those of the loop with the same law."""
@@ -77,6 +81,7 @@ def test_implicit_methods(name, evidence):
     np.testing.assert_allclose(run.impacts.peak_force[0], exact.impacts.peak_force[0], rtol=1e-5)
 
 
+@pytest.mark.long
 def test_what_follows_from_a_capture():
     """A history, the energy and failures are those of any capture."""
     options = {"rtol": 1e-8, "solver": TSIT5, "history": True, "max_steps": 1000}
@@ -112,7 +117,7 @@ def test_the_literal_call():
     np.testing.assert_allclose(np.max(stroke[np.isfinite(stroke)]), whole.stroke, rtol=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_adjoints():
     """Backwards through checkpoints and forwards, the derivative of the first impact's force is the same."""
     duration, paths = 2e-4, [PATHS[parameter] for parameter in PARAMETERS]
@@ -130,7 +135,7 @@ def test_adjoints():
     np.testing.assert_allclose(forwards, backwards, rtol=1e-8)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_elasticities_under_error_control():
     """Of Table 2's peak force; differentiated through the solve, Tsit5's would be off by 0.2 at rtol 1e-8."""
     reference = np.array([CASES["table2"].values["elasticity"][parameter] for parameter in PARAMETERS])

@@ -17,9 +17,9 @@ AGREED_ENERGY = 1e-3  # of what is left of the energy of relative motion
 BALANCED = {DEFAULT_TOLERANCE: 2e-6, TIGHT: 3e-9}  # of the energy at the start
 TOPIC, SOURCE = "Docking until held", "runs of an independent solver at rtol 1e-10"
 
-# Each case is a program of its own, 20 to 40 s of compiling: these have all of the physics, the others are in
-# `make test-long`.
-TELLING = ("free start above, all rates", "real buffer", "curves", "slow, with thrust")
+# Each case is a program of its own, 20 to 50 s of compiling: CI has a free start and most of a buffer's parts,
+# `make test-long` the others.
+TELLING = ("free start above, all rates", "real buffer")
 CASES = [name if name in TELLING else pytest.param(name, marks=pytest.mark.long) for name in DOCKING]
 each_case = pytest.mark.parametrize("name", CASES)
 each_tolerance = pytest.mark.parametrize("rtol", AGREED, ids=["default", "tight"])
@@ -70,6 +70,7 @@ def test_energy_and_momentum(name, rtol, evidence):
     evidence(TOPIC, f"angular momentum, {at(rtol)}", balance.angular_momentum, 1e-6, start, detail=name)
 
 
+@pytest.mark.long
 @each_case
 def test_elasticities(name, evidence):
     """Peak force, stroke and latch force by buffer, tip and latch: 1e-3 of each, or 1e-6, or the reference's error."""

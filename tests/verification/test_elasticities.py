@@ -16,8 +16,8 @@ pytestmark = pytest.mark.slow
 
 # Relative and absolute, of which the larger is allowed.
 AGREED = {DEFAULT_TOLERANCE: (1e-3, 1e-6), 1e-9: (1e-4, 1e-7)}
-each_case = pytest.mark.parametrize("name", CASES)
-each_tolerance = pytest.mark.parametrize("rtol", AGREED, ids=["default", "tight"])
+LABELS = ("default", "tight")
+LONG = ("table2-rolling", "default")  # for `make test-long`
 
 
 @jax.jit
@@ -37,8 +37,14 @@ def elasticities(name, rtol):
     return np.asarray(ours), np.array([case.values["elasticity"][parameter] for parameter in PARAMETERS])
 
 
-@each_tolerance
-@each_case
+@pytest.mark.parametrize(
+    ("name", "rtol"),
+    [
+        pytest.param(name, rtol, id=f"{name}-{label}", marks=pytest.mark.long if (name, label) == LONG else ())
+        for name in CASES
+        for rtol, label in zip(AGREED, LABELS, strict=True)
+    ],
+)
 def test_elasticities(name, rtol, evidence):
     ours, reference = elasticities(name, rtol)
     relative, absolute = AGREED[rtol]
@@ -56,7 +62,7 @@ def test_table_2_as_the_model_states_them():
     )  # five decimals are given
 
 
-@each_tolerance
+@pytest.mark.parametrize("rtol", AGREED, ids=LABELS)
 def test_worst_elasticity(rtol, capsys):
     """Prints the table that README quotes."""
     relative, absolute = AGREED[rtol]

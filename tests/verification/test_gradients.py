@@ -36,7 +36,7 @@ def elasticities_by_differences(design, scenario):
     return (4 * fine - coarse) / 3, np.abs(fine - coarse)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("free_tip", "count"), [(False, 50), (True, 10)])
 def test_elasticities_over_random_designs(free_tip, count, capsys):
     errors, wrong_signs, largest = [], 0, 0.0
@@ -62,6 +62,7 @@ def test_elasticities_over_random_designs(free_tip, count, capsys):
     assert largest < 2e-4  # of each step alone; extrapolation leaves its square
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
 def test_sensitivities_stop_no_run_and_hold_none_up(rtol):
     """Whatever the tolerance: every reference capture ends as it should, after at most three times the attempts

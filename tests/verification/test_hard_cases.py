@@ -52,7 +52,7 @@ def test_a_hinge_force_that_falls_within_a_step():
     assert float(capture.peak_hinge_force) == pytest.approx(72.3973, rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_drive_torque_at_a_reversal():
     """208.0028 N m by solves from rtol 1e-9 to 1e-11. The friction reverses while the torque grows by 2e-3 of itself in
     30 ns: the default tolerance is not enough, and the run's trust says by how much. No accepted step exceeds what the
@@ -100,7 +100,7 @@ def test_friction_and_play_in_both_pins(rtol):
     assert abs(float(run.balance.energy)) < int(run.impact_count) * rtol
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [1e-11, 1e-12])
 def test_tangents_beside_a_touchdown_at_tight_tolerance(rtol):
     """A pin's force grows with the power 1.1 of its depth, so that its slope nearly jumps where it touches: derivatives
@@ -119,6 +119,7 @@ def test_tangents_beside_a_touchdown_at_tight_tolerance(rtol):
     assert float(slope) == pytest.approx((high - low) / (2.0 * step * mass), rel=1e-5)
 
 
+@pytest.mark.long
 def test_nothing_of_a_failed_run_is_a_number():
     """History, log, impacts and energies are NaN as the quantities are, and so are their derivatives."""
 
