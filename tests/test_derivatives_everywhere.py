@@ -201,7 +201,14 @@ def test_the_history_holds_the_largest_stroke_with_its_derivative(solution, expe
     np.testing.assert_allclose(jax.grad(largest)(500.0), expected["stroke"][0], rtol=1e-3)
 
 
-@pytest.mark.parametrize("twice", [jax.hessian, lambda f: jax.grad(jax.grad(f)), lambda f: jax.jit(jax.hessian(f))])
+@pytest.mark.parametrize(
+    "twice",
+    [
+        pytest.param(jax.hessian, marks=pytest.mark.long),
+        pytest.param(lambda f: jax.grad(jax.grad(f)), marks=pytest.mark.long),
+        lambda f: jax.jit(jax.hessian(f)),
+    ],
+)
 def test_second_derivatives_are_refused_in_words(twice):
     with pytest.raises(jb.InputError, match=r"second derivatives are not offered.*take differences of first"):
         twice(lambda x: captured((x, *VALUES[1:])).peak_force)(500.0)

@@ -94,6 +94,7 @@ def test_a_full_disk_ends_no_start(trials, tmp_path):
     assert xla_flags.tried(folder, "0.13.0") == tuple(it for it in xla_flags.TRIALS if it != xla_flags.NO_EMITTERS)
 
 
+@pytest.mark.long
 def test_a_trial_says_which_flag_this_jaxlib_takes():
     """One that XLA does not know, one that LLVM does not know, and what the table says of this version."""
     unknown = ["--xla_no_such_flag=1", f"{xla_flags.ONE_KERNEL},-no-such-option=1"]

@@ -88,6 +88,7 @@ LANES = [
 ]
 
 
+@pytest.mark.long
 def test_numbers_out_of_range_fail_and_leave_other_lanes_alone():
     batch = jax.jit(jax.vmap(captured))(*map(jnp.array, zip(*LANES, strict=True)))
     outcomes = [Outcome(int(code)) for code in batch.code]

@@ -86,7 +86,7 @@ def test_a_mechanism_without_quantities():
 
 
 def test_runs_that_say_nothing_are_refused():
-    failed = jb.simulate(jb.table2(), max_steps=1)
+    failed = made_up_capture(outcome=jb.Outcome.failed_steps)
     with pytest.raises(jb.InputError, match="this run says nothing: failed"):
         trust(failed, failed)
 

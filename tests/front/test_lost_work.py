@@ -224,7 +224,7 @@ def started(folder, *arguments, code="from jaxbuffer.cli import main; main()", *
     return subprocess.Popen([sys.executable, "-c", code, *arguments], cwd=folder, env=environment, **settings)
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+@pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.long), "ascii"])
 def test_another_process_prints_in_its_encoding(computed, tmp_path, encoding):
     assert run(["sweep", "--output", "out"]) == 0
     with started(tmp_path, "report", "out", env={"PYTHONIOENCODING": encoding}) as process:
@@ -233,6 +233,7 @@ def test_another_process_prints_in_its_encoding(computed, tmp_path, encoding):
     assert b"0.05, 0.07 ... 0.25 m/s" in shown and shown.decode(encoding)
 
 
+@pytest.mark.long
 def test_a_full_pipe_is_one_line(computed, tmp_path):
     assert run(["simulate", "--output", "out"]) == 0
     with open("/dev/full", "wb") as full, started(tmp_path, "report", "out", stdout=full) as process:

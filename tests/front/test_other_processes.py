@@ -126,7 +126,12 @@ def back(result):
     return result
 
 
-@pytest.mark.parametrize("name", RESULTS)
+LONG = ("run of a slider-crank", "run of a tank")  # for `make test-long`: tracing them takes long
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in RESULTS]
+)
 def test_a_result_comes_back_from_another_process_as_it_was(pool, name):
     result = RESULTS[name]()
     found = pool.submit(back, result).result(timeout=120)

@@ -16,6 +16,7 @@ from jaxbuffer.pages.review import review
 PATH = executable()
 pytestmark = [
     pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(PATH is None, reason="no chromium is installed; $CHROMIUM may name one"),
 ]
 WIDTHS = (1280, 420)

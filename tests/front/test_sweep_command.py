@@ -93,6 +93,10 @@ def test_the_grid_of_the_study_and_the_command_line(computed, tmp_path):
     assert run(["sweep", "study.toml", "--over", "buffer.k_A=500", "--buffer.c_A", "9"]) == 0
     asked = computed.calls[-1][1]
     assert asked["design"].buffer.k_A.tolist() == [500.0, 500.0] and asked["design"].buffer.c_A == 9.0
+    over = ["--over", "contact.law=hertz", "--over", "scenario.approach_speed=0.1,0.2"]
+    assert run(["sweep", *over, "--output", "out"]) == 0 and computed.calls[-1][1]["design"].contact.law == "hertz"
+    found = jb.load(tmp_path / "out").sweep.peak_force
+    assert found.dims == ("contact.law", "scenario.approach_speed") and found["contact.law"].item() == "hertz"
 
 
 def test_summary_counts_outcomes_and_names_the_worst_and_the_failed(computed, capsys):

@@ -115,6 +115,7 @@ def test_bad_dimensions_are_refused(over, message):
         jb.sweep(DESIGN, jb.BarDropScenario(), over=over, **OPTIONS)
 
 
+@pytest.mark.long
 def test_the_command_line_takes_choices_and_its_files_are_read_back(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     jb.save_design("drop.toml", DESIGN)

@@ -298,7 +298,14 @@ def test_no_run_of_thirty_wide_designs_fails():
 def test_numbers_out_of_range_inside_compiled_code_fail():
     wrong = {"crank.length": 0.2, "piston_pin.clearance": 0.02, "piston_pin.exponent": 0.5}
     usual = {path: jb.get(jb.SliderCrank(), path) for path in wrong}
-    simulated = jax.jit(lambda values: jb.simulate(jb.replace(jb.SliderCrank(), values), crank(), 1e-4))
-    for path, value in wrong.items():
-        run = simulated(usual | {path: value})
+
+    given = [(usual | {path: value}, 1e-4, 1e-6) for path, value in wrong.items()]
+
+    @jax.jit
+    def simulated(values, duration, rtol):
+        return jb.simulate(jb.replace(jb.SliderCrank(), values), crank(), duration, rtol=rtol)
+
+    for values, duration, rtol in [*given, (usual, -1.0, 1e-6), (usual, 1e-4, 0.5)]:
+        run = simulated(values, duration, rtol)
         assert run.mechanism.outcomes(int(run.code)).name == "failed_input"
+        assert int(run.attempts) == 0, "costs no step"

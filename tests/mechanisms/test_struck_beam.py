@@ -87,7 +87,8 @@ def test_a_ball_on_a_beam_of_eight_modes(case, evidence):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.long if case == "A" else ()) for case in CASES])
+@pytest.mark.long
+@each_case
 def test_a_ball_on_a_beam_as_computed_independently(case, evidence):
     """With the 40 odd modes of the table."""
     found, after = contacts(ride(ball_on_beam(case, 40), UNTIL[case]))

@@ -72,6 +72,7 @@ def test_a_closed_column_is_as_stiff_as_its_bulk():
     np.testing.assert_allclose(pressure @ weight, DENSITY * SOUND**2 * up[:, 1] / LENGTH, rtol=1e-9, atol=1e-3)
 
 
+@pytest.mark.long
 def test_a_wall_on_a_closed_layer_swings_as_the_closed_form_says(evidence):
     """w = W cos kx on ends that slide: D k⁴ = ω² (m + ρ coth(κ H)/κ), κ² = k² - ω²/c²."""
     length, depth, thick, young, poisson, solid = 0.4, 0.1, 0.005, 1e9, 0.4, 950.0

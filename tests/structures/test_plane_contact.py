@@ -169,6 +169,7 @@ def test_coulombs_friction_slides_and_sticks():
     assert way[-1] == pytest.approx(0.2**2 / (2.0 * 4.0), rel=0.1)
 
 
+@pytest.mark.long
 def test_the_search_finds_the_segments_that_are_near():
     rng = np.random.default_rng(3)
     x = np.sort(rng.uniform(0.0, 1.0, 41))

@@ -60,6 +60,7 @@ def test_what_flows_keeps_its_volume_and_the_stress_stays_on_the_surface():
     np.testing.assert_allclose(pressure, 1e9 / 3.0 / (1.0 - 0.8) * volume, rtol=1e-9, atol=1e-3)
 
 
+@pytest.mark.long
 def test_a_thick_cylinder_yields_through_at_its_closed_form_pressure(evidence):
     """Perfectly plastic, plane strain: p = (2σ_y/√3) (ln(c/a) + (1 - c²/b²)/2) with the front at c; radial displacement
     outside of it elastic, u(b) = p_c c²·2(1 - ν²) b/(E (b² - c²)), p_c = σ_y/√3 (1 - c²/b²), ν → 1/2."""
@@ -122,6 +123,7 @@ def test_the_depth_of_the_front_follows_from_the_pressure():
     assert p(b) == pytest.approx(2.0 * k * np.log(2.0))
 
 
+@pytest.mark.long
 def test_a_deleted_element_carries_nothing_and_its_energy_is_told():
     positions = jnp.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     group = Plane(Quads.of(positions, np.array([[0, 1, 2, 3]])), Plastic(1.0, 1e9, 0.3, 25e6, 40e6, 0.1))

@@ -71,8 +71,17 @@ def many():
     return (np.arange(400) + 0.5) / 200.0 - 1.0, np.full(400, 1.0 / 200.0)
 
 
-@pytest.mark.parametrize("hardening", [0.0, 0.05 * YOUNG])
-@pytest.mark.parametrize("poisson", [0.0, 0.4, 0.49])
+@pytest.mark.parametrize(
+    ("poisson", "hardening"),
+    [
+        pytest.param(0.0, 0.0, marks=pytest.mark.long),
+        pytest.param(0.0, 0.05 * YOUNG, marks=pytest.mark.long),
+        pytest.param(0.4, 0.0, marks=pytest.mark.long),
+        (0.4, 0.05 * YOUNG),
+        pytest.param(0.49, 0.0, marks=pytest.mark.long),
+        pytest.param(0.49, 0.05 * YOUNG, marks=pytest.mark.long),
+    ],
+)
 def test_moments_are_those_of_fibres(poisson, hardening, evidence):
     """Of fibres where the element has its points, however far the wall is bent: no stress across it grows with the
     plastic strain, though the elastic narrowing of the element is less. The more points, the nearer the exact moment:

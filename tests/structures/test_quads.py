@@ -28,8 +28,8 @@ def forces_of(group, displacement):
 
 
 def stiffness_of(group, nodes):
-    matrix = jax.jacfwd(lambda u: forces_of(group, u.reshape(-1, 2)).forces.ravel())(jnp.zeros(2 * nodes))
-    return np.asarray(matrix)
+    matrix = jax.jit(jax.jacfwd(lambda u: forces_of(group, u.reshape(-1, 2)).forces.ravel()))
+    return np.asarray(matrix(jnp.zeros(2 * nodes)))
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -128,6 +128,7 @@ def test_orthotropic_moduli_come_out_as_they_went_in():
     np.testing.assert_allclose(same.answer(strain, None).stress, Elastic(1.0, 5.0, 0.3).answer(strain, None).stress)
 
 
+@pytest.mark.long
 def test_the_element_bounds_the_frequency_of_the_assembly():
     positions, corners = grid(6, 3, 1.0, 0.5)
     positions = positions + 0.02 * np.sin(7.0 * positions[:, ::-1])

@@ -75,6 +75,7 @@ def test_the_impacting_bar():
     assert step * force.sum() == pytest.approx(2.0 * 7800.0 * section * speed, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_laterally_held_bar_of_plane_elements_on_a_wall():
     """SDNV100: 1.85638e6 N for 68.95 µs, by penalty; the plateau between the overshoots of its first half."""
     import jax

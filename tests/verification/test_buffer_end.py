@@ -125,7 +125,7 @@ def test_no_speed_is_too_high_for_a_word():
         pytest.param(0.3, "kelvin-voigt", marks=pytest.mark.long),
         (0.9, "lankarani-nikravesh"),
         (0.9, "adams"),
-        (0.9, "kelvin-voigt"),
+        pytest.param(0.9, "kelvin-voigt", marks=pytest.mark.long),
     ],
 )
 def test_no_penetration_exceeds_the_one_told(restitution, law):

@@ -27,10 +27,8 @@ def capture(name, rtol=1e-8, solver=TSIT5):
     return jb.simulate(jb.replace(design, {"contact.memory": memory}), scenario, rtol=rtol, solver=solver)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [*(pytest.param(name, marks=pytest.mark.long) for name in ("table2", "table2-fast")), "random-1-4", "random-1-12"],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["table2", "table2-fast", "random-1-4", "random-1-12"])
 def test_captures_are_those_of_the_loop(name, evidence):
     """Of the same law; measured 2e-6, of which the interpolation between steps has the most."""
     ours, theirs = capture(name, 1e-10, None), capture(name)

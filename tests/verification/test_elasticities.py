@@ -17,7 +17,6 @@ pytestmark = pytest.mark.slow
 # Relative and absolute, of which the larger is allowed.
 AGREED = {DEFAULT_TOLERANCE: (1e-3, 1e-6), 1e-9: (1e-4, 1e-7)}
 LABELS = ("default", "tight")
-LONG = ("table2-rolling", "default")  # for `make test-long`
 
 
 @jax.jit
@@ -40,7 +39,7 @@ def elasticities(name, rtol):
 @pytest.mark.parametrize(
     ("name", "rtol"),
     [
-        pytest.param(name, rtol, id=f"{name}-{label}", marks=pytest.mark.long if (name, label) == LONG else ())
+        pytest.param(name, rtol, id=f"{name}-{label}")
         for name in CASES
         for rtol, label in zip(AGREED, LABELS, strict=True)
     ],

@@ -82,12 +82,10 @@ def test_no_accepted_step_exceeds_a_maximum_of_the_campaign(title):
         assert np.max(below(reported, history, sizes(size, history))) <= BELOW_HISTORY, number
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("number", "name", "path"),
-    [
-        pytest.param(4500, "drive_torque", "piston_pin.clearance", marks=pytest.mark.long),
-        (3116, "drive_torque", "slider.mass"),
-    ],
+    [(4500, "drive_torque", "piston_pin.clearance"), (3116, "drive_torque", "slider.mass")],
 )
 def test_a_maximum_right_after_a_release_moves_with_it(number, name, path):
     """Its derivative is that of central differences, which agree with each other to 2e-4 over steps of 1e-4 to 1e-6:
