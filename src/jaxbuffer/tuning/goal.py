@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ..fields import get
-from ..mechanisms.limit import Limit, beyond, digits_apart
+from ..mechanisms.limit import Limit, beyond
+from ..value_text import digits_apart, with_unit
 from .cases import Case
 from .evaluation import Evaluation
 from .objective import Limits, Objective
@@ -167,8 +168,9 @@ class Goal:
         now, catalogue = self.first_value(evaluation), self.problem.catalogue
         if not np.any(beyond(np.array([now / scale - value / scale]))):
             return None
-        digits = digits_apart(now, value, 5)
-        return f"{objective}: {objective.said(now, catalogue, digits)} is above {objective.said(value, catalogue, 6)}"
+        (now, symbol), (value, _) = (objective.shown(it, catalogue) for it in (now, value))
+        highest = with_unit(value, symbol)
+        return f"{objective}: {with_unit(now, symbol, digits_apart(now, value, 5))} is above {highest}"
 
     def obstacle(self, evaluation: Evaluation) -> str:
         """Return the limit that a design is farthest beyond, in words; "" where it keeps all.

@@ -5,9 +5,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import get, percent
-from ..mechanisms.limit import Limit, digits_apart
+from ..fields import get
+from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import EndCount
+from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
 from .goal import Goal
 from .problem import Settings, Variable
@@ -66,7 +67,7 @@ def ending(branch: Branch, settings: Settings) -> Ended:
 
 def left_to_gain(branch: Branch) -> str:
     """Return the first-order residual in words."""
-    return f"small changes would gain {percent(branch.residual)} of the objective"
+    return f"small changes would gain {percent_text(branch.residual)} of the objective"
 
 
 def _ending(branch: Branch, settings: Settings) -> str:
@@ -76,7 +77,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
         "stalled": "stalled: steps gain less than the tolerance",
         "cliff": "stopped at a cliff: ahead a small change makes a run fail",
     }
-    within = f", the tolerance being {100.0 * settings.tolerance:g} %" if branch.status == CONVERGED else ""
+    within = f", the tolerance being {percent_text(settings.tolerance, 'g')}" if branch.status == CONVERGED else ""
     return f"{words[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
 
 
@@ -87,13 +88,13 @@ def agreement_in_words(progress: Progress, more: str) -> str:
         return f"Only one search was made; for others {more}"
     if not np.isfinite(progress.apart):
         return (
-            f"Of {searches} no other that began apart ended feasible within {100.0 * AGREE:g} % of it; "
+            f"Of {searches} no other that began apart ended feasible within {percent_text(AGREE, 'g')} of it; "
             f"a better design may exist: {more}"
         )
-    percent = f"{100.0 * progress.apart:.2g} %"
+    apart = percent_text(progress.apart)
     if progress.apart <= AGREE:
-        return f"Of {searches} the best two that began apart agree within {percent}"
-    return f"Of {searches} the best two that began apart differ by {percent}; a better design may exist: {more}"
+        return f"Of {searches} the best two that began apart agree within {apart}"
+    return f"Of {searches} the best two that began apart differ by {apart}; a better design may exist: {more}"
 
 
 def _count(searches: int) -> str:
@@ -160,9 +161,8 @@ def _of_quantity(
 ) -> BrokenLimit:
     """Describe a broken limit on a quantity."""
     k, quantity, bound = int(np.argmax(excess)), goal.problem.catalogue[limit.name], limit.bound
-    value, (_, factor) = float(point.quantities[k, q]), quantity.in_figures
-    in_words = quantity.in_words(value, digits_apart(factor * value, factor * bound))
-    heading = _heading(goal, limit.line(quantity), excess, in_words)
+    value = float(point.quantities[k, q])
+    heading = _heading(goal, limit.line(quantity), excess, limit.told_apart(value, *quantity.in_figures))
     worst = WorstCase(value, bound, bound, point.quantities_slope[k, q], not limit.lowest, quantity.in_figures)
     return _broken(goal, point, excess, heading, worst)
 
@@ -246,12 +246,14 @@ def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
 def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
     """Say what more or less of a variable does, and of one at its bound how far about it would have to go beyond."""
     path, problem, (symbol, factor) = it.variable.path, goal.problem, worst.shown
-    effect = f"({'-' if worst.falls else '+'}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+    change = abs(factor * it.change) * (-1.0 if worst.falls else 1.0)
+    effect = f"({with_unit(change, symbol, 2, sign=True)} per 1 %)"
     if not it.at_bound:
         return f"{'more' if it.up else 'less'} {path} {effect}"
-    bound = problem.said(path, it.variable.high if it.up else it.variable.low)
-    enough = _enough(worst, it)
-    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {problem.said(path, enough, 2)}"
+    bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
+    far = ""
+    if (enough := _enough(worst, it)) is not None:
+        far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
     return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
 
 
