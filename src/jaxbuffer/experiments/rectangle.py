@@ -115,8 +115,7 @@ class SafeRectangle:
         if (end := mechanism.required_end(self.limits.ends, self.limits.names)) is not None:
             ends = end.name
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
-        if self.limits.impacts is not None:
-            limits.append(f"impacts ≤ {self.limits.impacts}")
+        limits += [f"{it.name} {it.bound_text()}" for it in self.limits.of_impacts]
         return ", ".join([ends, *limits])
 
     def __repr__(self) -> str:

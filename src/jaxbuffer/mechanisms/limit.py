@@ -44,6 +44,10 @@ class Limit:
         """Return how far values are beyond the limit, relative to it; below 0 within it, NaN where a value is."""
         return np.asarray(self.sign * (np.asarray(values, float) / self.bound - 1.0))
 
+    def slopes(self, slopes: Any) -> Float[np.ndarray, "..."]:
+        """Return the slopes of `rows` from those of the values."""
+        return np.asarray(self.sign * np.asarray(slopes, float) / self.bound)
+
     def excess(self, values: Any) -> Float[np.ndarray, "..."]:
         """Return how far values are beyond the limit, relative to it: 0 where they keep it, infinite for NaN."""
         return beyond(self.rows(values))

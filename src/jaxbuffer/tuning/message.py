@@ -5,12 +5,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import get
-from ..mechanisms.limit import Limit
+from ..mechanisms.limit import IMPACTS, Limit
 from ..mechanisms.mechanism import EndCount
 from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
-from .goal import Goal
+from .goal import Breach, Goal, end_limit
 from .problem import Settings, Variable
 from .search import AGREE, CONVERGED, Branch
 from .store import Progress
@@ -136,15 +135,24 @@ class BrokenLimit(NamedTuple):
 
 def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
-    solved, limits = point.solved, list[BrokenLimit]()
-    for q, limit in goal.indexed_limits:
-        excess = np.where(solved, limit.excess(point.quantities[:, q]), 0.0)
-        if np.any(excess > 0.0):
-            limits.append(_of_quantity(goal, point, q, limit, excess))
-    if goal.must_succeed and np.any(solved & (point.margin < 0.0)):
-        limits.append(_of_margin(goal, point, np.where(solved, -point.margin, 0.0)))
-    limits += _without_slopes(goal, point)
+    limits = [_described(goal, point, breach) for breach in goal.breaches(point)]
+    if failed := goal.failed(point):
+        limits.append(BrokenLimit(np.inf, failed))
+    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
+        scale = goal.ceiling.scale
+        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
     return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
+
+
+def _described(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
+    """Return a broken limit with its worst load case and, where it has slopes, what stands against it."""
+    limit = breach.limit
+    if limit is None:
+        return _of_margin(goal, point, breach)
+    if limit.name != IMPACTS:
+        return _of_quantity(goal, point, breach, limit)
+    heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
+    return BrokenLimit(breach.largest, heading)
 
 
 def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
@@ -156,47 +164,42 @@ def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
 
 
-def _of_quantity(
-    goal: Goal, point: Evaluation, q: int, limit: Limit, excess: Float[np.ndarray, " cases"]
-) -> BrokenLimit:
+def _of_quantity(goal: Goal, point: Evaluation, breach: Breach, limit: Limit) -> BrokenLimit:
     """Describe a broken limit on a quantity."""
-    k, quantity, bound = int(np.argmax(excess)), goal.problem.catalogue[limit.name], limit.bound
-    value = float(point.quantities[k, q])
-    heading = _heading(goal, limit.line(quantity), excess, limit.told_apart(value, *quantity.in_figures))
-    worst = WorstCase(value, bound, bound, point.quantities_slope[k, q], not limit.lowest, quantity.in_figures)
-    return _broken(goal, point, excess, heading, worst)
+    value, bound, quantity = breach.value, limit.bound, goal.problem.catalogue[limit.name]
+    heading = _heading(goal, limit.line(quantity), breach, limit.told_apart(value, *quantity.in_figures))
+    slope = point.quantities_slope[breach.case, goal.problem.names.index(limit.name)]
+    worst = WorstCase(value, bound, bound, slope, not limit.lowest, quantity.in_figures)
+    return _broken(goal, point, breach, heading, worst)
 
 
-def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
+def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
     """Describe load cases that do not end as they must, by the mechanism's margin."""
-    problem, k = goal.problem, int(np.argmax(excess))
+    problem, k = goal.problem, breach.case
     mechanism, end = problem.mechanism, problem.end
     assert mechanism.tuning.margin is not None
-    heading = _heading(goal, str(problem.success), excess, goal.lack(point, k))
+    heading = _heading(goal, str(problem.success), breach, goal.lack(point, k))
     if end is not None and end.quantity and mechanism.succeeded(int(point.code[k])):
         q, quantity = problem.names.index(end.quantity), mechanism.quantities[end.quantity]
-        limit = float(get(problem.built(point.scaled), end.threshold))
+        bound = end_limit(end, problem.built(point.scaled)).bound
         slope, value = point.quantities_slope[k, q], float(point.quantities[k, q])
-        return _broken(goal, point, excess, heading, WorstCase(value, limit, limit, slope, True, quantity.in_figures))
+        return _broken(goal, point, breach, heading, WorstCase(value, bound, bound, slope, True, quantity.in_figures))
     quantity = mechanism.quantities[mechanism.tuning.margin]
     if end is None or not end.quantity:
         heading = f"{heading} ({mechanism.tuning.margin}: {quantity.description})"
-    worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
-    return _broken(goal, point, excess, heading, worst)
+    worst = WorstCase(breach.value, 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
+    return _broken(goal, point, breach, heading, worst)
 
 
-def _broken(
-    goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"], heading: str, worst: WorstCase
-) -> BrokenLimit:
+def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
     influences = helpful_variables(goal, point, worst)
     at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
-    return BrokenLimit(float(np.max(excess)), heading, _reason(goal, worst, influences), at_bounds)
+    return BrokenLimit(breach.largest, heading, _reason(goal, worst, influences), at_bounds)
 
 
-def _heading(goal: Goal, limit: str, excess: Float[np.ndarray, " cases"], worst: str) -> str:
-    cases = goal.problem.cases
-    where = cases[int(np.argmax(excess))].label(cases)
-    return f"{limit}: broken in {int(np.sum(excess > 0.0))} of {len(cases)} scenarios, worst {worst} at {where}"
+def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
+    cases, count = goal.problem.cases, int(np.sum(breach.excess > 0.0))
+    return f"{limit}: broken in {count} of {len(cases)} scenarios, worst {worst} at {cases[breach.case].label(cases)}"
 
 
 class Influence(NamedTuple):
@@ -267,21 +270,3 @@ def _enough(worst: WorstCase, it: Influence) -> float | None:
     with np.errstate(over="ignore"):
         times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
     return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
-
-
-def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
-    """Return the broken limits without slopes: impacts, failed simulations, the first objective's ceiling."""
-    limits, solved = list[BrokenLimit](), point.solved
-    for limit in goal.limits.of_impacts:
-        excess = limit.excess(point.impacts)
-        if np.any(excess > 0.0):
-            text = f"{limit.name} {limit.symbol} {limit.bound:.0f}"
-            heading = _heading(goal, text, excess, str(int(np.max(point.impacts))))
-            limits.append(BrokenLimit(float(np.max(excess)), heading))
-    if not np.all(solved):
-        count = f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
-        limits.append(BrokenLimit(np.inf, count))
-    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
-        scale = goal.ceiling.scale
-        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
-    return limits
