@@ -102,7 +102,7 @@ def test_limits_and_bounds_are_given_with_units():
     assert limits.at_least == {"end_time": 0.1}
     problem = jb.Problem(jb.table2(), [jb.Scenario(approach_speed="20 cm/s")], [variable], limits=limits)
     assert problem.variables == (jb.Variable("buffer.k_A", 100.0, 3000.0),)
-    assert problem.said("buffer.k_A", 1500.0) == "1.5 kN/m"
+    assert problem.shown("buffer.k_A", 1500.0) == (1.5, "kN/m")
 
 
 def test_limits_on_quantities_of_ones_own_are_read_in_their_unit():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .suggestions import Meaning, same_as
 from .suggestions import nearest as nearest
 from .suggestions import suggest as suggest
+from .value_text import interval_text, unit_text, with_unit
 
 if TYPE_CHECKING:  # the command line's own errors need neither: they are imported where a value is looked at
     import numpy as np
@@ -66,10 +67,10 @@ class OutOfRange(InputError):
         before: str = "",
         after: str = "",
     ) -> None:
-        symbol = "" if unit in ("", "-") else f" {unit}"
-        allowed = f"{range_text(*limits)}{symbol}"
+        low, high, low_open, high_open = limits
+        allowed = interval_text(low, high, unit, low_open, high_open)
         hint = meant(value, unit, **dict(zip(("low", "high", "low_open", "high_open"), limits, strict=True)))
-        super().__init__(f"{before}{path} = {value:g}{symbol} is out of range; allowed: {allowed}{hint}{after}")
+        super().__init__(f"{before}{path} = {with_unit(value, unit)} is out of range; allowed: {allowed}{hint}{after}")
         self.path, self.value, self.unit, self.limits, self.before, self.after = (
             path,
             value,
@@ -162,8 +163,8 @@ def check_plain(path: str, value: Any, unit: str) -> None:
     check_masks(path, value)
     entries = value if isinstance(value, (list, tuple)) else [value]
     if (symbol := next(filter(None, map(unit_of_library, entries)), None)) is not None:
-        symbol_here = "" if unit in ("", "-") else f" in {unit}"
-        raise InputError(f"{path} = {shown(value)} is a quantity in {symbol}; give its plain number{symbol_here}")
+        in_unit = unit_text(unit, before=" in ")
+        raise InputError(f"{path} = {shown(value)} is a quantity in {symbol}; give its plain number{in_unit}")
 
 
 def _float(value: Any) -> float:
@@ -221,8 +222,7 @@ def check_number(
         return
     check_plain(path, value, unit)
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": low_open, "high_open": high_open}
-    shown_unit = "" if unit in ("", "-") else f" {unit}"
-    allowed = f"{range_text(low, high, low_open, high_open)}{shown_unit}"
+    allowed = interval_text(unit=unit, **limits)
     if (array := concrete(value)) is None or not array.size:
         raise InputError(f"{path}: {shown(value)} is not a number; expected {allowed}")
     bad = ~inside(array, **limits)
@@ -235,15 +235,10 @@ def meant(value: float, unit: str, **limits: Any) -> str:
     """A hint at the smaller unit (degrees, millimetres, per cent) in which a number is in its range; "" for none."""
     least, smaller, factor = MEANT.get(unit, (math.inf, "", 1.0))
     return (
-        f'; "{value:g} {smaller}" if that is meant' if abs(value) > least and inside(value * factor, **limits) else ""
+        f'; "{with_unit(value, smaller)}" if that is meant'
+        if abs(value) > least and inside(value * factor, **limits)
+        else ""
     )
-
-
-def range_text(low: float, high: float, low_open: bool, high_open: bool) -> str:
-    """A range in words: "(0, inf)"; a round bracket is at an end that is not part of it."""
-    left = "(-inf" if low == -math.inf else ("(" if low_open else "[") + f"{low:g}"
-    right = "inf)" if high == math.inf else f"{high:g}" + (")" if high_open else "]")
-    return f"{left}, {right}"
 
 
 def check_entries(

@@ -22,11 +22,12 @@ from jaxbuffer.output.provenance import made
 from jaxbuffer.output.results import run_files, sensitivity_files, swept_files
 from jaxbuffer.output.tuned_records import tuned_record as tuned_record_of
 from jaxbuffer.pages.compare import compared, comparison
-from jaxbuffer.pages.page import Cell, Page, Section, Table, shown
+from jaxbuffer.pages.page import Cell, Page, Section, Table
 from jaxbuffer.pages.records import field_name
 from jaxbuffer.pages.review import review
 from jaxbuffer.pages.verification import lines, sources, verified
 from jaxbuffer.sweeps.grid import grid
+from jaxbuffer.value_text import table_text
 
 EDGES = ([0.1, 0.2, 0.3], [10.0, 20.0, 30.0, 40.0])  # values swept
 VOID = {"meta", "link", "input", "img", "br", "hr", "wbr"}
@@ -332,7 +333,7 @@ def test_numbers_stand_to_the_right():
     [(253.13152, "253.1"), (None, "–"), (True, "true"), (-1.4e-17, "0"), (3, "3"), ("hertz", "hertz")],
 )
 def test_numbers_as_they_are_shown(value, text):
-    assert shown(value) == text
+    assert table_text(value) == text
 
 
 @pytest.fixture(scope="module")
@@ -398,7 +399,7 @@ def test_the_safe_rectangle_in_words(folders):
     told = " ".join(text)
     assert f"{record['safe_runs']} of {record['runs']} runs are" in told
     for part in record["rectangle"]:
-        assert f"{field_name(part['path'])} from {shown(part['low'])} to {shown(part['high'])}" in told
+        assert f"{field_name(part['path'])} from {table_text(part['low'])} to {table_text(part['high'])}" in told
     assert len(section.figures) == 2
 
 
@@ -433,7 +434,7 @@ def test_the_points_of_a_front(folders):
     _, text, rows = section_text(review([load(folders["front"])]), "Front")
     lines = (folders["front"] / "pareto.csv").read_text().splitlines()
     assert [row[0] for row in rows] == [line.split(",")[0] for line in lines[1:]]
-    assert rows[0][1] == shown(float(lines[1].split(",")[1]))
+    assert rows[0][1] == table_text(float(lines[1].split(",")[1]))
     assert "are on the front" in text[0]
 
 
@@ -460,7 +461,7 @@ def test_lower_limits_have_margins_too(tmp_path, value, verdict, margin):
     record["scenarios"][0]["before"]["end_time [s]"] = value
     (tmp_path / "tuned.json").write_text(json.dumps(record))
     _, _, rows = section_text(review([load(tmp_path)]), "Limits")
-    assert ["end time", "s", shown(value), "≥ 0.5", margin, verdict] in without_scenario(rows)
+    assert ["end time", "s", table_text(value), "≥ 0.5", margin, verdict] in without_scenario(rows)
 
 
 def test_what_held_a_run_back(folders, tmp_path):
@@ -594,7 +595,7 @@ def test_differences_are_told_so_that_they_can_be_read(folders, tmp_path):
     _, _, rows = section_text(page, "Runs")
     told = {row[0]: row[-1] for row in rows}
     assert told["buffer stroke"] == "225 (× 30)"
-    assert told["time of the peak"] == shown(2.0 * run["peak_time [s]"])
+    assert told["time of the peak"] == table_text(2.0 * run["peak_time [s]"])
 
 
 def test_runs_of_different_scenarios_are_not_compared_in_per_cent(tmp_path, folders):

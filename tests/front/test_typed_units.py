@@ -19,6 +19,7 @@ from jaxbuffer.study.config import loads
 from jaxbuffer.study.explained import explained
 from jaxbuffer.sweeps.grid import grid
 from jaxbuffer.tuning.goal import Goal
+from jaxbuffer.value_text import with_unit
 
 STUDY = b"""
 [cone]
@@ -75,7 +76,7 @@ def test_limits_that_are_kept_and_broken(tuned):
     broken = Goal(problem, problem.objective).broken(made_up_evaluation(problem, problem.start()))
     assert broken == ["0.1 m/s, 0°: stroke 10 mm is above 8 mm"]
     objective = jb.Objective({"stroke": 1.0})
-    assert objective.said(0.0071, problem.catalogue) == "7.1 mm"
+    assert with_unit(*objective.shown(0.0071, problem.catalogue)) == "7.1 mm"
 
 
 def test_a_study_in_words_and_the_axes_of_its_sweep():

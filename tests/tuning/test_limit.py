@@ -11,7 +11,6 @@ import pytest
 
 import jaxbuffer as jb
 from front.made_up import made_up_evaluation, made_up_tuning
-from jaxbuffer.fields import change_in_words, relative_change
 from jaxbuffer.mechanisms.limit import ROUNDING, Limit
 from jaxbuffer.mechanisms.probe_cone import PROBE_CONE
 from jaxbuffer.study.config import loads
@@ -19,6 +18,7 @@ from jaxbuffer.study.tuned_toml import tuned_toml
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.measurement import Margin, margin_of_end
 from jaxbuffer.tuning.store import in_words, record_of
+from jaxbuffer.value_text import before_and_after, change_text, relative_change
 
 LATCH = {"latch.stiffness": 2e3, "latch.damping": 50.0}  # N/m, N s/m
 QUIET = 1e-3  # the default of latch.quiet
@@ -65,8 +65,8 @@ def test_a_change_has_a_meaning_unless_it_begins_at_zero_or_turns_its_sign():
     assert relative_change(2.0, 3.0) == 0.5 and relative_change(0.0, 0.0) == 0.0
     assert relative_change(-2.0, -3.0) == -0.5, "a fall by half of its size"
     for before, after in ((0.0, 1.0), (1.0, -1.0), (math.nan, 1.0), (1.0, math.inf), (None, 1.0), (5e-324, 1e10)):
-        assert relative_change(before, after) is None and change_in_words(before, after) == "–"
-    assert change_in_words(4.0, 3.0) == "-25.0 %" and change_in_words(1.0, 0.0) == "-100.0 %"
+        assert relative_change(before, after) is None and change_text(before, after) == "–"
+    assert change_text(4.0, 3.0) == "-25.0 %" and change_text(1.0, 0.0) == "-100.0 %"
 
 
 def test_a_run_that_ends_where_its_energy_is_quiet_keeps_a_limit_of_that_share():
@@ -192,7 +192,7 @@ def test_a_scenario_that_touches_nothing_is_a_row_of_the_summary(before, after):
     text = repr(dataclasses.replace(tuned, floor=None, **sides))
     change = "+0.0 %" if before == after else "-100.0 %" if after == 0.0 else "–"
     (row,) = (line for line in text.splitlines() if "0.1 m/s" in line and "→" in line and "captured" in line)
-    assert f"{before:.5g} → {after:.5g}" in row and change in row
+    assert before_and_after(before, after, 5) in row and change in row
 
 
 def test_progress_names_the_limit_in_the_way_and_the_first_impact_beneath_it():

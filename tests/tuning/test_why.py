@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from jaxbuffer import Outcome
 from jaxbuffer.tuning.evaluation import Evaluation
 from jaxbuffer.tuning.goal import Goal
 from jaxbuffer.tuning.message import broken_limits
@@ -83,3 +84,10 @@ def test_limits_and_cases_are_told_the_worst_first():
     assert "over its distance at the start" in found[0].heading
     assert "broken in 2 of 3 scenarios, worst 7 N at 0.12 m/s" in found[2].heading
     assert goal.broken(point)[0].startswith("0.12 m/s")
+
+
+def test_a_margin_that_rounding_leaves_below_zero_is_kept():
+    goal, point, _ = broken(Limits(), lambda x: x[0], [5.0, 4.0], margin=lambda x: 0.0 * x[0] - 1e-12)
+    point = point._replace(code=np.full(3, int(Outcome.captured)), succeeded=np.ones(3, bool))
+    assert goal.feasible(point) and goal.broken(point) == []
+    assert broken_limits(goal, point) == [] and goal.obstacle(point) == ""

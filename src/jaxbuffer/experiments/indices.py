@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from ..errors import InputError, check_names, check_number, check_whole
 from ..tables import table, text
+from ..value_text import percent_text
 from .points import points
 from .sample import ROUNDING, Sample
 from .surface import Surface, response_surface
@@ -61,7 +62,7 @@ class Indices:
         for name, it in self.estimates.items():
             surface = self.surfaces.get(name)
             of = f"the response surface of {name}" if surface else name
-            title = f"Sobol' indices of {of}, with {100 * self.confidence:g} % intervals"
+            title = f"Sobol' indices of {of}, with {percent_text(self.confidence, 'g')} intervals"
             shown = table(title, ("number",), ("first-order", "interval", "total", "total's interval"))
             for k in np.argsort(-it.total).tolist():
                 (low, high), (least, most) = it.first_interval[:, k], it.total_interval[:, k]
@@ -70,7 +71,8 @@ class Indices:
                     f"{it.total[k]:.3f}", f"{least:.3f} … {most:.3f}",
                 )  # fmt: skip
             parts.append(shown)
-            parts.append(f"  acting alone, the numbers make {100 * float(np.sum(it.first)):.1f} % of the variance")
+            alone = percent_text(float(np.sum(it.first)), ".1f")
+            parts.append(f"  acting alone, the numbers make {alone} of the variance")
             if surface:
                 parts.append(f"  {surface.worth}; the intervals do not hold what it misses")
             elif it.rows < self.asked:

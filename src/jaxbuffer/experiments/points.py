@@ -8,10 +8,11 @@ import scipy
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_whole
-from ..fields import Part, in_words, with_values
+from ..fields import Part, as_typed, with_values
 from ..mechanisms.registry import mechanism_of
 from ..run.request import check_pair
 from ..sweeps.grid import Batch
+from ..value_text import with_unit
 from .ranges import Range
 
 METHODS = ("sobol", "latin_hypercube", "saltelli")
@@ -43,10 +44,11 @@ class Points:
 
     def point(self, index: int) -> str:
         """One run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
-        values = (axis.at(self.shares[index, k]) for k, axis in enumerate(self.axes))
-        return ", ".join(
-            f"{a.name} {in_words(float(v), a.unit, a.typed)}" for a, v in zip(self.axes, values, strict=True)
-        )
+        parts = []
+        for k, axis in enumerate(self.axes):
+            value = float(axis.at(self.shares[index, k]))
+            parts.append(f"{axis.name} {with_unit(*as_typed(value, axis.unit, axis.typed))}")
+        return ", ".join(parts)
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
         """All runs, with an array (n,) for each field that is sampled."""

@@ -11,18 +11,18 @@ from jaxtyping import Float
 from ..errors import InputError, as_number, check_choice, check_number, check_type, shown
 from ..fields import (
     Part,
-    as_typed,
     check_address,
     check_units_agree,
+    ends_as_typed,
     errors_in_typed_units,
     in_unit,
     no_number,
-    range_in_words,
     typed_unit,
     unit_at,
     with_values,
 )
 from ..sweeps.axis import SCALES, Varied, literal
+from ..value_text import interval_text, range_text
 
 EXAMPLE = '[200, 2000] or [200, 2000, "log"]'
 DECADE = 10.0  # a range whose ends are further apart than this factor is spread on a logarithmic scale
@@ -55,8 +55,7 @@ class Range(Varied):
 
     def __str__(self) -> str:
         scale = ", log scale" if self.scale == "log" else ""
-        (low, symbol), (high, _) = (as_typed(end, self.unit, self.typed) for end in (self.low, self.high))
-        return f"{low:g} … {high:g} {symbol}".rstrip(" -") + scale
+        return range_text(*ends_as_typed(self.low, self.high, self.unit, self.typed), to=" … ") + scale
 
 
 def ranges(given: Mapping[str, Any], design: Part, scenario: Part) -> tuple[Range, ...]:
@@ -88,7 +87,7 @@ def _range(path: str, given: Any, design: Part, scenario: Part) -> Range:
     for end in numbers:
         check_number(f"sample.{path}", end, symbol)
     if not low < high:
-        bounds = range_in_words(low, high, symbol, typed_unit(given))
+        bounds = interval_text(*ends_as_typed(low, high, symbol, typed_unit(given)))
         raise InputError(f"sample.{path} = {bounds}: the low end must be below the high one")
     unit_typed = typed_unit(given)
     with errors_in_typed_units({path: unit_typed}):

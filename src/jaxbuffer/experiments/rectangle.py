@@ -9,12 +9,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..errors import InputError, check_type, suggest
-from ..fields import Part, as_typed, get
+from ..fields import Part, ends_as_typed, get
 from ..mechanisms.limit import Limit
 from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
 from ..tables import text
 from ..tuning.objective import Limits
+from ..value_text import range_text
 
 UNDONE = "not computed"  # of a run that an interrupted sweep has not reached
 ROUNDING = 1e-9  # of a range: a value so near to its end is in it
@@ -114,8 +115,7 @@ class SafeRectangle:
         if (end := mechanism.required_end(self.limits.ends, self.limits.names)) is not None:
             ends = end.name
         limits = [line.replace("_", " ") for line in self.limits.lines(mechanism.quantities)]
-        if self.limits.impacts is not None:
-            limits.append(f"impacts ≤ {self.limits.impacts}")
+        limits += [f"{it.name} {it.bound_text()}" for it in self.limits.of_impacts]
         return ", ".join([ends, *limits])
 
     def __repr__(self) -> str:
@@ -136,9 +136,11 @@ class SafeRectangle:
 
 def _range_words(axis: Axis, part: tuple[float, float]) -> str:
     """A range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
-    (low, symbol), (high, _) = (as_typed(value + 0.0, axis.unit, axis.typed) for value in part)
-    words = f"{low:.4g} … {high:.4g} {symbol}".rstrip(" -")
-    return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if symbol == "rad" else words
+    low, high, symbol = ends_as_typed(part[0] + 0.0, part[1] + 0.0, axis.unit, axis.typed)
+    words = range_text(low, high, symbol, 4, " … ")
+    if symbol != "rad":
+        return words
+    return f"{words} ({range_text(np.degrees(low), np.degrees(high), '°', 3, ' … ')})"
 
 
 def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequence[Part] = ()) -> SafeRectangle:

@@ -9,8 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError, check_choice, check_whole, shown, suggest
-from ..fields import in_unit, in_words
+from ..fields import as_typed, in_unit
 from ..tables import text
+from ..value_text import percent_text, with_unit
 from .ranges import Range
 from .sample import Sample
 
@@ -115,16 +116,18 @@ class Surface:
         slack = EDGE * (axis.high - axis.low)
         outside = ~((given >= axis.low - slack) & (given <= axis.high + slack))
         if outside.any():
+            value = with_unit(*as_typed(float(given[outside][0]), axis.unit, axis.typed))
             raise InputError(
-                f"response surface: {axis.path} = {in_words(given[outside][0], axis.unit)} is outside of what was"
-                f" sampled, {axis}; a surface knows nothing there, sample a wider range"
+                f"response surface: {axis.path} = {value} is outside of what was sampled, {axis}; a surface knows"
+                " nothing there, sample a wider range"
             )
         return np.clip(axis.shares(np.clip(given.astype(float), axis.low, axis.high)), 0.0, 1.0)
 
     @property
     def worth(self) -> str:
         """What the surface misses, and whether it is to be trusted, in words."""
-        words = f"the surface misses {100 * self.error.relative:.3g} % of a value it has not seen (cross-validated)"
+        share = percent_text(self.error.relative, ".3g")
+        words = f"the surface misses {share} of a value it has not seen (cross-validated)"
         return words if self.trusted else f"{words} and is not to be trusted"
 
     def __repr__(self) -> str:
@@ -135,8 +138,8 @@ class Surface:
             mark = "" if len(self.errors) == 1 else (" (chosen)" if kind == self.kind else " (not taken)")
             lines.append(
                 f"  cross-validated error of the {kind.replace('_', ' ')}{mark}: {error.rms:.4g} {self.unit} rms,"
-                f" {100 * error.relative:.3g} % of the value, {error.largest:.4g} {self.unit} at most;"
-                f" {100 * error.explained:.2f} % of the variance explained"
+                f" {percent_text(error.relative, '.3g')} of the value, {error.largest:.4g} {self.unit} at most;"
+                f" {percent_text(error.explained, '.2f')} of the variance explained"
             )
         lines += [f"  holds inside {axis.path} {axis}" for axis in self.axes]
         total = sum(self.left_out.values())

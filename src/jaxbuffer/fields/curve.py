@@ -17,7 +17,7 @@ from jaxtyping import Array, Bool, Float
 from .._types import Scalar, stacked
 from ..errors import InputError, concrete, inside, shown
 from .portable import Portable
-from .shown import value_text
+from .shown import full_text
 from .units import POSITIVE, as_unit, in_unit
 
 Axis = tuple[str, str]  # name and unit
@@ -75,7 +75,7 @@ class Curve(Portable):
         return [list(point) for point in zip(self.places, self.values, strict=True)]
 
     def __repr__(self) -> str:
-        points = (", ".join(map(value_text, point)) for point in self.points())
+        points = (", ".join(map(full_text, point)) for point in self.points())
         return "[" + ", ".join(f"[{point}]" for point in points) + "]"
 
     # --- addresses of its numbers -------------------------------------------------------------------------------------

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import concrete
+from ..value_text import with_unit
 from .paths import get, metadata, paths
 from .shown import cut
-from .units import in_words
 
 ROOT = "scenario."
 
@@ -163,4 +163,4 @@ def _text(design: Any, scenario: Any, path: str) -> str:
     numbers = concrete(value) if not isinstance(value, bool) else None
     if numbers is None or not numbers.size:
         return str(value)
-    return in_words(float(numbers.flat[0]), metadata(part, own).get("unit", "-"))
+    return with_unit(float(numbers.flat[0]), metadata(part, own).get("unit", "-"))

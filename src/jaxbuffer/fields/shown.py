@@ -8,6 +8,8 @@ import equinox as eqx
 import jax
 import numpy as np
 
+from ..value_text import unit_text, with_unit
+
 MOST = 6  # entries of an array that are shown
 LONGEST = 80  # characters of a text that is shown whole: a mesh's is not
 DIGITS = 8
@@ -48,7 +50,7 @@ def _lines(part: eqx.Module, gradient: bool) -> list[str]:
         name = f"{field.name} [{per}{symbol}]" if symbol else field.name
         equals = " = " if symbol else "="
         is_part = isinstance(value, eqx.Module) and "curve" not in field.metadata
-        inner = _text(value, gradient) if is_part else value_text(value)
+        inner = _text(value, gradient) if is_part else full_text(value)
         lines.append(f"{name}{equals}{inner}")
     return lines
 
@@ -64,7 +66,7 @@ def numbers_text(title: str, numbers: Mapping[str, tuple[Any, str, float]]) -> s
     for name, (value, symbol, factor) in numbers.items():
         unknown = isinstance(value, jax.core.Tracer) or np.asarray(value).dtype.kind not in "fiu"
         text = repr(value) if unknown else _scaled(factor * np.asarray(value, float))
-        lines.append(f"  {name.replace('_', ' '):{width}}  {text} {symbol}".rstrip(" -"))
+        lines.append(f"  {name.replace('_', ' '):{width}}  {text}{unit_text(symbol)}")
     return "\n".join([title, *lines])
 
 
@@ -85,7 +87,16 @@ def cut(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[:20]}… {len(text)} characters in all"
 
 
-def value_text(value: Any) -> str:
+def field_text(value: Any, unit: str) -> str:
+    """Return a field's value with its unit: "500 N/m", "true", "hertz", "not set"."""
+    if value is None:
+        return "not set"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return with_unit(value, unit) if isinstance(value, float) else cut(str(value))
+
+
+def full_text(value: Any) -> str:
     """A number in full, an array's entries to eight digits, anything else as it calls itself."""
     if isinstance(value, str):
         return repr(cut(value))

@@ -23,10 +23,10 @@ from ..errors import (
     inside,
     masked,
     nearest,
-    range_text,
     shown,
     unit_of_library,
 )
+from ..value_text import interval_text, is_plain
 
 # The number is taken whole: "0.1" is no 0 of the unit ".1", nor "101" a 10 of "1".
 _DIGITS = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?+"
@@ -135,9 +135,8 @@ def in_unit(path: str, value: Any, unit: str, **limits: Any) -> Any:
     if isinstance(value, (list, tuple)):
         check_units_agree(path, value)
     if reason := _misfit(value, unit):
-        allowed = range_text(*(limits.get(name, default) for name, default in _RANGE.items()))
-        symbol = "" if unit in ("", "-") else f" {unit}"
-        raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}{symbol}")
+        allowed = interval_text(unit=unit, **limits)
+        raise InputError(f"{path} = {shown(value)}: {reason}; allowed: {allowed}")
     number = as_unit(value, unit)
     if isinstance(value, str) and type(number) is float and not inside(number, **limits):
         ends = tuple(limits.get(name, default) for name, default in _RANGE.items())
@@ -160,7 +159,7 @@ def _misfit(value: Any, unit: str) -> str:
 
 def _converted(value: Any, unit: str) -> Any:
     """Return a quantity of another library as numbers in ``unit``, or what is wrong with its own unit."""
-    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    expected = _expected(unit)
     if isinstance(value, datetime.timedelta | np.timedelta64) or getattr(value, "dtype", np.dtype(float)).kind == "m":
         try:
             seconds = np.asarray(value, "m8") / np.timedelta64(1, "s")
@@ -201,7 +200,7 @@ def _symbol_of(quantity: Any) -> str:
 
 def _scaled(numbers: Any, symbol: str, unit: str) -> Any:
     """Return numbers of a unit as those of another one, or what is wrong with it."""
-    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    expected = _expected(unit)
     if unit.endswith("^e"):
         return f"the unit depends on the exponent; write {expected} without one"
     try:
@@ -234,6 +233,12 @@ def as_typed(value: float, unit: str, typed: str) -> tuple[float, str]:
         return value, unit
 
 
+def ends_as_typed(low: float, high: float, unit: str, typed: str) -> tuple[float, float, str]:
+    """Return both ends of a range `as_typed`, and their unit."""
+    (first, symbol), (last, _) = (as_typed(end, unit, typed) for end in (low, high))
+    return first, last, symbol
+
+
 # In which people are shown numbers that were typed with no unit, and how many of them a number's own is.
 DISPLAYED = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi), "rad/s": ("deg/s", 180.0 / math.pi)}
 
@@ -241,6 +246,12 @@ DISPLAYED = {"m": ("mm", 1e3), "rad": ("deg", 180.0 / math.pi), "rad/s": ("deg/s
 def display_unit(unit: str) -> tuple[str, float]:
     """Return the unit in which people are shown a number, and how many of it its own unit is."""
     return DISPLAYED.get(unit, (unit, 1.0))
+
+
+def as_displayed(value: float, unit: str) -> tuple[float, str]:
+    """Return a value in the unit in which people are shown it, and that unit."""
+    symbol, factor = display_unit(unit)
+    return factor * value, symbol
 
 
 def as_written(value: float, unit: str, typed: str) -> float | str:
@@ -256,18 +267,6 @@ def as_written(value: float, unit: str, typed: str) -> float | str:
                 if as_unit(text, unit) == value:
                     return text
     return float(value)
-
-
-def in_words(value: float, unit: str, typed: str = "", digits: int = 6) -> str:
-    """A value with its unit, or with the one that was ``typed``: "25 mm"."""
-    number, symbol = as_typed(value, unit, typed)
-    return f"{number:.{digits}g} {symbol}".rstrip(" -")
-
-
-def range_in_words(low: float, high: float, unit: str, typed: str = "") -> str:
-    """Two ends with their unit, or with the one that was ``typed``: "[1, 25] mm"."""
-    (first, symbol), (last, _) = (as_typed(end, unit, typed) for end in (low, high))
-    return f"[{first:g}, {last:g}] {symbol}".rstrip(" -")
 
 
 @contextlib.contextmanager
@@ -326,7 +325,7 @@ def _read(text: str, unit: str) -> float | str:
     if (match := _TEXT.fullmatch(text)) is None:
         return _without_unit(text.strip(), unit)
     number, symbol = float(match[1]), match[2].strip()
-    expected = "a plain number" if unit in ("", "-") else f"a number in {unit}"
+    expected = _expected(unit)
     if unit.endswith("^e"):
         return f"the unit depends on the exponent; write {expected} without one"
     if not _UNIT.fullmatch(symbol) or _POWERS.search(symbol):
@@ -344,6 +343,11 @@ def _read(text: str, unit: str) -> float | str:
     return float(units.Quantity(number, given).to(target).magnitude)
 
 
+def _expected(unit: str) -> str:
+    """Return what a field of this unit takes."""
+    return "a plain number" if is_plain(unit) else f"a number in {unit}"
+
+
 def _without_unit(text: str, unit: str) -> str:
     """What is wrong with a text that has a decimal comma, or a number alone; "" for any other."""
     pointed = _COMMA.sub(r"\1.\2", text)
@@ -351,7 +355,7 @@ def _without_unit(text: str, unit: str) -> str:
         return f"numbers have a decimal point here; write {pointed}"
     if not _NUMBER.fullmatch(text):
         return ""
-    symbol = f', or "{text} {unit}"' if unit not in ("", "-") and not unit.endswith("^e") else ""
+    symbol = f', or "{text} {unit}"' if not is_plain(unit) and not unit.endswith("^e") else ""
     return f"a text needs a unit; write {text} without quotes{symbol}"
 
 

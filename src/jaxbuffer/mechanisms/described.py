@@ -1,10 +1,8 @@
 """What a mechanism's designs, scenarios and results are made of, as tables."""
 
-from typing import Any
-
-from ..errors import range_text
-from ..fields import Part, get, meaning, metadata, paths
+from ..fields import Part, field_text, get, meaning, metadata, paths
 from ..tables import table, text
+from ..value_text import interval_text
 from .mechanism import Mechanism
 
 
@@ -26,7 +24,7 @@ def described(mechanism: Mechanism) -> str:
 def _declared(part: Part, path: str) -> tuple[str, str, str]:
     """Unit, default and allowed range of a field."""
     known, value = metadata(part, path), get(part, path)
-    default = "none" if value is None else value if isinstance(value, str) else _number(value)
+    default = "none" if value is None else field_text(value, "")
     if "choices" in known:
         return "", default, ", ".join(known["choices"])
     if "curve" in known:
@@ -34,17 +32,8 @@ def _declared(part: Part, path: str) -> tuple[str, str, str]:
     if "mesh" in known:
         return "", default, "a mesh file"
     if "limits" in known:
-        return known["unit"], default, _range(known["limits"])
+        return known["unit"], default, interval_text(**known["limits"])
     if "least" in known:
         upto = "" if known["most"] is None else f" to {known['most']}"
         return "", default, f"whole numbers from {known['least']}{upto}"
     return "", default, "true, false"
-
-
-def _number(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else f"{float(value):.6g}"
-
-
-def _range(limits: dict[str, Any]) -> str:
-    low, high = limits.get("low", float("-inf")), limits.get("high", float("inf"))
-    return range_text(low, high, limits.get("low_open", False), limits.get("high_open", False))

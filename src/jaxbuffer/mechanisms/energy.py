@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..fields import Portable, numbers_text
+from ..value_text import unit_by_size, with_unit
 
 
 class Energy(Portable):
@@ -81,10 +82,10 @@ ENERGY_UNITS = (("kJ", 1e-3), ("J", 1.0), ("mJ", 1e3), ("µJ", 1e6))
 
 def energy_unit(largest: Any) -> tuple[str, float]:
     """The unit in which energies up to ``largest`` [J] are read best, and how many of it a joule is."""
-    return next(((unit, many) for unit, many in ENERGY_UNITS if many * float(largest) >= 1.0), ENERGY_UNITS[-1])
+    return unit_by_size(float(largest), ENERGY_UNITS, 1.0)
 
 
 def energy_text(energy: Any) -> str:
     """An energy [J] in words: "4.495 J", "1.43 kJ"."""
     unit, many = energy_unit(energy)
-    return f"{many * float(energy):.4g} {unit}"
+    return with_unit(many * float(energy), unit, 4)

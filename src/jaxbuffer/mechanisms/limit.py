@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..value_text import digits_apart, with_unit
 from .quantity import Quantity
 
 # Relative. An event that ends a run at a value leaves that value to the rounding of its location: a limit at the same
 # value is kept.
 ROUNDING = 1e-9
 IMPACTS = "impacts"  # what a limit on the number of touchdowns is called
-FEW, MOST = 4, 17  # digits of a value in a sentence: the usual number, and all that a number has
+
 UPPER, LOWER = ("≤", "above"), ("≥", "below")
 
 
@@ -42,6 +43,10 @@ class Limit:
     def rows(self, values: Any) -> Float[np.ndarray, "..."]:
         """Return how far values are beyond the limit, relative to it; below 0 within it, NaN where a value is."""
         return np.asarray(self.sign * (np.asarray(values, float) / self.bound - 1.0))
+
+    def slopes(self, slopes: Any) -> Float[np.ndarray, "..."]:
+        """Return the slopes of `rows` from those of the values."""
+        return np.asarray(self.sign * np.asarray(slopes, float) / self.bound)
 
     def excess(self, values: Any) -> Float[np.ndarray, "..."]:
         """Return how far values are beyond the limit, relative to it: 0 where they keep it, infinite for NaN."""
@@ -88,7 +93,7 @@ class Limit:
 
     def line(self, quantity: Quantity) -> str:
         """Return the limit in words: "stroke ≤ 25 mm"."""
-        return f"{self.name} {self.symbol} {quantity.in_words(self.bound)}"
+        return f"{self.name} {self.bound_text(*quantity.in_figures)}"
 
     def sentence(self, value: float, quantity: Quantity) -> str:
         """Return how a value breaks the limit: "stroke 26 mm is above 25 mm", with as many digits as tell them apart.
@@ -96,19 +101,20 @@ class Limit:
         A value that is not known says so.
         """
         if math.isnan(value):
-            return f"{self.name} is not known, limit {self.symbol} {quantity.in_words(self.bound)}"
-        (_, factor), bound = quantity.in_figures, quantity.in_words(self.bound)
-        digits = digits_apart(factor * value, factor * self.bound)
-        return f"{self.name} {quantity.in_words(value, digits)} is {self.side} {bound}"
+            return f"{self.name} is not known, limit {self.bound_text(*quantity.in_figures)}"
+        apart = self.told_apart(value, *quantity.in_figures)
+        return f"{self.name} {apart} is {self.side} {quantity.in_words(self.bound)}"
 
+    def bound_text(self, unit: str = "", factor: float = 1.0) -> str:
+        """Return "≤ 25 mm"; ``factor``: how many of the ``unit`` the quantity's own one is."""
+        return f"{self.symbol} {with_unit(factor * self.bound, unit)}"
 
-def digits_apart(value: float, bound: float, few: int = FEW) -> int:
-    """Return how many digits tell a value from the bound that it breaks, which is written with six."""
-    written = float(f"{bound:.6g}")
-    for digits in range(few, MOST):
-        if (shown := float(f"{value:.{digits}g}")) != written and (shown > written) == (value > bound):
-            return digits
-    return MOST
+    def told_apart(self, value: float, unit: str = "", factor: float = 1.0) -> str:
+        """Return a value that breaks the limit, with as many digits as tell it from the bound: "25.0002 mm".
+
+        **Arguments:** ``unit``, ``factor``: as of `bound_text`.
+        """
+        return with_unit(factor * value, unit, digits_apart(factor * value, factor * self.bound))
 
 
 def beyond(rows: Float[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:

@@ -20,9 +20,7 @@ def plain_summary(run: Any) -> str:
     ]
     for name in mechanism.meant(lambda path: get(run.design, path)):
         quantity = mechanism.quantities[name]
-        symbol, factor = quantity.in_figures
-        value = factor * float(np.asarray(quantity.of(run)))
-        lines.append(f"  {quantity.title or name:24} {value:.6g} {symbol}".rstrip(" -"))
+        lines.append(f"  {quantity.title or name:24} {quantity.in_words(float(np.asarray(quantity.of(run))))}")
     energy, balance = jax.tree.map(np.asarray, (run.energy, run.balance))
     lost = ", ".join(f"{name.replace('_', ' ')} {float(value):.3g}" for name, value in energy.lost.items())
     lines += [

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 
 from ..errors import InputError, check_names, suggest
 from ..suggestions import Meaning
+from ..value_text import DIGITS, with_unit
 
 # By unit: what is smaller is what rounding leaves of zero, as of the force on a hinge that nothing loads.
 NEGLIGIBLE: Mapping[str, float] = MappingProxyType({"N": 1e-4, "m": 1e-9})
@@ -42,10 +43,10 @@ class Quantity(NamedTuple):
         """The unit that people are shown, and how many of those its own unit is."""
         return self.shown or (self.unit, 1.0)
 
-    def in_words(self, value: float, digits: int = 6) -> str:
+    def in_words(self, value: float, digits: int = DIGITS) -> str:
         """Return a value in the unit that people are shown: "7.1 mm"."""
         unit, factor = self.in_figures
-        return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
+        return with_unit(factor * value, unit, digits)
 
 
 Catalogue = Mapping[str, Quantity]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..fields import Part, paths, unit
+from ..value_text import degrees_text, with_unit
 from .drawing import Drawing, plain_drawing
 from .picture import Meshed, Panel
 from .validity import ValidityLimit
@@ -48,8 +49,8 @@ def plain_label(scenario: Part, among: Sequence[Part] = ()) -> str:
 def _shown(scenario: Part, name: str) -> str:
     value, symbol = getattr(scenario, name), unit(scenario, name)
     if symbol == "rad":
-        return f"{math.degrees(float(value)):.4g}°"
-    return f"{float(value):.4g} {symbol}".rstrip(" -") if symbol else str(value)
+        return degrees_text(math.degrees(float(value)), sign=False)
+    return with_unit(float(value), symbol, 4) if symbol else str(value)
 
 
 @dataclasses.dataclass(frozen=True)

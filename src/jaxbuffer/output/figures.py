@@ -12,14 +12,14 @@ from ..errors import InputError
 from ..mechanisms.picture import Level, Panel
 from ..mechanisms.run import Run
 from ..run.instants import at_times
+from ..value_text import unit_by_size, with_unit
 from .pulses import BEYOND, EVEN, WORTH, fine_times, last_contact, pulse_around, touching
 from .style import GREY, RED, curve, hatch, label, panels, styled
-from .words import newtons, scale_of, seconds
+from .words import TIME_UNITS, force_text, newtons, seconds, time_text
 
 COLUMNS = 2
 DENSE = 400  # instants of the peak's pulse
 INK = "#555555"
-FORCES = (("N", 1.0), ("kN", 1e-3))
 
 
 class Window(NamedTuple):
@@ -54,14 +54,14 @@ def run_figure(run: Run) -> Figure:
     impacts = "1 impact" if count == 1 else f"{count} impacts"
     start, until = first_contact(run), last_contact(run)
     title = (
-        f"{run.outcome.name} after {in_words(float(run.end_time))}, {impacts}, {mechanism.view.approach(run.scenario)}"
+        f"{run.outcome.name} after {time_text(float(run.end_time))}, {impacts}, {mechanism.view.approach(run.scenario)}"
     )
     cut = []
     if start > 0.0:
         whole = "" if to_end else ", gap and energy excepted"
-        cut.append(f"begin at {in_words(start)}{whole}: nothing touches before")
+        cut.append(f"begin at {time_text(start)}{whole}: nothing touches before")
     if until < end:
-        cut.append(f"end at {in_words(until)}: nothing touches from there to {in_words(end)}")
+        cut.append(f"end at {time_text(until)}: nothing touches from there to {time_text(end)}")
     figure.suptitle(f"{title}\n{'some ' if to_end else ''}time axes {' and '.join(cut)}" if cut else title)
     window = Window(start, until, *seconds(until))
     _forces(force, zoom, run, window)
@@ -85,17 +85,11 @@ def between_steps(run: Run, to_end: bool = False) -> Run:
     return eqx.tree_at(lambda it: it.history, run, at_times(run, times))
 
 
-def in_words(time: float) -> str:
-    """ "0.7193 s", "12 ms"."""
-    unit, factor = seconds(time)
-    return f"{factor * time:.4g} {unit}"
-
-
 def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
     """The contact force over the run, and around its peak if there is one."""
     history, names = _history(run), run.mechanism.view.names(run.design)
     peak, at = float(run.peak_force), float(run.peak_time)
-    (unit, factor), time = FORCES[peak >= 1e4], np.asarray(history.time)
+    (unit, factor), time = newtons(peak), np.asarray(history.time)
     shown = window.inside(time)
     for k, contact in enumerate(names.contacts):
         name = run.mechanism.view.contact_in_words(contact)
@@ -109,7 +103,7 @@ def _forces(force: Axes, zoom: Axes | None, run: Run, window: Window) -> None:
     _pulse(zoom, run, factor)
     zoom.plot(0.0, factor * peak, "o", color=RED, markersize=4)
     moment, many = seconds(at)
-    title = f"The peak, {newtons(peak)} at {many * at:.6g} {moment}"
+    title = f"The peak, {force_text(peak)} at {with_unit(many * at, moment)}"
     label(zoom, title, zoom.get_xlabel(), f"contact force [{unit}]", False)
 
 
@@ -168,7 +162,7 @@ def _pulse(axes: Axes, run: Run, factor: float) -> None:
     first, last = max(pulse.start - room, float(history.time[0])), min(pulse.end + room, float(history.time[-1]))
     time = np.union1d(np.linspace(first, last, DENSE), [at])
     force = np.asarray(at_times(run, time).contact_force)
-    unit, many = scale_of(last - first, (("ms", 1e3), ("µs", 1e6)))
+    unit, many = unit_by_size(last - first, TIME_UNITS[1:], 0.1)
     for k in np.flatnonzero(np.any(force > 0.0, axis=0)):
         axes.plot(many * (time - at), factor * force[:, k], **curve(int(k)))
     axes.set_xlabel(f"time from the peak [{unit}]")

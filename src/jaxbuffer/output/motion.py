@@ -17,6 +17,7 @@ from .layout import legend_below
 from .pulses import last_contact, pulses
 from .sketch import INK, bounds, fills, forces, sketch
 from .style import BLUE, GREY, RED, blank, styled
+from .words import force_text
 
 PANELS = 4  # of the chosen times, the start and the end among them
 APART = 0.05  # of the run: impacts nearer to each other are shown as one
@@ -140,7 +141,7 @@ def said(at: Scene, k: int) -> str:
     names, kind = at.run.mechanism.view.names(at.run.design).contacts, at.run.mechanism.view.contact
     normal = np.asarray(at.instants.contact_force)[k]
     acting = [
-        newtons(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
+        _acting(force, at.peak) + (f" on the {name} {kind}" if len(names) > 1 else "")
         for name, force in zip(names, normal, strict=True)
         if force > 0.0
     ]
@@ -148,11 +149,9 @@ def said(at: Scene, k: int) -> str:
     return f"{clock(at.times[k], end)}, {' and '.join(acting) or 'no contact'}"
 
 
-def newtons(force: float, peak: float) -> str:
-    """A force in words: "253.1 N", "45.87 kN"; "touching" below a ten-thousandth of the run's ``peak`` [N]."""
-    if force < 1e-4 * peak:
-        return "touching"
-    return f"{force:.4g} N" if peak < 1e4 else f"{1e-3 * force:.4g} kN"
+def _acting(force: float, peak: float) -> str:
+    """Return a force in words: "253.1 N"; "touching" below a ten-thousandth of the run's ``peak`` [N]."""
+    return "touching" if force < 1e-4 * peak else force_text(force, peak)
 
 
 def clock(time: float, end: float, more: int = 0) -> str:

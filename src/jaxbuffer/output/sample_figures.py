@@ -9,6 +9,7 @@ from .._types import Axes, Figure
 from ..experiments.indices import Indices
 from ..experiments.sample import Sample
 from ..experiments.surface import Surface
+from ..value_text import percent_text, with_unit
 from .layout import legend_below
 from .style import BLUE, GREY, ORANGE, RED, label, panels, styled
 from .words import field_axis, in_figures, outcome_marks, scaled, shown, success_marks
@@ -81,11 +82,11 @@ def indices_figure(indices: Indices) -> Figure:
         axes.set_xlim(min(0.0, 1.05 * float(it.first_interval.min())), max(1.0, 1.05 * float(it.total_interval.max())))
         through = f", from {it.rows} rows of runs"
         if (surface := indices.surfaces.get(name)) is not None:
-            through = f", by a response surface that misses {100 * surface.error.relative:.2g} %{_warned(surface)}"
+            through = f", by a response surface that misses {percent_text(surface.error.relative)}{_warned(surface)}"
         label(axes, f"{name.replace('_', ' ')}{through}", "share of the variance [-]", "", legend=False)
     handles, words = grid[0, 0].get_legend_handles_labels()
     legend_below(figure, handles[::-1], words[::-1])
-    figure.suptitle(f"Sobol' indices with {100 * indices.confidence:g} % intervals")
+    figure.suptitle(f"Sobol' indices with {percent_text(indices.confidence, 'g')} intervals")
     return figure
 
 
@@ -113,15 +114,15 @@ def _predicted(axes: Axes, surface: Surface) -> None:
     worst = int(np.argmax(np.abs(surface.predicted - surface.computed)))
     axes.plot(
         computed[worst], predicted[worst], "s", color=RED, markersize=7, fillstyle="none",
-        label=f"worst, off by {factor * surface.error.largest:.3g} {unit}",
+        label=f"worst, off by {with_unit(factor * surface.error.largest, unit, 3)}",
     )  # fmt: skip
     if surface.logarithmic and ends[1] > 10.0 * ends[0]:
         axes.set_xscale("log")
         axes.set_yscale("log")
     axes.set_aspect("equal")
     what = surface.quantity.replace("_", " ")
-    error = f"{factor * surface.error.rms:.3g} {unit} rms, {100 * surface.error.relative:.2g} %{_warned(surface)}"
-    title = f"{what}, {_worded(surface.kind)}\ncross-validated error {error}"
+    error = f"{with_unit(factor * surface.error.rms, unit, 3)} rms, {percent_text(surface.error.relative)}"
+    title = f"{what}, {_worded(surface.kind)}\ncross-validated error {error}{_warned(surface)}"
     label(axes, title, f"computed {what} [{unit}]", f"predicted {what} [{unit}]")
 
 

@@ -10,6 +10,7 @@ from .._types import Axes, Figure
 from ..experiments.rectangle import SafeRectangle
 from ..sweeps.axis import Axis
 from ..sweeps.result import Sweep
+from ..value_text import range_text
 from .layout import legend_below
 from .style import BLUE, COLUMNS, GREY, RED, label, line, panels, styled
 from .words import (
@@ -22,7 +23,6 @@ from .words import (
     said,
     scaled,
     shown,
-    signed,
     success_marks,
 )
 
@@ -331,6 +331,4 @@ def _reasons(axes: Axes, rectangle: SafeRectangle, x: np.ndarray, y: np.ndarray)
 
 
 def _words(part: np.ndarray, unit: str, axis: Axis) -> str:
-    if unit == "°":
-        return f"{called(axis.name)} {signed(part[0])} to {signed(part[1])}"
-    return f"{called(axis.name)} {part[0]:.4g} to {part[1]:.4g} {unit}".rstrip(" -")
+    return f"{called(axis.name)} {range_text(part[0], part[1], unit, 4)}"

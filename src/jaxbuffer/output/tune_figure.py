@@ -6,14 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .._types import Axes, Figure
-from ..fields import get, relative_change
+from ..fields import get
 from ..mechanisms.run import Run
 from ..tuning.pareto import Front
 from ..tuning.tuned import Tuned
+from ..value_text import before_and_after, range_text, relative_change, unit_text, with_unit
 from .layout import legend_below, with_line_breaks
 from .pulses import force_over_time, last_contact
 from .style import BLUE, COLOURS, GREY, ORANGE, RED, blank, label, panels, styled
-from .words import newtons, seconds, shown
+from .words import force_text, seconds, shown
 
 POINTS = (("before", ORANGE, "o"), ("after", BLUE, "D"))
 ROW, MOST = 0.2, 40  # inch a scenario, and how many of them are drawn, those with the largest forces
@@ -54,7 +55,7 @@ def tune_figure(tuned: Tuned, worst: Sequence[Run] = ()) -> Figure:
         draw(figure.add_subplot(second[row]), tuned)
     legend_below(figure, *cases.get_legend_handles_labels())
     unit, factor = problem.objective.in_figures(problem.catalogue)
-    before, after = (f"{factor * value:.5g} {unit}" for value in tuned.objective)
+    before, after = (with_unit(factor * value, unit, 5) for value in tuned.objective)
     counts = [f", {count}" for point in (tuned.before, tuned.after) if (count := tuned.end_count(point)) is not None]
     whole = f"{before} before{counts[0]}; {after} after{counts[1]}" if counts else f"{before} before, {after} after"
     figure.suptitle(f"{_objective_text(problem, problem.objective)}: {whole}")
@@ -107,7 +108,8 @@ def _force(axes: Axes, tuned: Tuned, worst: Sequence[Run]) -> None:
     for (name, colour, _), run in zip(POINTS, worst, strict=True):
         time, force = force_over_time(run)
         time, force = factor * time[time <= until], force[time <= until]
-        axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {newtons(float(run.peak_force))}")
+        most = force_text(float(run.peak_force))
+        axes.plot(time, force, color=colour, linewidth=0.9, label=f"{name}, at most {most}")
     problem = tuned.problem
     number = worst_case(tuned)
     named = problem.cases[number].label(problem.cases)
@@ -127,9 +129,10 @@ def _variables(axes: Axes, tuned: Tuned) -> None:
         axes.plot(np.clip(places, 0.0, 1.0), row, marker, color=colour, markersize=5, label=name)
     for k, v in enumerate(variables):
         before, after = (tuned.problem.shown(v.path, each[k]) for each in values)
-        axes.text(1.03, k, f"{before[0]:.4g} → {after[0]:.4g} {after[1]}", va="center", fontsize=SMALL)
+        text = f"{before_and_after(before[0], after[0])}{unit_text(after[1])}"
+        axes.text(1.03, k, text, va="center", fontsize=SMALL)
     ends = [[tuned.problem.shown(v.path, end)[0] for end in (v.low, v.high)] for v in variables]
-    names = [f"{v.path}\n{low:.4g} to {high:.4g}" for v, (low, high) in zip(variables, ends, strict=True)]
+    names = [f"{v.path}\n{range_text(low, high, '', 4)}" for v, (low, high) in zip(variables, ends, strict=True)]
     axes.set_yticks(row, names, fontsize=SMALL)
     axes.set_xlim(-0.03, 1.75)
     axes.set_xticks([0.0, 0.5, 1.0], ["low", "middle", "high"])
@@ -162,11 +165,9 @@ def _rows(tuned: Tuned) -> list[Row]:
         worst = np.min if lowest else np.max
         before, after = (float(worst(tuned.reported(point)[:, k])) for point in (tuned.before, tuned.after))
         title, symbol, factor = shown(problem.catalogue[name])
-        symbol = {"-": "", "°": "°"}.get(symbol, f" {symbol}")
-        figures = ["–" if np.isnan(value) else f"{factor * value:.4g}" for value in (before, after)]
-        text = f"{' → '.join(figures)}{symbol}"
+        text = f"{before_and_after(factor * before, factor * after)}{unit_text(symbol)}"
         if limit is not None:
-            text += f", {'at least' if lowest else 'limit'} {factor * limit:.4g}{symbol}"
+            text += f", {'at least' if lowest else 'limit'} {with_unit(factor * limit, symbol, 4)}"
         rows.append(Row(before, after, limit, lowest, f"{with_line_breaks(f'{title}:', WIDE, SMALL)}\n{text}"))
     return rows
 

@@ -12,6 +12,7 @@ from ..tuning.evaluation import Evaluation
 from ..tuning.message import headline
 from ..tuning.pareto import Front, point_status
 from ..tuning.tuned import SHOWN, Tuned, tuned_warnings
+from ..value_text import with_unit
 from ..version import version
 from .records import Table, json_number, limits_record
 
@@ -138,7 +139,7 @@ def tuned_comment(tuned: Tuned) -> str:
     """What the tuned design's file says of its origin."""
     problem, (start, end) = tuned.problem, tuned.objective
     limits = problem.limits.lines(problem.catalogue)
-    before, after = (problem.objective.said(value, problem.catalogue, 6) for value in (start, end))
+    before, after = (with_unit(*problem.objective.shown(value, problem.catalogue)) for value in (start, end))
     lines = [
         f"{headline(tuned.message, tuned.goal.feasible(tuned.after), tuned.end_count(tuned.after))}.",
         f"By jaxbuffer {version()} with {tuned.captures} {problem.mechanism.view.run_name}s.",

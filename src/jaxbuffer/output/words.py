@@ -10,8 +10,10 @@ import numpy as np
 
 from .._types import Axes
 from ..fields import as_typed
+from ..value_text import degrees_text, unit_by_size, with_unit
 from .style import BLUE, GREEN, ORANGE, PURPLE, SKY
 
+FORCE_UNITS, TIME_UNITS = (("kN", 1e-3), ("N", 1.0)), (("s", 1.0), ("ms", 1e3), ("µs", 1e6))
 MARKERS = ("X", "^", "P", "v", "D", "<", ">")  # of outcomes other than success, in their order
 FURTHER = ("s", "o", "p", "h", "d", "8", "H")  # of what else runs are marked for
 SUCCESSES = (("o", BLUE), ("*", "#000000"), ("d", GREEN))  # marker and colour of successes, the best first
@@ -46,29 +48,30 @@ def field_axis(name: str, unit: str, typed: str = "") -> str:
 def said(value: float, unit: str, typed: str = "") -> str:
     """A field's value in words: "0.2 m/s", "+3°"."""
     symbol, factor = in_figures(unit, typed)
-    if symbol == "°":
-        return signed(factor * value)
-    return f"{factor * value:.4g} {symbol}".rstrip(" -")
+    return degrees_text(factor * value) if symbol == "°" else with_unit(factor * value, symbol, 4)
 
 
-def signed(degrees: float) -> str:
-    """An angle with its sign: "+3°", "-0.5°", "0°"."""
-    return "0°" if abs(degrees) < 5e-4 else f"{degrees:+.4g}°"
-
-
-def newtons(force: float) -> str:
-    """A force with four digits: "253.1 N", "45.87 kN"."""
-    return f"{1e-3 * force:.4g} kN" if abs(force) >= 1e4 else f"{force:.4g} N"
-
-
-def scale_of(largest: float, steps: tuple[tuple[str, float], ...]) -> tuple[str, float]:
-    """The first unit in which a largest value is 0.1 at least, and how many of it a unit is; otherwise the last."""
-    return next(((unit, factor) for unit, factor in steps if factor * largest >= 0.1), steps[-1])
+def newtons(largest: float) -> tuple[str, float]:
+    """Return the unit of forces as large as this [N]: N, from 10 kN on kN; and how many of it a newton is."""
+    return unit_by_size(abs(largest), FORCE_UNITS, 10.0)
 
 
 def seconds(longest: float) -> tuple[str, float]:
     """The unit of a time axis as long as this [s]: s, ms or µs; and how many of it a second is."""
-    return scale_of(longest, (("s", 1.0), ("ms", 1e3), ("µs", 1e6)))
+    return unit_by_size(longest, TIME_UNITS, 0.1)
+
+
+def force_text(force: float, largest: float | None = None) -> str:
+    """Return a force [N] with four digits: "253.1 N", "45.87 kN"; ``largest``: of those beside it, which chooses the
+    unit."""
+    unit, factor = newtons(force if largest is None else largest)
+    return with_unit(factor * force, unit, 4)
+
+
+def time_text(time: float) -> str:
+    """Return a time [s] with four digits: "0.7193 s", "12 ms"."""
+    unit, factor = seconds(time)
+    return with_unit(factor * time, unit, 4)
 
 
 def scaled(axes: Axes, which: str, scale: str, low: float, high: float) -> None:

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from ..fields import as_typed, change_in_words, unit
+from ..fields import ends_as_typed, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
+from ..value_text import change_text, percent_text, range_text, relative_change, table_text, unit_text, with_unit
 from .experiments import ON_FRONT, OPEN, STANDING, outcome_counts, reached, safe_of, swept_fields
 from .limits import (
     LimitCounts,
@@ -17,7 +18,7 @@ from .limits import (
     limit_check,
     limit_counts,
 )
-from .page import Cell, shown
+from .page import Cell
 from .records import by_name, by_quantity, ended, same, scenario_of, title, words
 from .sensitivities import MARKS
 
@@ -58,12 +59,12 @@ def _of_objective(results: Results, others: Sequence[Results], feasible: bool) -
     """The objective before and after. A higher one is no fault: limits that the start breaks may cost that much."""
     tuned = results.tuned or {}
     before, after, unit = (tuned[f"objective_{name}"] for name in ("before", "after", "unit"))
-    text = f"{words(tuned['objective'])}: {shown(before)} → {shown(after)} {unit}"
+    text = f"{words(tuned['objective'])}: {table_text(before)} → {table_text(after)}{unit_text(unit)}"
     if before is None or after is None:
         return Cell(text)
     start = limit_check(results, others, "before")
     allowed = start is None or all(start.keeping)
-    text += f" ({change})" if (change := change_in_words(before, after, "+.2g")) != "–" else ""
+    text += "" if relative_change(before, after) is None else f" ({change_text(before, after, '+.2g')})"
     text += "" if allowed else ", from a start that breaks limits"
     return Cell(text, "" if not feasible else "good" if after <= before or not allowed else "unsure")
 
@@ -137,7 +138,7 @@ def _of_many(results: Results) -> list[Cell]:
             cells.append(Cell(f"{count} between the study's scenarios are not safe", "bad"))
     for surface in results.records.get("sample", {}).get("surfaces", ()):
         error = surface["cross_validated"][surface["kind"]]["relative"]
-        text = f"surface of {words(surface['quantity'])}: misses {100 * error:.2g} %"
+        text = f"surface of {words(surface['quantity'])}: misses {percent_text(error)}"
         cells.append(Cell(text, "good" if surface["trusted"] else "bad"))
     if points:
         marks = [STANDING[point["standing"]] for point in points if point["standing"] in ON_FRONT]
@@ -184,12 +185,12 @@ def _objective(mechanism: Mechanism, tuned: Record) -> str:
     if known is not None and known.unit == symbol:
         symbol, factor = known.in_figures
     objective = words(tuned["objective"]).replace("over the cases", "over the scenarios")
-    end = f"to {factor * after:.4g} {symbol}".rstrip(" -")
     if before is None:
-        return f"Tuning brought {objective} {end}, from a start whose runs failed"
+        end = with_unit(factor * after, symbol, 4)
+        return f"Tuning brought {objective} to {end}, from a start whose runs failed"
     way = "left" if same(before, after) else "lowered" if after < before else "raised"
-    change = f" ({change})" if (change := change_in_words(before, after, "+.2g")) != "–" else ""
-    return f"Tuning {way} {objective}, from {factor * before:.4g} {end}{change}"
+    change = "" if relative_change(before, after) is None else f" ({change_text(before, after, '+.2g')})"
+    return f"Tuning {way} {objective}, from {range_text(factor * before, factor * after, symbol, 4)}{change}"
 
 
 def _variables(mechanism: Mechanism, tuned: Record) -> str:
@@ -197,9 +198,9 @@ def _variables(mechanism: Mechanism, tuned: Record) -> str:
     usual, texts = mechanism.design(), list[str]()
     moved = [it for it in tuned["variables"] if not same(it["before"], it["value"])]
     for it in moved[:MANY]:
-        symbol, typed = unit(usual, it["path"]), it.get("shown_in", "")
-        (first, shown_in), (last, _) = (as_typed(it[name], symbol, typed) for name in ("before", "value"))
-        texts.append(f"{it['path']} from {shown(first)} to {shown(last)} {shown_in}".rstrip(" -"))
+        typed = it.get("shown_in", "")
+        first, last, symbol = ends_as_typed(it["before"], it["value"], unit(usual, it["path"]), typed)
+        texts.append(f"{it['path']} from {table_text(first)} to {table_text(last)}{unit_text(symbol)}")
     left = len(moved) - len(texts)
     return f"It changes {', '.join(texts) or 'no number'}{f' and {left} more' if left else ''}."
 
@@ -252,7 +253,7 @@ def _sweep(results: Results, every: Sequence[Results]) -> str:
     text = f"{_ended(results.mechanism, counts)} in a sweep {over}{reached(results, counts)}."
     force = np.asarray(results.sweep["peak_force"].values, float) if "peak_force" in results.sweep else np.zeros(0)
     if np.any(np.isfinite(force)):
-        text += f" The largest contact force is {np.nanmin(force):.4g} to {np.nanmax(force):.4g} N."
+        text += f" The largest contact force is {range_text(np.nanmin(force), np.nanmax(force), 'N', 4)}."
     envelope = results.records.get("sweep", {}).get("envelope")
     safe = "" if envelope is None else f" {safe_of(envelope).removesuffix(' runs')} keep every limit."
     return text + safe
@@ -280,7 +281,7 @@ def _share(row: Record) -> str:
     alone, total = row["first_order [-]"], row["total [-]"]
     if alone is None or not alone > 0.0:
         return "alone it scatters nothing, only together with others"
-    return f"alone {100.0 * alone:.2g} % of the variance (total index {total:.2g}, its share with all others)"
+    return f"alone {percent_text(alone)} of the variance (total index {total:.2g}, its share with all others)"
 
 
 def _front(results: Results, every: Sequence[Results]) -> str:
@@ -297,7 +298,7 @@ def _front(results: Results, every: Sequence[Results]) -> str:
         known = mechanism.quantities.get(name)
         symbol, factor = ("", 1.0) if known is None else known.in_figures
         ends = dict.fromkeys(f"{factor * end:.4g}" for end in (min(values), max(values)))
-        text += f" The worst {title(mechanism, name)} on it is {' to '.join(ends)} {symbol}".rstrip(" -") + "."
+        text += f" The worst {title(mechanism, name)} on it is {' to '.join(ends)}{unit_text(symbol)}."
     return text + (f" {open_ends} of them did not converge." if open_ends else "")
 
 

@@ -5,14 +5,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import InputError
-from ..fields import get, paths, relative_change, unit
+from ..fields import get, paths, unit
 from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
+from ..value_text import percent_text, relative_change, table_text
 from .abstract import abstract, badges
-from .limits import bound_text, case_labels, end_count, limit_check, limits, limits_of
+from .limits import case_labels, end_count, limit_check, limits, limits_of
 from .origin import origin
-from .page import Cell, Page, Section, Table, shown
+from .page import Cell, Page, Section, Table
 from .records import ROUNDING, by_name, ended, figure, in_figures, same, scenario_of, words
 from .review import distinct
 from .runs import FORCE, once
@@ -164,14 +165,14 @@ def _runs(every: Sequence[Results], folders: Sequence[str]) -> list[Table]:
 def _beside(values: Sequence[Any], merit: bool = True) -> list[Cell]:
     """Values in a row; those that differ from the first are marked, numbers of ``merit`` with the relative
     difference."""
-    first, cells = values[0], [Cell(shown(values[0]))]
+    first, cells = values[0], [Cell(table_text(values[0]))]
     for value in values[1:]:
-        if same(value, first) or shown(value) == shown(first) == "0":
-            cells.append(Cell(shown(value)))
+        if same(value, first) or table_text(value) == table_text(first) == "0":
+            cells.append(Cell(table_text(value)))
             continue
         numbers = all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in (value, first))
         change = _change(first, value) if numbers and merit and abs(first) > ROUNDING else ""
-        cells.append(Cell(f"{shown(value)}{change}", "changed"))
+        cells.append(Cell(f"{table_text(value)}{change}", "changed"))
     return cells
 
 
@@ -181,7 +182,7 @@ def _change(first: float, value: float) -> str:
     if change is None:
         return ""
     ratio = value / first
-    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({100 * change:+.3g} %)"
+    return f" (× {ratio:.3g})" if ratio >= MULTIPLE else f" ({percent_text(change, '+.3g')})"
 
 
 def differing(every: Sequence[Results]) -> list[str]:
@@ -192,7 +193,7 @@ def differing(every: Sequence[Results]) -> list[str]:
         if len({known.get(key) for known in by_folder}) > 1:
             title, symbol, factor = _shown(every, key[0])
             bounds = [known.get(key) for known in by_folder]
-            said = ["not limited" if limit is None else bound_text(limit, factor, symbol) for limit in bounds]
+            said = ["not limited" if limit is None else limit.bound_text(symbol, factor) for limit in bounds]
             sides = ", ".join(f"{results.folder} {text}" for results, text in zip(every, said, strict=True))
             texts.append(f"{title}: {sides}")
     return texts
@@ -246,8 +247,8 @@ def by_scenario(every: Sequence[Results], folders: Sequence[str], name: str, fol
 def _cell(known: Known, least: float | None, factor: float) -> Cell:
     value, beyond, safe = known
     if value is None:
-        return Cell(shown(None))
-    return Cell(shown(factor * value), "bad" if beyond else "good" if safe and value == least else "")
+        return Cell(table_text(None))
+    return Cell(table_text(factor * value), "bad" if beyond else "good" if safe and value == least else "")
 
 
 def _cells(results: Results, every: Sequence[Results], name: str) -> Mapping[str, Known]:
@@ -270,5 +271,5 @@ def _case(mechanism: Mechanism, record: Record) -> str:
     """All fields of a scenario, and where the built mechanism differs from the drawn one: the same text for the same
     case."""
     scenario = scenario_of(mechanism, record)
-    fields = [f"{words(name)} {shown(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
+    fields = [f"{words(name)} {table_text(getattr(scenario, name))} {unit(scenario, name)}" for name in paths(scenario)]
     return ", ".join([*fields, *(f"{factor:.4g} {path}" for path, factor in record.get("factors", {}).items())])

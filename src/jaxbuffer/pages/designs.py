@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import Part, as_typed, get, meaning, paths, unit
+from ..fields import Part, as_typed, ends_as_typed, get, meaning, paths, unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.words import said
-from .limits import bound_text, limits_of, required_success, source_of_limits
-from .page import Cell, Section, Table, shown
+from ..value_text import table_text, unit_text
+from .limits import limits_of, required_success, source_of_limits
+from .page import Cell, Section, Table
 from .records import by_name, field_name, figure, in_figures, same, scenario_of, units_of, words
 
 TITLE = "What is asked"
@@ -40,7 +41,7 @@ def _limits(first: Results, source: Record | None) -> Rows:
     rows = [] if success is None else [["end", f"each {mechanism.view.run_name}", words(success)]]
     for limit in limits_of(mechanism, source):
         title, symbol, factor = in_figures(mechanism, limit.name, source.get("quantities", {}))
-        rows.append(["limit", title, bound_text(limit, factor, symbol)])
+        rows.append(["limit", title, limit.bound_text(symbol, factor)])
     if (most := source.get("most_impacts")) is not None:
         rows.append(["limit", "impacts", f"≤ {most}"])
     return rows
@@ -62,7 +63,7 @@ def _range(met: Sequence[Any], usual: Part, path: str, typed: str) -> list[str]:
     """A field's name, and its values from the lowest to the highest; ``typed``: the unit that they were typed in."""
     values, symbol = [get(one, path) for one in met], unit(usual, path)
     if not symbol or any(value is None for value in values):
-        return [field_name(path), ", ".join(dict.fromkeys(map(shown, values)))]
+        return [field_name(path), ", ".join(dict.fromkeys(map(table_text, values)))]
     ends = (as_typed(float(end), symbol, "" if symbol == "rad" else typed) for end in (min(values), max(values)))
     low, high = (said(*end) for end in ends)
     return [field_name(path), low if low == high else f"{low} to {high}"]
@@ -72,8 +73,8 @@ def _variables(mechanism: Mechanism, variables: Sequence[Record]) -> Rows:
     usual, rows = mechanism.design(), list[list[str]]()
     for it in variables:
         typed = it.get("shown_in", "")
-        (low, symbol), (high, _) = (as_typed(it[end], unit(usual, it["path"]), typed) for end in ("low", "high"))
-        rows.append(["variable", it["path"], f"{shown(low)} to {shown(high)} {symbol}".rstrip(" -")])
+        low, high, symbol = ends_as_typed(it["low"], it["high"], unit(usual, it["path"]), typed)
+        rows.append(["variable", it["path"], f"{table_text(low)} to {table_text(high)}{unit_text(symbol)}"])
     return rows
 
 
@@ -92,7 +93,7 @@ def design(results: Results) -> Section | None:
         source = "tuned" if path in tuned else "default" if same(value, before) else "given"
         symbol, as_shown = unit(default, path), typed.get(path, "")
         (number, symbol_shown), (usually, _) = (_shown(it, symbol, as_shown) for it in (value, before))
-        row = [path, meaning(default, path), shown(number), symbol_shown, shown(usually), source]
+        row = [path, meaning(default, path), table_text(number), symbol_shown, table_text(usually), source]
         (usual if source == "default" else special).append(list(row))
     headings = ("field", "meaning", "value", "unit", "default", "source")
     tables = [Table("What is tuned or given", headings, special)] if special else []
@@ -112,7 +113,7 @@ def other_design(results: Results, first: Results, record: Record) -> list[str]:
         return []
     typed = units_of(results)
     values = [(path, *_shown(one[path], unit(usual, path), typed.get(path, ""))) for path in differ]
-    said = ", ".join(f"{path} = {shown(value)} {symbol}".rstrip(" -") for path, value, symbol in values)
+    said = ", ".join(f"{path} = {table_text(value)}{unit_text(symbol)}" for path, value, symbol in values)
     return [f"Of another design than the one above: {said}."]
 
 

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..fields import as_typed, get
+from ..fields import as_typed, ends_as_typed, get
 from ..fields.record import without_unit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
-from .page import Cell, Section, Table, shown
+from ..value_text import degrees_text, percent_text, table_text, unit_text
+from .page import Cell, Section, Table
 from .records import by_quantity, ended, field_name, figure, in_figures, units_of, words
 
 OPEN = "not computed"  # of a run that an interrupted sweep has not reached
@@ -115,7 +116,9 @@ def not_found(envelope: Record, axes: Sequence[Record]) -> list[str]:
 def _end(value: float, field: Record) -> str:
     """A value of a swept field: in the unit that was typed, else angles in degrees."""
     number, symbol = as_typed(value, field["unit"], field.get("shown_in", ""))
-    return f"{math.degrees(number):+.3g}°" if symbol == "rad" else f"{shown(number)} {symbol}".rstrip(" -")
+    if symbol == "rad":
+        return degrees_text(math.degrees(number), 3)
+    return f"{table_text(number)}{unit_text(symbol)}"
 
 
 def _ends(field: Record) -> str:
@@ -131,8 +134,8 @@ def sample(results: Results) -> Section | None:
         return None
     ranges = []
     for r in record["ranges"]:
-        (low, symbol), (high, _) = (as_typed(r[end], r["unit"], r.get("shown_in", "")) for end in ("low", "high"))
-        ranges.append([r["path"], symbol, shown(low), shown(high), r["scale"]])
+        low, high, symbol = ends_as_typed(r["low"], r["high"], r["unit"], r.get("shown_in", ""))
+        ranges.append([r["path"], symbol, table_text(low), table_text(high), r["scale"]])
     tables = [Table("Ranges", ("number", "unit", "low", "high", "spread evenly on a scale"), ranges)]
     tables.append(_outcomes(results.mechanism, record["outcomes"]))
     indices = by_quantity(sorted(record["indices"], key=lambda row: -row["total [-]"]))
@@ -164,7 +167,7 @@ def _indices(mechanism: Mechanism, name: str, rows: list[Record]) -> Table:
     source, first = rows[0]["from"], rows[0]
     of = "of its response surface" if source != "runs" else f"of {first['rows']} of {first['rows_asked']} rows"
     caption = f"Whose scatter matters for the {in_figures(mechanism, name)[0]} (Sobol' indices {of}"
-    caption += f", {100 * first['confidence [-]']:g} % intervals)"
+    caption += f", {percent_text(first['confidence [-]'], 'g')} intervals)"
     interval = lambda ends: f"{ends[0]:.3f} … {ends[1]:.3f}"  # noqa: E731
     cells = []
     for row in rows:
@@ -180,8 +183,8 @@ def _surfaces(mechanism: Mechanism, record: Record) -> Table:
         for kind, error in surface["cross_validated"].items():
             taken = kind == surface["kind"]
             mark = ("good" if surface["trusted"] else "bad") if taken else ""
-            errors = [f"{shown(error['rms'])} {surface['unit']}".rstrip(" -"), f"{100 * error['relative']:.3g} %"]
-            errors.append(f"{100 * error['explained']:.4g} %")
+            errors = [f"{table_text(error['rms'])}{unit_text(surface['unit'])}", percent_text(error["relative"], ".3g")]
+            errors.append(percent_text(error["explained"], ".4g"))
             verdict = ("trusted" if surface["trusted"] else "not to be trusted") if taken else "not taken"
             rows.append([in_figures(mechanism, surface["quantity"])[0], words(kind), *errors, Cell(verdict, mark)])
     caption = "Response surfaces: their errors at runs they were not fitted to (cross-validated)"
@@ -201,7 +204,7 @@ def front(results: Results) -> Section | None:
     for point in points:
         mark = STANDING.get(point["standing"], "")
         numbers = zip((point[name] for name in names), factors, strict=True)
-        values = [shown(factor * value if isinstance(value, float) else value) for value, factor in numbers]
+        values = [table_text(factor * value if isinstance(value, float) else value) for value, factor in numbers]
         rows.append([str(point["point"]), *values, Cell(point["standing"], mark)])
     objectives, count = " and ".join(map(words, record["objectives"])), record["scenarios"]
     over = (

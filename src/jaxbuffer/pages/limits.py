@@ -1,16 +1,16 @@
 """What is held against limits, a run or every scenario of a tuning, and how it stands to them."""
 
 import dataclasses
-import math
 from collections import Counter
 from collections.abc import Container, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..fields import get
-from ..mechanisms.limit import IMPACTS, Limit, both_sides, digits_apart
+from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import EndCount, Mechanism, RequiredEnd
 from ..output.folder import Record, Results
-from .page import WHOLE, Cell, Section, Table, shown
+from ..value_text import percent_text, table_text, with_unit
+from .page import Cell, Section, Table
 from .records import by_name, in_figures, same, scenario_of, words
 
 LIMITS = ("limits", "lower_limits", "most_impacts", "ends")  # what a record has that its study limits
@@ -23,23 +23,12 @@ UNKNOWN = Cell("not known", "unsure")
 Row = list[str | Cell]
 
 
-def bound_text(limit: Limit, factor: float = 1.0, symbol: str = "") -> str:
-    """Return "≤ 25 mm"; ``factor``: how many of the unit with this ``symbol`` the quantity's own unit is."""
-    return f"{limit.symbol} {_bound(factor * limit.bound)} {symbol}".rstrip(" -")
-
-
-def _bound(bound: float) -> str:
-    """A bound as it was given, to six digits."""
-    text = shown(bound)
-    return text if math.isclose(float(text), bound, rel_tol=1e-12) or abs(bound) >= WHOLE else f"{bound:.6g}"
-
-
 def _value(value: float | None, limit: Limit, factor: float) -> str:
     """A value beside its limit: with as many digits as tell it from a bound that it breaks."""
     if value is None or limit.keeps(value):
-        return shown(None if value is None else factor * value)
-    text, bound = shown(factor * value), _bound(factor * limit.bound)
-    return text if text != bound else f"{factor * value:.{digits_apart(factor * value, factor * limit.bound)}g}"
+        return table_text(None if value is None else factor * value)
+    text = table_text(factor * value)
+    return text if text != with_unit(factor * limit.bound, "") else limit.told_apart(value, factor=factor)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -309,14 +298,14 @@ def limits_of(mechanism: Mechanism, source: Record, among: Container[str] | None
 
 def _row(check: LimitCheck, limit: Limit) -> Row:
     name, symbol, factor = check.title(limit.name)
-    bound = bound_text(limit, factor)
+    bound = limit.bound_text(factor=factor)
     if limit.name not in check.values[0]:  # a limit of another folder on what this one does not know
         return [name, symbol, "–", "–", bound, "–", UNKNOWN]
     values = [case[limit.name] for case in check.values]
     value = limit.worst(values)
     where = check.labels[values.index(value)]
     share = None if limit.name == IMPACTS else limit.margin(value)  # a whole number has no margin to speak of
-    margin = "–" if share is None else f"{100 * share:.3g} %"
+    margin = "–" if share is None else percent_text(share, ".3g")
     close = share is not None and share < CLOSE
     verdict = BROKEN if not limit.keeps(value) else AT_LIMIT if close else KEPT
     return [name, symbol, _value(value, limit, factor), where, bound, margin, verdict]
@@ -333,8 +322,8 @@ def _beyond(check: LimitCheck) -> list[Row]:
             if _breaks(case, limit):
                 value = case[limit.name]
                 share = limit.margin(value)
-                by = "–" if share is None else f"{-100 * share:.3g} %"
-                row: Row = [where, name, symbol, _value(value, limit, factor), bound_text(limit, factor), by]
+                by = "–" if share is None else percent_text(-share, ".3g")
+                row: Row = [where, name, symbol, _value(value, limit, factor), limit.bound_text(factor=factor), by]
                 excesses.append((share or 0.0, row))
     return [*missed, *(row for _, row in sorted(excesses, key=lambda it: it[0]))]
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from ..output.folder import BESIDE, RECORDS, Record, Results
 from ..output.provenance import MADE
-from .page import Cell, Section, Table, shown
+from ..value_text import table_text
+from .page import Cell, Section, Table
 from .records import words
 from .verification import lines, verified
 
@@ -63,7 +64,7 @@ def _settings(records: Sequence[tuple[str, Record]]) -> Table:
         time = _time(made["wall_time [s]"]) if "wall_time [s]" in made else UNRECORDED
         time += ", the rest of a run that was interrupted" if made.get("resumed") else ""
         finished = made.get("finished", UNRECORDED).partition("+")[0].replace("T", " ")
-        rows.append([result, finished, time, *(shown(settings.get(name)) for name in names)])
+        rows.append([result, finished, time, *(table_text(settings.get(name)) for name in names)])
     return Table("When, how long, how exactly", ("result", "finished (UTC)", "wall time", *names), rows)
 
 
@@ -81,7 +82,7 @@ def _computers(records: Sequence[tuple[str, Record]]) -> Table:
             versions.get("jaxbuffer", record.get("jaxbuffer", UNRECORDED)),
             *(versions.get(program, UNRECORDED) for program in ("Python", "JAX")),
             machine.get("processor", UNRECORDED),
-            shown(machine.get("cores")),
+            table_text(machine.get("cores")),
             machine.get("system", UNRECORDED),
         )
         computers.setdefault(computer, []).append(name)

@@ -12,7 +12,8 @@ from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..output.provenance import MADE
 from ..output.words import called
-from .page import Cell, Figure, shown
+from ..value_text import table_text
+from .page import Cell, Figure
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 ROUNDING = 1e-9  # relative, what two numbers of equal meaning may differ by
@@ -63,7 +64,7 @@ def quantity(mechanism: Mechanism, name: str, values: Mapping[str, Any]) -> list
     """A quantity's title, its unit in figures, and its value in that unit."""
     title, symbol, factor = in_figures(mechanism, name)
     value = values.get(name)
-    return [title, symbol, shown(None if value is None else factor * value)]
+    return [title, symbol, table_text(None if value is None else factor * value)]
 
 
 def in_figures(

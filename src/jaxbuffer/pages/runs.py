@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..fields import as_typed, percent, unit
+from ..fields import as_typed, unit
 from ..mechanisms.limit import Limit, both_sides
 from ..output.folder import Results
 from ..tuning.problem import Variable
+from ..value_text import percent_text, table_text
 from .designs import other_design
 from .limits import case_labels, corners_verdict, elsewhere, end_count
-from .page import Cell, Section, Table, shown
+from .page import Cell, Section, Table
 from .records import by_name, ended, figure, in_figures, quantity, same, scenario_of, words
 
 MANY = 12  # impacts; a longer table is folded
@@ -28,7 +29,7 @@ def run(results: Results, first: Results) -> Section | None:
     meant = once(mechanism.meant(by_name(record["design"]).get), values)
     tables = [Table("Quantities", ("quantity", "unit", "value"), [quantity(mechanism, n, values) for n in meant])]
     if hits:
-        rows = [[shown(value) for value in impact.values()] for impact in hits]
+        rows = [[table_text(value) for value in impact.values()] for impact in hits]
         caption = f"{len(hits)} impact{'s' if len(hits) > 1 else ''}"
         tables.append(Table(caption, [words(name) for name in hits[0]], rows, folded=len(hits) > MANY))
     scenario = scenario_of(mechanism, record["scenario"])
@@ -133,7 +134,7 @@ def scenarios(results: Results) -> Section | None:
 
 def _value(value: float | None, factor: float, sides: Sequence[Limit]) -> Cell:
     beyond = any(not limit.keeps(value) for limit in sides)
-    return Cell(shown(None if value is None else factor * value), "bad" if beyond else "")
+    return Cell(table_text(None if value is None else factor * value), "bad" if beyond else "")
 
 
 def search(results: Results) -> Section | None:
@@ -146,16 +147,17 @@ def search(results: Results) -> Section | None:
     for v in tuned["variables"]:
         values = [as_typed(v[name], unit(usual, v["path"]), v.get("shown_in", "")) for name in numbers]
         bound = Variable(v["path"], v["low"], v["high"], v.get("scale", "log")).at_bound(v["value"])
-        rows.append([v["path"], values[0][1], *(shown(value) for value, _ in values), bound])
+        rows.append([v["path"], values[0][1], *(table_text(value) for value, _ in values), bound])
     table = Table("Variables", ("field", "unit", "low", "high", "before", "tuned", "bound"), rows)
     residual, error = tuned["first_order_residual [-]"], tuned["gradient_error [-]"]
     facts = [
         f"{tuned['message'][:1].upper()}{tuned['message'][1:]}.",
-        f"{tuned['captures']} {results.mechanism.view.run_name}s; {percent(residual)} of the objective left to"
+        f"{tuned['captures']} {results.mechanism.view.run_name}s; {percent_text(residual)} of the objective left to"
         f" gain by small changes (checked at rtol {tuned.get('rtol_of_check [-]', 1e-9):g}), the search's slopes right"
-        f" to {percent(error)}.",
+        f" to {percent_text(error)}.",
     ]
     if (above := tuned.get("above_floor [-]")) is not None:
-        facts.append(f"The largest force is {100 * above:.3g} % above the first impact's, which no buffer softens.")
+        more = percent_text(above, ".3g")
+        facts.append(f"The largest force is {more} above the first impact's, which no buffer softens.")
     figures = figure(results, "tune", "The search: objective, limits and variables over its evaluations")
     return Section("Tuning", facts, figures, [table])

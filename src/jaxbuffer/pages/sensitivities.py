@@ -8,10 +8,10 @@ from ..mechanisms.limit import Limit
 from ..mechanisms.mechanism import Mechanism
 from ..output.folder import Record, Results
 from ..sensitivities.evidence import FLOOR
-from ..sensitivities.result import per
+from ..value_text import percent_text, quotient_unit, table_text
 from .designs import other_design
-from .limits import bound_text, elsewhere, limits_of, source_of_limits
-from .page import Cell, Section, Table, shown
+from .limits import elsewhere, limits_of, source_of_limits
+from .page import Cell, Section, Table
 from .records import by_name, by_quantity, figure, in_figures, scenario_of, title, words
 
 MARKS = {"trusted": "good", "check": "unsure", "refused": "bad"}
@@ -58,13 +58,13 @@ def _runner_up(other: Record | None) -> list[str]:
     if other is None:
         return []
     text = f"The second largest impact is number {other['impact']} with {other['force [N]']:.4g} N,"
-    text += f" {100 * other['margin [-]']:.3g} % below the peak"
+    text += f" {percent_text(other['margin [-]'], '.3g')} below the peak"
     path, change = other["swapped_by"], other["swapped_by_change [-]"]
     if path is None or change is None:
         return [f"{text}."]
     beyond = "; so far that only the direction counts" if abs(change) > FAR else ""
     return [
-        f"{text}; to first order {path} {100 * change:+.3g} % would make it the peak, whose elasticities are"
+        f"{text}; to first order {path} {percent_text(change, '+.3g')} would make it the peak, whose elasticities are"
         f" others{beyond}."
     ]
 
@@ -75,7 +75,7 @@ def _elasticities(results: Results, of_quantity: Rows) -> Table:
         verdict = derivatives[0]["verdict"] or "not certified"
         errors = [row["estimated_error [-]"] for row in derivatives if row["estimated_error [-]"] is not None]
         worst = f"{max(errors):.1e}" if errors else "–"
-        values = [shown(row["elasticity [-]"]) for row in derivatives]
+        values = [table_text(row["elasticity [-]"]) for row in derivatives]
         rows.append([title(results.mechanism, name), *values, worst, Cell(verdict, MARKS.get(verdict, ""))])
     parameters = [row["parameter"] for row in next(iter(of_quantity.values()))]
     caption = "Elasticities: by how many per cent a quantity grows for one per cent of a number"
@@ -93,7 +93,7 @@ def _until_broken(results: Results, of_quantity: Rows, source: Record | None) ->
         value = values[limit.name]
         verdict = None if limit.keeps(value) else Cell("broken here", "bad")
         verdict = verdict or _smallest(value, limit, of_quantity[limit.name])
-        rows.append([title, symbol, shown(factor * value), bound_text(limit, factor), verdict])
+        rows.append([title, symbol, table_text(factor * value), limit.bound_text(factor=factor), verdict])
     headings = ("quantity", "unit", "here", "limit", "what breaks it")
     caption = "What smallest change of a number breaks a limit in this scenario, to first order"
     return [Table(caption, headings, rows)] if rows else []
@@ -104,16 +104,16 @@ def _smallest(value: float, limit: Limit, rows: Sequence[Record]) -> Cell:
     known = [row for row in rows if value and row["elasticity [-]"]]
     changes = [((limit.bound / value - 1.0) / row["elasticity [-]"], row["parameter"]) for row in known]
     change, path = min(changes, key=lambda it: abs(it[0]), default=(math.inf, ""))
-    return Cell(
-        f"{path} {100 * change:+.3g} %" if abs(change) <= FAR else f"no number alone by less than {100 * FAR:g} %"
-    )
+    if abs(change) > FAR:
+        return Cell(f"no number alone by less than {percent_text(FAR, 'g')}")
+    return Cell(f"{path} {percent_text(change, '+.3g')}")
 
 
 def _slope(mechanism: Mechanism, row: Record) -> tuple[str, str]:
     """A derivative and its unit, as people are shown them."""
     _, above, factor = in_figures(mechanism, row["quantity"])
     below, many = display_unit(row["parameter_unit"])
-    return shown(None if row["gradient"] is None else factor / many * row["gradient"]), per(above, below)
+    return table_text(None if row["gradient"] is None else factor / many * row["gradient"]), quotient_unit(above, below)
 
 
 def _slopes(mechanism: Mechanism, signed: Rows) -> list[Table]:

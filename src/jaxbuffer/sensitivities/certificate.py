@@ -12,6 +12,7 @@ import numpy as np
 
 from .._types import Code
 from ..mechanisms.run import Run
+from ..value_text import percent_text
 from .evidence import FLOOR, Evidence
 
 TRUSTED = 3e-3  # estimated relative error up to which a gradient is trusted: no trusted one was off by 1 %
@@ -97,7 +98,7 @@ class Certificate(eqx.Module):
         if (peaks := self.peaks) is not None:
             lines.append(f"  {'active peak':20} {peaks.force:.6g} N at {peaks.time:.6g} s, impact {peaks.impact + 1}")
         if peaks is not None and peaks.runner_up_impact >= 0:
-            below = f"impact {peaks.runner_up_impact + 1}, {100.0 * peaks.margin:.3g} % below"
+            below = f"impact {peaks.runner_up_impact + 1}, {percent_text(peaks.margin, '.3g')} below"
             lines.append(f"  {'runner-up':20} {peaks.runner_up_force:.6g} N, {below}")
         return "\n".join(lines)
 
@@ -173,7 +174,7 @@ def _judged(
     if not np.all(np.isfinite(error[k])):
         return Verdict.check, f"{name}: no differences could be taken, so only the two tolerances speak for it"
     worst = int(np.argmax(error[k]))
-    share = f"{100.0 * error[k, worst]:.2g} %" if error[k, worst] < 1.0 else "more than itself"
+    share = percent_text(error[k, worst]) if error[k, worst] < 1.0 else "more than itself"
     loudest = int(np.argmax([part[k, worst] for part in parts]))
     source = ("by its change with the tolerance", "by differences of tight solves", "as far as differences can tell")
     # One difference along all parameters accuses none of them in particular.
@@ -185,7 +186,8 @@ def _judged(
         return Verdict.check, said
     if name in ("peak_force", "peak_time") and peaks is not None and abs(peaks.swap_change) < KINK:
         return Verdict.check, (
-            f"{name} has a kink nearby: impact {peaks.runner_up_impact + 1} comes within {100 * peaks.margin:.2g} % of "
-            f"the peak, and {100 * peaks.swap_change:+.2g} % of {peaks.swap_path} would swap them"
+            f"{name} has a kink nearby: impact {peaks.runner_up_impact + 1} comes within"
+            f" {percent_text(peaks.margin)} of the peak, and"
+            f" {percent_text(peaks.swap_change, '+.2g')} of {peaks.swap_path} would swap them"
         )
     return Verdict.trusted, ""

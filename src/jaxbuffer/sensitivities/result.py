@@ -9,7 +9,7 @@ import numpy as np
 from rich.table import Table
 
 from .._types import DataFrame, Dataset
-from ..fields import display_unit, unit_at
+from ..fields import as_displayed, display_unit, unit_at
 from ..labelled.arrays import Labelled, dataset, frame
 from ..labelled.saved import Saved
 from ..mechanisms.dataset import attributes
@@ -17,6 +17,7 @@ from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue, is_signed, unit_of
 from ..mechanisms.run import Run
 from ..tables import html, table, text
+from ..value_text import percent_text, quotient_unit, with_unit
 from .certificate import Certificate
 
 FAR = 0.5  # relative change beyond which first order says little of its size
@@ -92,7 +93,7 @@ def _tables(result: Sensitivity) -> list[str | Table]:
 
     def slope(i: int, k: int) -> str:
         (above, factor), (below, many) = shown_unit(catalogue, result.quantities[i]), shown[k]
-        return f"{factor / many * result.gradients[i, k]:+.5g} {per(above, below)}"
+        return with_unit(factor / many * result.gradients[i, k], quotient_unit(above, below), 5, sign=True)
 
     elastic = table("Elasticities: per cent change of a quantity for one per cent more of a parameter")
     _by_parameter(
@@ -106,7 +107,7 @@ def _tables(result: Sensitivity) -> list[str | Table]:
         gradient.add_column(heading, justify="left" if heading == "parameter" else "right")
     for k, path in enumerate(result.paths):
         error = "not verified" if certificate is None else f"{certificate.error[0, k]:.1e}"
-        gradient.add_row(path, f"{shown[k][1] * result.values[k]:.5g} {shown[k][0]}".rstrip(" -"), slope(0, k), error)
+        gradient.add_row(path, with_unit(*as_displayed(result.values[k], units[k]), 5), slope(0, k), error)
     tables = ([] if all(signed) else [elastic]) + ([derivatives] if any(signed) else [])
     parts: list[str | Table] = [
         f"Sensitivity at {mechanism.view.label(run.scenario)}; {run.outcome.reason}",
@@ -128,7 +129,7 @@ def _by_parameter(filled: Table, result: Sensitivity, which: np.ndarray, cell: C
     for i in which:
         name = result.quantities[i]
         symbol, factor = shown_unit(result.run.mechanism.quantities, name)
-        filled.add_column(f"{name}\n{factor * result.results[i]:.5g} {symbol}".rstrip(" -"), justify="right")
+        filled.add_column(f"{name}\n{with_unit(factor * result.results[i], symbol, 5)}", justify="right")
     for k, path in enumerate(result.paths):
         filled.add_row(path, *(cell(i, k) for i in which))
 
@@ -148,10 +149,11 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
         if peaks.runner_up_impact < 0:
             lines.append("  runner-up            none: no other impact")
         else:
-            swap = f"; {100.0 * peaks.swap_change:+.3g} % of {peaks.swap_path} would make it the peak (first order)"
+            swap = f"; {percent_text(peaks.swap_change, '+.3g')} of {peaks.swap_path} would make it the peak"
+            swap += " (first order)"
             lines.append(
                 f"  runner-up            {peaks.runner_up_force:.6g} N, impact {peaks.runner_up_impact + 1},"
-                f" {100.0 * peaks.margin:.3g} % below" + (swap if peaks.swap_path else "")
+                f" {percent_text(peaks.margin, '.3g')} below" + (swap if peaks.swap_path else "")
             )
     kind = "a difference for each parameter" if certificate.thorough else "one difference along all parameters together"
     if certificate.solves:
@@ -163,11 +165,6 @@ def _certificate_lines(certificate: Certificate, quantities: Sequence[str], mech
 def shown_unit(catalogue: Catalogue, name: str) -> tuple[str, float]:
     """Return the unit in which people are shown a quantity, or one of an impact, and how many of it its own is."""
     return catalogue[name].in_figures if name in catalogue else (unit_of(catalogue, name), 1.0)
-
-
-def per(above: str, below: str) -> str:
-    """The unit of a quotient: N/kg, N/(N/m)."""
-    return f"{above}/({below})" if {" ", "/"} & set(below) else f"{above}/{below}"
 
 
 def advice(result: Sensitivity) -> list[str]:
@@ -187,13 +184,12 @@ def advice(result: Sensitivity) -> list[str]:
     reachable = np.isfinite(change) & (change > -1.0)
     verdict = "not certified" if result.certificate is None else result.certificate.verdicts[i].name
     symbol, factor = shown_unit(mechanism.quantities, name)
-    now = f"{name} = {factor * result.results[i]:.4g} {symbol}".rstrip(" -")
+    now = f"{name} = {with_unit(factor * result.results[i], symbol, 4)}"
     lines = [f"What to change first, so that {now} becomes positive (to first order, which is {verdict}):"]
     for k in (k for k in np.argsort(np.abs(change)) if reachable[k]):
         far = "; so far that only the direction counts" if abs(change[k]) > FAR else ""
-        unit, many = display_unit(unit_at(run.design, run.scenario, result.paths[k]))
-        value = f"{many * result.values[k]:.5g} {unit}".rstrip(" -")
-        lines.append(f"  {result.paths[k]:20} {100.0 * change[k]:+.3g} % of {value}{far}")
+        value = with_unit(*as_displayed(result.values[k], unit_at(run.design, run.scenario, result.paths[k])), 5)
+        lines.append(f"  {result.paths[k]:20} {percent_text(change[k], '+.3g')} of {value}{far}")
     if left := [path for path, would_do in zip(result.paths, reachable, strict=True) if not would_do]:
         lines.append(f"  no value above zero of {', '.join(left)} would do, each alone")
     return lines
@@ -204,7 +200,7 @@ def _dataset(result: Sensitivity) -> Dataset:
     run, both, certificate = result.run, ("quantity", "parameter"), result.certificate
     units = [unit_of(run.mechanism.quantities, name) for name in result.quantities]
     below = [unit_at(run.design, run.scenario, path) for path in result.paths]
-    quotients = [[per(above, under) for under in below] for above in units]
+    quotients = [[quotient_unit(above, under) for under in below] for above in units]
     variables = {
         "value": Labelled(("quantity",), result.results, "", "value of each quantity in its quantity_unit"),
         "parameter_value": Labelled(("parameter",), result.values, "", "value of each parameter in its parameter_unit"),
@@ -242,7 +238,7 @@ def sensitivity_rows(result: Sensitivity) -> tuple[list[str], list[Sequence[Any]
                     _number(result.values[k]),
                     symbol,
                     _number(result.gradients[i, k]),
-                    per(unit_of(result.run.mechanism.quantities, quantity), symbol),
+                    quotient_unit(unit_of(result.run.mechanism.quantities, quantity), symbol),
                     _number(result.elasticities[i, k]),
                     None if certificate is None else _number(certificate.error[i, k]),
                     None if certificate is None else certificate.verdicts[i].name,

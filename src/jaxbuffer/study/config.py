@@ -46,6 +46,7 @@ from ..run.request import DEFAULT_TOLERANCE, check_pair
 from ..sweeps.axis import SPAN, literal
 from ..sweeps.grid import grid
 from ..tuning.problem import Problem, Settings
+from ..value_text import unit_text
 from .mistaken import no_file, no_table, no_toml
 from .problem_toml import check_table, read_problem
 
@@ -249,7 +250,7 @@ def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]
             continue
         written = as_written(float(value), symbol, units.get(f"{prefix}{name}", "")) if symbol else value
         entry = tomli_w.dumps({name: written}).rstrip()
-        lines.append(f"{entry}  # {symbol}" if symbol not in ("", "-") and not isinstance(written, str) else entry)
+        lines.append(entry if isinstance(written, str) else f"{entry}{unit_text(symbol, '  # ')}")
     return lines
 
 

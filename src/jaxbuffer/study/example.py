@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import math
 import textwrap
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
@@ -10,10 +9,10 @@ from typing import Any
 
 import tomli_w
 
-from ..errors import range_text
 from ..fields import Part, get, meaning, metadata, replace, unit_at
 from ..mechanisms.mechanism import Mechanism
 from ..tuning.problem import Settings
+from ..value_text import interval_text
 from .config import Options, sections
 
 WIDTH, LONGEST = 34, 118  # columns before a comment, and of a line
@@ -74,9 +73,8 @@ def _allowed(known: Mapping[str, Any]) -> str:
     if "mesh" in known:
         return f"a mesh file with the boundaries {' and '.join(known['mesh'])}"
     if "limits" in known:
-        limits: dict[str, Any] = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
         symbol = "" if known["unit"] == "-" else f"{known['unit']}, "
-        return symbol + range_text(**limits | known["limits"])
+        return symbol + interval_text(**known["limits"])
     return f"whole numbers from {known['least']}" if "least" in known else "true or false"
 
 

@@ -4,10 +4,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from ..fields import Part, cut, get, metadata, paths, range_in_words, unit
+from ..fields import Part, ends_as_typed, field_text, get, metadata, paths, unit
 from ..mechanisms.cautions import cautions
+from ..mechanisms.limit import both_sides
 from ..sweeps.grid import Grid, grid
 from ..tuning.problem import Problem
+from ..value_text import interval_text, with_unit
 from .config import Config, Options
 
 SHOWN = 12  # scenarios that are listed one by one
@@ -87,12 +89,12 @@ def _scenarios(study: Config) -> list[str]:
 
 
 def _variables(problem: Problem) -> list[str]:
-    design = problem.design
-    return [
-        f"{v.path} in {range_in_words(v.low, v.high, _unit(design, v.path), problem.units.get(v.path, ''))}, {v.scale},"
-        f" from {problem.said(v.path, get(design, v.path))}"
-        for v in problem.variables
-    ]
+    lines = []
+    for v in problem.variables:
+        ends = ends_as_typed(v.low, v.high, _unit(problem.design, v.path), problem.units.get(v.path, ""))
+        start = with_unit(*problem.shown(v.path, get(problem.design, v.path)))
+        lines.append(f"{v.path} in {interval_text(*ends)}, {v.scale}, from {start}")
+    return lines
 
 
 def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
@@ -102,8 +104,8 @@ def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
     design, usual = study.design, study.mechanism.variables(study.design)
     usable = {path: bounds for path, bounds in usual.items() if bounds[0] <= get(design, path) <= bounds[1]}
     return usable, [
-        f"{path} = {_value(design, path)} is outside the default bounds [{bounds[0]:g}, {bounds[1]:g}]: tune needs"
-        " [problem.variables]"
+        f"{path} = {_value(design, path)} is outside the default bounds {interval_text(bounds[0], bounds[1], '')}: tune"
+        " needs [problem.variables]"
         for path, bounds in usual.items()
         if path not in usable
     ]
@@ -112,11 +114,8 @@ def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
 def _limits(problem: Problem) -> list[str]:
     limits, mechanism = problem.limits, problem.mechanism
     lines = limits.lines(problem.catalogue)
-    lines += [
-        f"{name} ≤ {limit:g}, always"
-        for name, limit in mechanism.always(problem.design).items()
-        if name not in limits.at_most
-    ]
+    always = both_sides(mechanism.always(problem.design), {})
+    lines += [f"{it.line(problem.catalogue[it.name])}, always" for it in always if it.name not in limits.at_most]
     if limits.impacts is not None:
         lines.append(f"at most {limits.impacts} impacts")
     if limits.captured and mechanism.successes:
@@ -151,13 +150,7 @@ def _shown(part: Part, path: str, prefix: str = "") -> str:
 
 
 def _value(part: Part, path: str) -> str:
-    """A field's value with its unit."""
-    value = get(part, path)
-    if value is None:
-        return "not set"
-    if isinstance(value, bool) or not isinstance(value, float):
-        return str(value).lower() if isinstance(value, bool) else cut(str(value))
-    return f"{value:g} {_unit(part, path)}".rstrip(" -")
+    return field_text(get(part, path), _unit(part, path))
 
 
 def _unit(part: Part, path: str) -> str:

@@ -10,19 +10,19 @@ from ..errors import InputError, as_number, check_choice, check_known, check_num
 from ..fields import (
     SCENARIO,
     Part,
+    as_typed,
     by_path,
     check_alone,
     check_path,
     check_units_agree,
+    ends_as_typed,
     get,
     in_unit,
-    in_words,
     limits_of,
     meaning,
     metadata,
     no_number,
     paths,
-    range_in_words,
     single_paths,
     typed_unit,
     unit,
@@ -34,6 +34,7 @@ from ..sweeps.axis import EXAMPLE, choices_example, span
 from ..tuning.cases import KINDS, MOST, Case, Distribution, Scatter, grid
 from ..tuning.objective import quantity_in_words
 from ..tuning.problem import SCALES, Limits, Objective, Problem, Then, Variable
+from ..value_text import interval_text, with_unit
 from .own_quantities import named_quantities, own_quantities
 
 SECTIONS = ("variables", "grid", "sample", "objective", "constraints", "then", "quantities")
@@ -115,13 +116,14 @@ def _check_start(design: Part, variables: Sequence[Variable], own: bool, units: 
     for v in variables:
         value, symbol, typed = get(design, v.path), unit(design, v.path), units.get(v.path, "")
         if isinstance(value, float) and not v.low <= value <= v.high:
-            bounds = f"bounds {range_in_words(v.low, v.high, symbol, typed)}"
+            bounds = f"bounds {interval_text(*ends_as_typed(v.low, v.high, symbol, typed))}"
             bounds_in_words = (
                 f"its {bounds}; widen the bounds in [problem.variables] or change the start"
                 if own
                 else f"the default {bounds}; give bounds in [problem.variables] or change the start"
             )
-            raise InputError(f"the start, {v.path} = {in_words(value, symbol, typed)}, is outside {bounds_in_words}")
+            start = with_unit(*as_typed(value, symbol, typed))
+            raise InputError(f"the start, {v.path} = {start}, is outside {bounds_in_words}")
 
 
 def _variable(path: str, given: Any, design: Part) -> Variable:
@@ -142,7 +144,7 @@ def _variable(path: str, given: Any, design: Part) -> Variable:
     for bound in (low, high):
         check_number(where, bound, symbol, **limits_of(design, path))
     if not low < high:
-        bounds = range_in_words(low, high, symbol, typed_unit(given))
+        bounds = interval_text(*ends_as_typed(low, high, symbol, typed_unit(given)))
         raise InputError(f"{where} = {bounds}: the low bound must be below the high one")
     return Variable(path, low, high, scale)
 

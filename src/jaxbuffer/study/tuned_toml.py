@@ -11,6 +11,7 @@ from ..fields import SCENARIO, Part, as_written, unit
 from ..tuning.cases import Case, Scatter
 from ..tuning.objective import Objective
 from ..tuning.problem import Problem, Settings
+from ..value_text import unit_text
 from .config import design_toml
 
 LEFT_OUT = "# of a quantity of your own, whose function is elsewhere: "
@@ -54,7 +55,7 @@ def _variables(problem: Problem) -> list[str]:
         bounds = [as_written(end, symbol, problem.units.get(v.path, "")) for end in (v.low, v.high)]
         if isinstance(bounds[0], str) != isinstance(bounds[1], str):  # one cannot be written in its unit exactly
             bounds = [float(v.low), float(v.high)]
-        comment = "" if isinstance(bounds[0], str) or symbol == "-" else f"  # {symbol}"
+        comment = "" if isinstance(bounds[0], str) else unit_text(symbol, "  # ")
         lines.append(f'"{v.path}" = {_list([*bounds, v.scale])}{comment}')
     return lines
 

@@ -25,7 +25,6 @@ from ..fields import (
     check_units_agree,
     errors_in_typed_units,
     in_unit,
-    in_words,
     metadata,
     metadata_at,
     no_number,
@@ -35,6 +34,7 @@ from ..fields import (
     value_at,
     with_values,
 )
+from ..value_text import degrees_text, range_text, unit_text, with_unit
 
 SPAN = ("from", "to", "count", "scale")
 SCALES = ("linear", "log")
@@ -99,8 +99,8 @@ class Axis(Varied):
         """One of the values in words: "0.1 m/s", "hertz", "true"."""
         if not self.unit:
             return str(value).lower() if isinstance(value, bool | np.bool_) else str(value)
-        degrees = f" ({np.degrees(value):+.3g}°)" if self.unit == "rad" and not self.typed else ""
-        return in_words(value, self.unit, self.typed, digits) + degrees
+        degrees = f" ({degrees_text(np.degrees(value), 3)})" if self.unit == "rad" and not self.typed else ""
+        return with_unit(*as_typed(value, self.unit, self.typed), digits) + degrees
 
     def spanned(self) -> str:
         """All values in a few words: "5 to 30 cm/s, 6 values, linear"."""
@@ -109,8 +109,8 @@ class Axis(Varied):
         shown = [as_typed(value, self.unit, self.typed)[0] for value in self.values.tolist()]
         symbol = as_typed(0.0, self.unit, self.typed)[1]
         if len(shown) <= FEW:
-            return f"{', '.join(f'{value:g}' for value in shown)} {symbol}".rstrip(" -")
-        return f"{shown[0]:g} to {shown[-1]:g} {symbol}".rstrip(" -") + f", {len(shown)} values, {self.scale}"
+            return f"{', '.join(f'{value:g}' for value in shown)}{unit_text(symbol)}"
+        return f"{range_text(shown[0], shown[-1], symbol)}, {len(shown)} values, {self.scale}"
 
 
 def axis_of(path: str, given: Any, design: Part, scenario: Part) -> Axis:

@@ -8,6 +8,7 @@ from rich.table import Table
 from ..fields import as_typed, get
 from ..mechanisms.mechanism import EndCount
 from ..tables import table
+from ..value_text import percent_text, range_text, unit_text
 from .axis import Axis
 from .columns import RunTable
 from .grid import Grid
@@ -63,7 +64,7 @@ def _outcomes(sweep: RunTable) -> Table:
     codes, counts = np.unique(sweep.code[sweep.done], return_counts=True)
     outcomes = table("Outcomes", ("outcome",), (f"{mechanism.view.run_name}s", "share"))
     for code, count in zip(codes, counts, strict=True):
-        share = f"{100.0 * count / int(sweep.done.sum()):.1f} %"
+        share = percent_text(count / int(sweep.done.sum()), ".1f")
         outcomes.add_row(mechanism.outcomes(int(code)).reason, str(count), share)
     return outcomes
 
@@ -159,5 +160,5 @@ def _values(axis: Axis) -> str:
     listed = ", ".join(few) if len(few) <= 3 else f"{few[0]}, {few[1]} … {few[-1]}"
     if symbol == "rad":
         low, high = np.degrees([min(axis.values), max(axis.values)])
-        return f"{listed} rad ({low:+.3g}° … {high:+.3g}°)"
-    return f"{listed} {symbol}".rstrip(" -")
+        return f"{listed} rad ({range_text(low, high, '°', 3, ' … ')})"
+    return f"{listed}{unit_text(symbol)}"

@@ -14,6 +14,7 @@ from ..errors import InputError, check_choice, check_single, check_type, check_w
 from ..fields import Curve, Part, check_path, get, replace, unit
 from ..mechanisms import all_mechanisms
 from ..mechanisms.registry import mechanism_of_scenario
+from ..value_text import unit_text
 
 KINDS = ("uniform", "normal")
 MOST = 100_000  # cases in a sample
@@ -183,7 +184,7 @@ class Scatter:
 
 def _values_of(base: Part, name: str) -> str:
     symbol = unit(base, name)
-    return f"values in {symbol}" if symbol not in ("", "-") else "values" if symbol else "choices"
+    return f"values{unit_text(symbol, ' in ')}" if symbol else "choices"
 
 
 def grid(fields: Mapping[str, Sequence[float]], base: Part | None = None) -> tuple[Case, ...]:

@@ -18,6 +18,7 @@ from jaxtyping import Float
 
 from ..fields import Curve, Part, get, replace
 from ..run.simulate import simulate
+from ..value_text import with_unit
 from .cases import Case
 from .evaluation import Evaluator, built_design
 from .goal import Goal
@@ -253,7 +254,7 @@ class Corners:
         count, scenarios = len(self.cases), len(problem.scenarios)
 
         def said(value: float) -> str:
-            return problem.objective.said(value, problem.catalogue)
+            return with_unit(*problem.objective.shown(value, problem.catalogue), 5)
 
         at = f" at {scenarios} scenarios" if scenarios > 1 else ""
         which = (

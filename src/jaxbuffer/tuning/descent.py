@@ -195,7 +195,7 @@ def _rows(goal: Goal, point: Evaluation) -> tuple[Float[np.ndarray, " rows"], Fl
     """Return the constraints g ≤ 0 at a design, and their slopes."""
     tangent, size = Tangent.of(point), len(point.scaled)
     rows = goal.rows(*tangent.after(np.zeros(size)))
-    slopes = [limit.sign * point.quantities_slope[:, q] / limit.bound for q, limit in goal.indexed_limits]
+    slopes = [limit.slopes(point.quantities_slope[:, q]) for q, limit in goal.indexed_limits]
     if goal.must_succeed:
         slopes.append(-point.margin_slope)
     return rows, np.concatenate([*slopes, np.zeros((0, size))])

@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import get
-from ..mechanisms.limit import Limit, beyond, digits_apart
+from ..fields import Part, get
+from ..mechanisms.limit import IMPACTS, Limit, beyond
+from ..mechanisms.mechanism import RequiredEnd
+from ..value_text import digits_apart, with_unit
 from .cases import Case
 from .evaluation import Evaluation
 from .objective import Limits, Objective
@@ -63,6 +65,33 @@ class Tangent(NamedTuple):
         peak = np.maximum(np.max(self.peaks + self.peaks_slope @ step, axis=1), 0.0)
         rest = self.rest + self.rest_slope @ step + self.by_peak * (peak - self.largest)[:, None]
         return np.column_stack([peak, rest]), self.margin + self.margin_slope @ step
+
+
+class Breach(NamedTuple):
+    """A constraint that some load cases break: the ``limit``, or None for the end that they must have.
+
+    ``excess``: of each load case, relative [-], 0 where it holds or there are no numbers; ``values``: what is limited,
+    or the margin of the end.
+    """
+
+    excess: Float[np.ndarray, " cases"]
+    limit: Limit | None
+    values: np.ndarray
+
+    @property
+    def case(self) -> int:
+        """The load case that is farthest beyond."""
+        return int(np.argmax(self.excess))
+
+    @property
+    def largest(self) -> float:
+        """The excess there [-]."""
+        return float(self.excess[self.case])
+
+    @property
+    def value(self) -> float:
+        """The limited value there."""
+        return float(self.values[self.case])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -167,35 +196,48 @@ class Goal:
         now, catalogue = self.first_value(evaluation), self.problem.catalogue
         if not np.any(beyond(np.array([now / scale - value / scale]))):
             return None
-        digits = digits_apart(now, value, 5)
-        return f"{objective}: {objective.said(now, catalogue, digits)} is above {objective.said(value, catalogue, 6)}"
+        (now, symbol), (value, _) = (objective.shown(it, catalogue) for it in (now, value))
+        highest = with_unit(value, symbol)
+        return f"{objective}: {with_unit(now, symbol, digits_apart(now, value, 5))} is above {highest}"
+
+    def breaches(self, evaluation: Evaluation) -> list[Breach]:
+        """Return the constraints that a design breaks in load cases with numbers, the one farthest beyond first."""
+        quantities, solved, each = evaluation.quantities, evaluation.solved, list[Breach]()
+        for q, limit in self.indexed_limits:
+            each.append(Breach(np.where(solved, limit.excess(quantities[:, q]), 0.0), limit, quantities[:, q]))
+        if self.must_succeed:
+            each.append(Breach(np.where(solved, beyond(-evaluation.margin), 0.0), None, evaluation.margin))
+        for limit in self.limits.of_impacts:
+            each.append(Breach(np.where(solved, limit.excess(evaluation.impacts), 0.0), limit, evaluation.impacts))
+        return sorted((it for it in each if it.largest > 0.0), key=lambda it: -it.largest)
 
     def obstacle(self, evaluation: Evaluation) -> str:
-        """Return the limit that a design is farthest beyond, in words; "" where it keeps all.
+        """Return the constraint that a design is farthest beyond, in words; "" where it keeps all."""
+        if failed := self.failed(evaluation):
+            return failed
+        return next((self._breach_text(evaluation, it) for it in self.breaches(evaluation)), "")
+
+    def failed(self, evaluation: Evaluation) -> str:
+        """Return in how many load cases the simulation failed, in words; "" for none."""
+        solved = evaluation.solved
+        return "" if np.all(solved) else f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
+
+    def _breach_text(self, evaluation: Evaluation, breach: Breach) -> str:
+        """Return how a constraint is broken in its worst load case.
 
         Beside a limit on the peak force stands the first impact, where that alone is above it: no buffer softens it.
         """
-        found, solved, problem = list[tuple[float, str]](), evaluation.solved, self.problem
-        for q, limit in self.indexed_limits:
-            excess = np.where(solved, limit.excess(evaluation.quantities[:, q]), 0.0)
-            k, quantity = int(np.argmax(excess)), problem.catalogue[limit.name]
-            text = limit.sentence(float(evaluation.quantities[k, q]), quantity)
-            first = float(np.max(evaluation.first, initial=0.0))
-            softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.floor is None
-            if not softened and not limit.keeps(first):
-                text += f", and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"
-            found.append((float(excess[k]), text))
-        for limit in self.limits.of_impacts:
-            most = int(np.max(np.where(solved, evaluation.impacts, 0)))
-            found.append((float(limit.excess(most)), f"{most} impacts are above {limit.bound:.0f}"))
-        if self.must_succeed:
-            excess = np.where(solved, beyond(-evaluation.margin), 0.0)
-            k = int(np.argmax(excess))
-            found.append((float(excess[k]), f"not {problem.success} ({self.lack(evaluation, k)})"))
-        if not np.all(solved):
-            found.append((np.inf, f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"))
-        excess_of_worst, text = max(found, default=(0.0, ""), key=lambda it: it[0])
-        return text if excess_of_worst > 0.0 else ""
+        problem, limit, value = self.problem, breach.limit, breach.value
+        if limit is None:
+            return f"not {problem.success} ({self.lack(evaluation, breach.case)})"
+        if limit.name == IMPACTS:
+            return f"{value:.0f} impacts are above {limit.bound:.0f}"
+        quantity, first = problem.catalogue[limit.name], float(np.max(evaluation.first, initial=0.0))
+        text = limit.sentence(value, quantity)
+        softened = limit.lowest or limit.name != PEAK_FORCE or problem.mechanism.tuning.floor is None
+        if softened or limit.keeps(first):
+            return text
+        return f"{text}, and the first impact, which no buffer softens, has {quantity.in_words(first, 4)}"
 
     def worst_first(self, evaluation: Evaluation) -> list[int]:
         """Return the load cases by how far they are above their limits, those without numbers first."""
@@ -218,7 +260,7 @@ class Goal:
             own = f" or {', '.join(problem.quantities)} is not finite" if problem.quantities else ""
             return [f"the simulation failed{own}"]
         lines, stricter = [], problem.end is not None and not evaluation.succeeded[k]
-        if self.must_succeed and (evaluation.margin[k] < 0.0 or stricter):
+        if self.must_succeed and (beyond(-evaluation.margin[k]) > 0.0 or stricter):
             lines.append(f"not {problem.success} ({self.lack(evaluation, k, cases)})")
         elif not evaluation.succeeded[k] and (self.must_succeed or problem.limits.captured):
             lines.append(outcome.reason)
@@ -236,5 +278,9 @@ class Goal:
             return str(outcome.reason)
         value = float(evaluation.quantities[k, problem.names.index(end.quantity)])
         design = (problem.cases if cases is None else cases)[k].of(problem.built(evaluation.scaled))
-        threshold = Limit(end.quantity, float(get(design, end.threshold)))
-        return threshold.sentence(value, problem.catalogue[end.quantity])
+        return end_limit(end, design).sentence(value, problem.catalogue[end.quantity])
+
+
+def end_limit(end: RequiredEnd, design: Part) -> Limit:
+    """Return the limit on the quantity of an end, below which a run ends so: a number of the design."""
+    return Limit(end.quantity, float(get(design, end.threshold)))

@@ -5,11 +5,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from ..fields import get, percent
-from ..mechanisms.limit import Limit, digits_apart
+from ..mechanisms.limit import IMPACTS, Limit
 from ..mechanisms.mechanism import EndCount
+from ..value_text import percent_text, with_unit
 from .evaluation import Evaluation
-from .goal import Goal
+from .goal import Breach, Goal, end_limit
 from .problem import Settings, Variable
 from .search import AGREE, CONVERGED, Branch
 from .store import Progress
@@ -66,7 +66,7 @@ def ending(branch: Branch, settings: Settings) -> Ended:
 
 def left_to_gain(branch: Branch) -> str:
     """Return the first-order residual in words."""
-    return f"small changes would gain {percent(branch.residual)} of the objective"
+    return f"small changes would gain {percent_text(branch.residual)} of the objective"
 
 
 def _ending(branch: Branch, settings: Settings) -> str:
@@ -76,7 +76,7 @@ def _ending(branch: Branch, settings: Settings) -> str:
         "stalled": "stalled: steps gain less than the tolerance",
         "cliff": "stopped at a cliff: ahead a small change makes a run fail",
     }
-    within = f", the tolerance being {100.0 * settings.tolerance:g} %" if branch.status == CONVERGED else ""
+    within = f", the tolerance being {percent_text(settings.tolerance, 'g')}" if branch.status == CONVERGED else ""
     return f"{words[ending(branch, settings)]}; {left_to_gain(branch)}{within}"
 
 
@@ -87,13 +87,13 @@ def agreement_in_words(progress: Progress, more: str) -> str:
         return f"Only one search was made; for others {more}"
     if not np.isfinite(progress.apart):
         return (
-            f"Of {searches} no other that began apart ended feasible within {100.0 * AGREE:g} % of it; "
+            f"Of {searches} no other that began apart ended feasible within {percent_text(AGREE, 'g')} of it; "
             f"a better design may exist: {more}"
         )
-    percent = f"{100.0 * progress.apart:.2g} %"
+    apart = percent_text(progress.apart)
     if progress.apart <= AGREE:
-        return f"Of {searches} the best two that began apart agree within {percent}"
-    return f"Of {searches} the best two that began apart differ by {percent}; a better design may exist: {more}"
+        return f"Of {searches} the best two that began apart agree within {apart}"
+    return f"Of {searches} the best two that began apart differ by {apart}; a better design may exist: {more}"
 
 
 def _count(searches: int) -> str:
@@ -135,15 +135,24 @@ class BrokenLimit(NamedTuple):
 
 def broken_limits(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     """Return the limits that a design breaks, the worst first; slopes are those of the evaluation."""
-    solved, limits = point.solved, list[BrokenLimit]()
-    for q, limit in goal.indexed_limits:
-        excess = np.where(solved, limit.excess(point.quantities[:, q]), 0.0)
-        if np.any(excess > 0.0):
-            limits.append(_of_quantity(goal, point, q, limit, excess))
-    if goal.must_succeed and np.any(solved & (point.margin < 0.0)):
-        limits.append(_of_margin(goal, point, np.where(solved, -point.margin, 0.0)))
-    limits += _without_slopes(goal, point)
+    limits = [_described(goal, point, breach) for breach in goal.breaches(point)]
+    if failed := goal.failed(point):
+        limits.append(BrokenLimit(np.inf, failed))
+    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
+        scale = goal.ceiling.scale
+        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
     return sorted(limits, key=lambda limit: -limit.excess) or _otherwise(goal, point)
+
+
+def _described(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
+    """Return a broken limit with its worst load case and, where it has slopes, what stands against it."""
+    limit = breach.limit
+    if limit is None:
+        return _of_margin(goal, point, breach)
+    if limit.name != IMPACTS:
+        return _of_quantity(goal, point, breach, limit)
+    heading = _heading(goal, f"{limit.name} {limit.bound_text()}", breach, f"{breach.value:.0f}")
+    return BrokenLimit(breach.largest, heading)
 
 
 def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
@@ -155,48 +164,42 @@ def _otherwise(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
     return [BrokenLimit(1.0, f"{goal.problem.success}: {count} ({'; '.join(reasons)})")]
 
 
-def _of_quantity(
-    goal: Goal, point: Evaluation, q: int, limit: Limit, excess: Float[np.ndarray, " cases"]
-) -> BrokenLimit:
+def _of_quantity(goal: Goal, point: Evaluation, breach: Breach, limit: Limit) -> BrokenLimit:
     """Describe a broken limit on a quantity."""
-    k, quantity, bound = int(np.argmax(excess)), goal.problem.catalogue[limit.name], limit.bound
-    value, (_, factor) = float(point.quantities[k, q]), quantity.in_figures
-    in_words = quantity.in_words(value, digits_apart(factor * value, factor * bound))
-    heading = _heading(goal, limit.line(quantity), excess, in_words)
-    worst = WorstCase(value, bound, bound, point.quantities_slope[k, q], not limit.lowest, quantity.in_figures)
-    return _broken(goal, point, excess, heading, worst)
+    value, bound, quantity = breach.value, limit.bound, goal.problem.catalogue[limit.name]
+    heading = _heading(goal, limit.line(quantity), breach, limit.told_apart(value, *quantity.in_figures))
+    slope = point.quantities_slope[breach.case, goal.problem.names.index(limit.name)]
+    worst = WorstCase(value, bound, bound, slope, not limit.lowest, quantity.in_figures)
+    return _broken(goal, point, breach, heading, worst)
 
 
-def _of_margin(goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"]) -> BrokenLimit:
+def _of_margin(goal: Goal, point: Evaluation, breach: Breach) -> BrokenLimit:
     """Describe load cases that do not end as they must, by the mechanism's margin."""
-    problem, k = goal.problem, int(np.argmax(excess))
+    problem, k = goal.problem, breach.case
     mechanism, end = problem.mechanism, problem.end
     assert mechanism.tuning.margin is not None
-    heading = _heading(goal, str(problem.success), excess, goal.lack(point, k))
+    heading = _heading(goal, str(problem.success), breach, goal.lack(point, k))
     if end is not None and end.quantity and mechanism.succeeded(int(point.code[k])):
         q, quantity = problem.names.index(end.quantity), mechanism.quantities[end.quantity]
-        limit = float(get(problem.built(point.scaled), end.threshold))
+        bound = end_limit(end, problem.built(point.scaled)).bound
         slope, value = point.quantities_slope[k, q], float(point.quantities[k, q])
-        return _broken(goal, point, excess, heading, WorstCase(value, limit, limit, slope, True, quantity.in_figures))
+        return _broken(goal, point, breach, heading, WorstCase(value, bound, bound, slope, True, quantity.in_figures))
     quantity = mechanism.quantities[mechanism.tuning.margin]
     if end is None or not end.quantity:
         heading = f"{heading} ({mechanism.tuning.margin}: {quantity.description})"
-    worst = WorstCase(float(point.margin[k]), 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
-    return _broken(goal, point, excess, heading, worst)
+    worst = WorstCase(breach.value, 0.0, 1.0, point.margin_slope[k], False, (quantity.unit, 1.0))
+    return _broken(goal, point, breach, heading, worst)
 
 
-def _broken(
-    goal: Goal, point: Evaluation, excess: Float[np.ndarray, " cases"], heading: str, worst: WorstCase
-) -> BrokenLimit:
+def _broken(goal: Goal, point: Evaluation, breach: Breach, heading: str, worst: WorstCase) -> BrokenLimit:
     influences = helpful_variables(goal, point, worst)
     at_bounds = tuple(it.variable.path for it in influences if it.at_bound)
-    return BrokenLimit(float(np.max(excess)), heading, _reason(goal, worst, influences), at_bounds)
+    return BrokenLimit(breach.largest, heading, _reason(goal, worst, influences), at_bounds)
 
 
-def _heading(goal: Goal, limit: str, excess: Float[np.ndarray, " cases"], worst: str) -> str:
-    cases = goal.problem.cases
-    where = cases[int(np.argmax(excess))].label(cases)
-    return f"{limit}: broken in {int(np.sum(excess > 0.0))} of {len(cases)} scenarios, worst {worst} at {where}"
+def _heading(goal: Goal, limit: str, breach: Breach, worst: str) -> str:
+    cases, count = goal.problem.cases, int(np.sum(breach.excess > 0.0))
+    return f"{limit}: broken in {count} of {len(cases)} scenarios, worst {worst} at {cases[breach.case].label(cases)}"
 
 
 class Influence(NamedTuple):
@@ -246,12 +249,14 @@ def _reason(goal: Goal, worst: WorstCase, influences: list[Influence]) -> str:
 def _words(goal: Goal, worst: WorstCase, it: Influence) -> str:
     """Say what more or less of a variable does, and of one at its bound how far about it would have to go beyond."""
     path, problem, (symbol, factor) = it.variable.path, goal.problem, worst.shown
-    effect = f"({'-' if worst.falls else '+'}{abs(factor * it.change):.2g} {symbol}".rstrip(" -") + " per 1 %)"
+    change = abs(factor * it.change) * (-1.0 if worst.falls else 1.0)
+    effect = f"({with_unit(change, symbol, 2, sign=True)} per 1 %)"
     if not it.at_bound:
         return f"{'more' if it.up else 'less'} {path} {effect}"
-    bound = problem.said(path, it.variable.high if it.up else it.variable.low)
-    enough = _enough(worst, it)
-    far = "" if enough is None else f", {'to' if it.up else 'down to'} about {problem.said(path, enough, 2)}"
+    bound = with_unit(*problem.shown(path, it.variable.high if it.up else it.variable.low))
+    far = ""
+    if (enough := _enough(worst, it)) is not None:
+        far = f", {'to' if it.up else 'down to'} about {with_unit(*problem.shown(path, enough), 2)}"
     return f"{path} {'above' if it.up else 'below'} its bound of {bound}{far} {effect}"
 
 
@@ -265,21 +270,3 @@ def _enough(worst: WorstCase, it: Influence) -> float | None:
     with np.errstate(over="ignore"):
         times = float(np.exp(0.01 * worst.value * np.log(worst.limit / worst.value) / it.change))
     return it.value * times if 1.0 / FARTHEST <= times <= FARTHEST else None
-
-
-def _without_slopes(goal: Goal, point: Evaluation) -> list[BrokenLimit]:
-    """Return the broken limits without slopes: impacts, failed simulations, the first objective's ceiling."""
-    limits, solved = list[BrokenLimit](), point.solved
-    for limit in goal.limits.of_impacts:
-        excess = limit.excess(point.impacts)
-        if np.any(excess > 0.0):
-            text = f"{limit.name} {limit.symbol} {limit.bound:.0f}"
-            heading = _heading(goal, text, excess, str(int(np.max(point.impacts))))
-            limits.append(BrokenLimit(float(np.max(excess)), heading))
-    if not np.all(solved):
-        count = f"the simulation failed in {int(np.sum(~solved))} of {len(solved)} scenarios"
-        limits.append(BrokenLimit(np.inf, count))
-    if goal.ceiling is not None and (above := goal.above_ceiling(point)) is not None:
-        scale = goal.ceiling.scale
-        limits.append(BrokenLimit(goal.first_value(point) / scale - goal.ceiling.value / scale, above))
-    return limits

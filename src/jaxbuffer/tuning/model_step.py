@@ -208,7 +208,7 @@ class _Model(Programme):
         goal, tangent, rows = self.goal, self.tangent, list[Row]()
         for quantity, limit in goal.indexed_limits:
             one = np.zeros(len(goal.problem.names))
-            one[quantity] = limit.sign / limit.bound
+            one[quantity] = limit.slopes(1.0)
             for k in self.cases:
                 entries, constant, sources = self.weighted(k, one)
                 rows.append((entries, limit.sign - constant, sources))

@@ -24,6 +24,7 @@ from ..mechanisms.limit import IMPACTS, Limit, both_sides
 from ..mechanisms.mechanism import Mechanism
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.run import Run
+from ..value_text import with_unit
 from .derived import Derived
 
 AGGREGATES = ("worst", "mean", "cvar")
@@ -77,10 +78,10 @@ class Objective:
         (name, *_) = self.weights
         return catalogue[name].in_figures if unit == catalogue[name].unit else (unit, 1.0)
 
-    def said(self, value: float, catalogue: Catalogue, digits: int = 5) -> str:
-        """Return its value in words, in the unit that people are shown: "7.1 mm"."""
+    def shown(self, value: float, catalogue: Catalogue) -> tuple[float, str]:
+        """Return its value in the unit that people are shown, and that unit."""
         unit, factor = self.in_figures(catalogue)
-        return f"{factor * value:.{digits}g} {unit}".rstrip(" -")
+        return factor * value, unit
 
     def cap(self, cases: int) -> float:
         """Return the largest weight of a load case.
@@ -189,8 +190,8 @@ class Limits:
         for name in self.at_least:
             ends = self.at_least[name], self.at_most.get(name, math.inf)
             if not any(isinstance(end, str) for end in ends) and not ends[0] < ends[1]:
-                low, high, unit = self.at_least[name], self.at_most[name], f" {_units().get(name, '')}".rstrip(" -")
-                raise InputError(f"constraints.{name}: at least {low:g}{unit} and at most {high:g}{unit} contradict")
+                low, high = (with_unit(end, _units().get(name, "")) for end in ends)
+                raise InputError(f"constraints.{name}: at least {low} and at most {high} contradict")
         check_flag("constraints.captured", self.captured)
         if self.ends and not self.captured:
             raise InputError(f"constraints: captured = false and {self.ends[-1]} = true contradict; keep one")

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import InputError
+from ..value_text import with_unit
 from .problem import PEAK_FORCE, Problem
 
 
@@ -64,10 +65,8 @@ def check_start(
     for name, derived in problem.quantities.items():
         values = [known[parameter] for parameter in derived.parameters]
         value, partials = (np.asarray(array)[0] for array in derived.linearised(jnp.array([values])))
-        units = (problem.catalogue[parameter].unit for parameter in derived.parameters)
-        at = ", ".join(
-            f"{p} = {x:.4g} {u}".rstrip(" -") for p, x, u in zip(derived.parameters, values, units, strict=True)
-        )
+        known_here = zip(derived.parameters, values, strict=True)
+        at = ", ".join(f"{it} = {with_unit(x, problem.catalogue[it].unit, 4)}" for it, x in known_here)
         where = f"at the start, {problem.cases[case].label(problem.cases)}, where {at}"
         if not np.isfinite(value):
             raise InputError(f"quantities.{name}: {derived.label} is {float(value):g} {where}")

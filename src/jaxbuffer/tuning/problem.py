@@ -17,13 +17,12 @@ from ..fields import (
     check_path,
     check_units_agree,
     choice,
+    ends_as_typed,
     get,
     in_unit,
-    in_words,
     limits_of,
     number,
     paths,
-    range_in_words,
     replace,
     typed_unit,
     unit,
@@ -33,6 +32,7 @@ from ..mechanisms.mechanism import Mechanism, RequiredEnd
 from ..mechanisms.quantity import Catalogue
 from ..mechanisms.registry import mechanism_of
 from ..run.request import DEFAULT_TOLERANCE, TOLERANCES, check_pair
+from ..value_text import interval_text, with_unit
 from .cases import Case, Scatter
 from .derived import Derived, check_derived
 from .objective import ONE_LIMIT, Limits, Objective, Then, in_units, quantity_in_words
@@ -291,11 +291,6 @@ class Problem:
         """Return a number of the design in the unit that people are shown, and that unit."""
         return as_typed(float(value), unit(self.design, path), self.units.get(path, ""))
 
-    def said(self, path: str, value: float, digits: int = 6) -> str:
-        """Return the same in words: "25 mm"."""
-        value, symbol = self.shown(path, value)
-        return f"{value:.{digits}g} {symbol}".rstrip(" -")
-
     def start(self) -> Float[np.ndarray, " variables"]:
         """Return the design's scaled variables [-]."""
         return np.array([v.scaled(float(get(self.design, v.path))) for v in self.variables])
@@ -337,14 +332,14 @@ def _check_variables(design: Part, variables: Sequence[Variable], units: Mapping
         check_single(f"{path} low bound", variable.low, name, ONE_LIMIT, **lowest)
         check_single(f"{path} high bound", variable.high, name, ONE_LIMIT)
         typed = units.get(path, "")
-        bounds = range_in_words(variable.low, variable.high, name, typed)
+        bounds = interval_text(*ends_as_typed(variable.low, variable.high, name, typed))
         if variable.low >= variable.high:
             raise InputError(f"{path}: the low bound of {bounds} must be less than the high one; are they swapped?")
         for bound in (variable.low, variable.high):
             replace(design, {path: bound})  # the design itself says what it does not allow
         check_single(path, value, name, "tuning starts from one design")
         if not variable.low <= value <= variable.high:
-            start = in_words(value, name, typed)
+            start = with_unit(*as_typed(value, name, typed))
             raise InputError(f"the start, {path} = {start}, is outside its bounds {bounds}")
     _check_rising(design, {variable.path: variable for variable in variables})
 
@@ -358,10 +353,10 @@ def _check_rising(design: Part, variables: Mapping[str, Variable]) -> None:
         later = variables.get(f"{curve}.{after}")
         if later is not None and variable.high >= later.low:
             name = unit(design, path)
+            first, second = (interval_text(it.low, it.high, name) for it in (variable, later))
             raise InputError(
-                f"{path} in [{variable.low:g}, {variable.high:g}] {name} and {after} in [{later.low:g}, {later.high:g}]"
-                f" {name} overlap: a curve's points rise, so the high bound of one must be below the low bound of the"
-                " next"
+                f"{path} in {first} and {after} in {second} overlap: a curve's points rise, so the high bound of one"
+                " must be below the low bound of the next"
             )
 
 

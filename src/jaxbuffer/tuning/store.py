@@ -20,8 +20,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..fields import display_unit
+from ..fields import as_displayed
 from ..files import Lock, naming, write, write_beside
+from ..value_text import percent_text, with_unit
 from ..version import version
 from .evaluation import Evaluation
 from .goal import Goal
@@ -226,12 +227,6 @@ def record_of(goal: Goal, point: Evaluation, number: int, stage: int, search: in
     }
 
 
-def objective_in_words(value: float, unit: str, digits: int) -> str:
-    """Return an objective's value in the unit that people are shown: "7.1 mm"."""
-    symbol, factor = display_unit(unit)
-    return f"{factor * value:.{digits}g} {symbol}".rstrip(" -")
-
-
 def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None = None) -> str:
     """Return one evaluation of a tuning on one line.
 
@@ -240,12 +235,12 @@ def in_words(it: Mapping[str, Any], success: str | None = None, most: int | None
     count = "" if most is None else f"{it['evaluation'] + 1} of at most {most}, "
     where = "start" if it["status"] == "start" else f"search {it['search'] + 1}, step {it['step']}"
     stage = "then, " if it["stage"] else ""
-    text = f"{count}{stage}{where}: {objective_in_words(it['objective'], it['unit'], 5)}"
+    text = f"{count}{stage}{where}: {with_unit(*as_displayed(it['objective'], it['unit']), 5)}"
     if not it["feasible"]:
         ends = it["succeeded"]
         text += "" if all(ends) else f", {sum(ends)} of {len(ends)} {success or 'solved'}"
         text += ", limits broken" + (f": {obstacle}" if (obstacle := it.get("obstacle")) else "")
-    return text + ("" if it["residual"] is None else f", {100.0 * it['residual']:.2g} % left to gain")
+    return text + ("" if it["residual"] is None else f", {percent_text(it['residual'])} left to gain")
 
 
 class Progress(NamedTuple):

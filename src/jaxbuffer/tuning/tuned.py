@@ -10,12 +10,13 @@ from jaxtyping import Float
 from rich.table import Table
 
 from .._types import DataFrame
-from ..fields import Part, change_in_words, get, percent, relative_change, unit
+from ..fields import Part, get, unit
 from ..labelled.arrays import frame
 from ..labelled.saved import Saved
 from ..mechanisms.energy import energy_text
 from ..mechanisms.mechanism import EndCount
 from ..tables import html, table, text
+from ..value_text import before_and_after, change_text, percent_text, relative_change
 from .checks import Corners, Floor, corners, floor
 from .evaluation import Evaluation, Evaluator
 from .goal import Goal, Tangent
@@ -214,8 +215,8 @@ def tuned_parts(tuned: Tuned) -> list[str | Table]:
     problem = tuned.problem
     lines = [
         *_floor_facts(tuned),
-        f"evidence at rtol {tuned.tight:g}: {percent(tuned.residual)} of the objective left to gain by small"
-        f" changes; the search's slopes are right to {percent(tuned.gradient_error)}; {tuned.captures}"
+        f"evidence at rtol {tuned.tight:g}: {percent_text(tuned.residual)} of the objective left to gain by small"
+        f" changes; the search's slopes are right to {percent_text(tuned.gradient_error)}; {tuned.captures}"
         f" {problem.mechanism.view.run_name}s, {tuned.screened} of them without derivatives",
     ]
     lines += [] if tuned.corners is None else tuned.corners.lines(problem)
@@ -233,8 +234,7 @@ def _tuned_objective(tuned: Tuned) -> Table:
     """Return the objectives and the load cases that succeed, before and after."""
     problem, (start, end) = tuned.problem, tuned.objective
     summary = table("Objective and what limits it", ("",), ("before", "after"))
-    change = change_in_words(start, end, "+.2f")
-    change = "" if change == "–" else f" ({change})"
+    change = "" if relative_change(start, end) is None else f" ({change_text(start, end, '+.2f')})"
     unit, factor = problem.objective.in_figures(problem.catalogue)
     summary.add_row(
         f"{problem.worded(problem.objective)} [{unit}]", f"{factor * start:.6g}", f"{factor * end:.6g}{change}"
@@ -298,7 +298,7 @@ def _floor_facts(tuned: Tuned) -> list[str]:
     if not floor.highest > 0.0:
         return [heading, "  none: nothing is touched"]
     above, closed = tuned.above_floor, float(np.max(floor.closed_form))
-    beyond = f"; the tuned peak is {100.0 * above:+.3f} % above it" if np.isfinite(above) else ""
+    beyond = f"; the tuned peak is {percent_text(above, '+.3f')} above it" if np.isfinite(above) else ""
     lowest = f"  within the bounds none gets below {floor.lowest:.6g} N"
     first = f"  without any buffer {floor.highest:.6g} N{beyond}"
     if not np.isfinite(closed):  # of a free start
@@ -330,8 +330,8 @@ def _tuned_cases(tuned: Tuned) -> Table:
         start, end = float(before.peak_force[k]), float(after.peak_force[k])
         cases.add_row(
             problem.cases[k].label(problem.cases),
-            f"{start:.5g} → {end:.5g}",
-            change_in_words(start, end),
+            before_and_after(start, end, 5),
+            change_text(start, end),
             *(_before_and_after(tuned, name, k) for name in others),
             f"{before.impacts[k]} → {after.impacts[k]}",
             mechanism.outcomes(int(before.code[k])).name,
@@ -367,8 +367,7 @@ def _before_and_after(tuned: Tuned, name: str, case: int) -> str:
     """A quantity of a load case before and after, in its unit in figures."""
     problem = tuned.problem
     factor, q = problem.catalogue[name].in_figures[1], problem.names.index(name)
-    values = [tuned.reported(point)[case, q] for point in (tuned.before, tuned.after)]
-    return " → ".join("–" if np.isnan(value) else f"{factor * value:.4g}" for value in values)
+    return before_and_after(*(factor * tuned.reported(point)[case, q] for point in (tuned.before, tuned.after)))
 
 
 def _tuned_variables(tuned: Tuned) -> Table:

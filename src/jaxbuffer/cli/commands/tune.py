@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
+from ...fields import as_displayed
 from ...output.results import tuned_files
 from ...study.tuned_toml import tuned_toml
 from ...tuning import Problem
-from ...tuning.store import objective_in_words
 from ...tuning.tune import best_so_far
 from ...tuning.tune import tune as compute
+from ...value_text import with_unit
 from ..exits import INTERRUPTED, LIMITS_BROKEN, OK, fail
 from ..streams import note
 from .output import Output
@@ -56,7 +57,7 @@ def keep_best(problem: Problem, settings: Mapping[str, Any], files: Output) -> i
         return INTERRUPTED
     which = "the problem's then" if best.stage else "the objective"
     verdict = "within all limits" if best.feasible else "limits broken"
-    value = objective_in_words(best.objective, best.unit, 6)
+    value = with_unit(*as_displayed(best.objective, best.unit))
     words = f"interrupted after {best.evaluations} evaluations; best so far by {which}: {value}, {verdict}"
     files.save_and_show(lambda: {"design.toml": lambda: tuned_toml(best.design, problem, words)}, words)
     note(f"the same command with --resume goes on in {files.folder}")

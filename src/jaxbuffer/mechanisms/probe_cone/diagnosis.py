@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 
 from ...hybrid import Kind
 from ...programs.cache import stored
+from ...value_text import percent_text, with_unit
 from ..energy import energy_text, energy_unit
 from .assembly import T
 from .capture import Capture
@@ -184,4 +185,6 @@ def _turn(capture: Capture, motion: Course) -> str:
 
 def _share(energy: float, total: float) -> str:
     unit, many = energy_unit(total)
-    return f"{many * energy:.3g} {unit} ({100.0 * energy / total:.1f} %)" if energy > 1e-6 * total else f"0 {unit}"
+    if not energy > 1e-6 * total:
+        return f"0 {unit}"
+    return f"{with_unit(many * energy, unit, 3)} ({percent_text(energy / total, '.1f')})"

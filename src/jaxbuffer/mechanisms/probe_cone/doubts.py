@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...fields import get, in_words, unit
+from ...fields import as_typed, get, unit
+from ...value_text import with_unit
 from .assembly import assemble_contact
 from .design import Design
 
@@ -80,15 +81,11 @@ def _same(value: object, usual: Design, entry: TableValue) -> bool:
 def _line(design: Design, entry: TableValue, ratio: float) -> str:
     """ "cone.offset 96 mm: why; grown with the mass 670 mm"."""
     value, symbol = float(np.max(np.asarray(get(design, entry.path)))), unit(design, entry.path)
-    text = f"{entry.path} {in_words(value, symbol, entry.shown)}: {entry.why}"
+    text = f"{entry.path} {with_unit(*as_typed(value, symbol, entry.shown))}: {entry.why}"
     if entry.power == 0.0 or 1.0 / FAR < ratio < FAR:
         return text
-    return f"{text}; grown with the mass {_rounded(value * ratio**entry.power, symbol, entry.shown)}"
-
-
-def _rounded(value: float, symbol: str, shown: str) -> str:
-    """A number to two digits, in words."""
-    return in_words(float(f"{value:.2g}"), symbol, shown)
+    grown = float(f"{value * ratio**entry.power:.2g}")
+    return f"{text}; grown with the mass {with_unit(*as_typed(grown, symbol, entry.shown))}"
 
 
 def _restitution(design: Design) -> Iterator[str]:

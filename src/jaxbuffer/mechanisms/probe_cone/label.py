@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...fields import in_words, unit
+from ...fields import as_typed, unit
+from ...value_text import degrees_text, with_unit
 from .design import Scenario
 
 OF_FREE_START = {  # the unit in which each is shown
@@ -20,15 +21,13 @@ OF_FREE_START = {  # the unit in which each is shown
 def scenario_label(scenario: Scenario, among: Sequence[Scenario] = ()) -> str:
     """What people call a scenario: "0.1 m/s, +3°", its approach speed and misalignment; contact distance and passive
     rate too where those differ ``among`` several. Of a free start and a thrust, what is not at its default."""
-    angle = np.degrees(float(scenario.misalignment)) + 0.0
+    angle = np.degrees(float(scenario.misalignment))
     speed = float(scenario.approach_speed)
     alike = any(f"{other.approach_speed:.4g}" == f"{speed:.4g}" and other.approach_speed != speed for other in among)
-    label = f"{speed:{'.9g' if alike else '.4g'}} m/s, {angle:{'+' if angle else ''}.4g}°"
+    label = f"{with_unit(speed, 'm/s', 9 if alike else 4)}, {degrees_text(angle)}"
     for name, shown in (("contact_distance", "mm"), ("passive_rate", "deg/s")):
         if len({float(getattr(other, name)) for other in among}) > 1:
-            label += (
-                f", {name.replace('_', ' ')} {in_words(float(getattr(scenario, name)), unit(scenario, name), shown)}"
-            )
+            label += _field(scenario, name, shown)
     return label + _free_start(scenario) + _thrust(scenario)
 
 
@@ -37,10 +36,13 @@ def _free_start(scenario: Scenario) -> str:
     if scenario.start != "free":
         return ""
     given = ((name, shown) for name, shown in OF_FREE_START.items() if float(getattr(scenario, name)) != 0.0)
-    return ", free start" + "".join(
-        f", {name.replace('_', ' ')} {in_words(float(getattr(scenario, name)), unit(scenario, name), shown)}"
-        for name, shown in given
-    )
+    return ", free start" + "".join(_field(scenario, name, shown) for name, shown in given)
+
+
+def _field(scenario: Scenario, name: str, shown: str) -> str:
+    """Return a field behind others, in the unit in which it is shown: ", offset -20 mm"."""
+    number = as_typed(float(getattr(scenario, name)), unit(scenario, name), shown)
+    return f", {name.replace('_', ' ')} {with_unit(*number)}"
 
 
 def _thrust(scenario: Scenario) -> str:

@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ...value_text import percent_text
 from ..energy import energy_text
 from .capture import Capture
 
@@ -44,7 +45,7 @@ def closing_words(capture: Capture) -> str:
         return ""
     brought = float(_brought(capture))
     ratio = added / brought
-    share = f"{ratio:.2g} times what" if ratio >= 1.0 else f"{100.0 * ratio:.2g} % of what"
+    share = f"{ratio:.2g} times what" if ratio >= 1.0 else f"{percent_text(ratio)} of what"
     return f"closing the latch added {energy_text(added)}, {share} the vehicles brought ({energy_text(brought)})"
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...value_text import with_unit
 from ..energy import energy_unit
 from ..picture import Curve, Level, Panel
 from .capture import Capture
@@ -45,7 +46,7 @@ def _reach(values: np.ndarray, largest: float, unit: str) -> str:
     ``largest`` size, which lies between two steps."""
     low, high = float(np.min(values, initial=0.0)), float(np.max(values, initial=0.0))
     low, high = (-largest, high) if -low > high else (low, largest)
-    return f", from {low:.3g} to {high:.3g}{unit}"
+    return f", from {low:.3g} to {with_unit(high, unit, 3)}"
 
 
 def _latch(capture: Capture) -> Panel | None:
@@ -63,7 +64,7 @@ def _bending(capture: Capture) -> Panel | None:
     if capture.design.probe.bending_stiffness is None:
         return None
     off = 1e3 * np.asarray(capture.history.bending)  # type: ignore[union-attr]
-    title = f"Bending of the probe{_reach(off, 1e3 * float(capture.bending), ' mm')}"
+    title = f"Bending of the probe{_reach(off, 1e3 * float(capture.bending), 'mm')}"
     return Panel(title, "tip off the axis [mm]", (Curve("", 1e3 * capture.history.bending),))  # type: ignore[union-attr]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...fields import replace
+from ...value_text import percent_text
 from ..energy import energy_text
 
 LONGEST = {"buffer.max_stroke", "buffer.free_length"}
@@ -42,7 +43,7 @@ def unfinished(problem: Any, evaluation: Any) -> list[str]:
     worst = int(np.argmax(needed))
     if not evaluation.succeeded[worst]:
         return []
-    left = f"{energy_text(column['energy_left'][worst])}, {100.0 * column['relative_energy'][worst]:.3g} %,"
+    left = f"{energy_text(column['energy_left'][worst])}, {percent_text(column['relative_energy'][worst], '.3g')},"
     where = f" in scenario {worst + 1}" if len(needed) > 1 else ""
     return [
         f"the limits hold up to capture only: there{where} {left} of the energy of relative motion is left, which may"

@@ -3,6 +3,7 @@
 import jax
 import numpy as np
 
+from ...value_text import percent_text
 from ..energy import energy_text
 from ..quantity import NEGLIGIBLE
 from .bending import bending_frequencies
@@ -135,9 +136,8 @@ def _energy_before(capture: Capture) -> str:
 def _energy_left(capture: Capture) -> str:
     """The energy of relative motion left, and the stroke that it may still take."""
     docked, longest = capture.docked, float(capture.design.buffer.longest_stroke)
-    left = (
-        f"{energy_text(docked.energy_left)} of relative motion, {100.0 * float(docked.relative_energy):.3g} % of that"
-    )
+    share = percent_text(float(docked.relative_energy), ".3g")
+    left = f"{energy_text(docked.energy_left)} of relative motion, {share} of that"
     needed = float(docked.arrest_stroke)
     beyond = ", more than the buffer has" if needed > longest else ""
     left = f"at capture, where the run ends, {left}" if capture.outcome == Outcome.captured else left
@@ -152,7 +152,7 @@ def _bending(capture: Capture) -> list[str]:
     return [
         f"  bending              at most {1e3 * float(capture.bending):.4g} mm at the tip; {probe.bending_modes} modes,"
         f" {frequencies[0]:.4g} to {frequencies[-1]:.4g} Hz, the first damped to"
-        f" {100.0 * np.pi * frequencies[0] * float(probe.bending_damping):.3g} %"
+        f" {percent_text(np.pi * frequencies[0] * float(probe.bending_damping), '.3g')}"
     ]
 
 

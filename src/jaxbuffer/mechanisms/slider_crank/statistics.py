@@ -9,6 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from ...errors import InputError
 from ...hybrid import Kind
+from ...value_text import with_unit
 from ..run import Run
 
 LEAST_TURNS = 4
@@ -25,7 +26,7 @@ class Mean(NamedTuple):
     by_turn: Float[np.ndarray, " turns"]
 
     def __str__(self) -> str:
-        return f"{self.mean:.5g} ± {self.standard_error:.2g} {self.unit}".rstrip(" -")
+        return f"{self.mean:.5g} ± {with_unit(self.standard_error, self.unit, 2)}"
 
 
 class TurnStatistics(NamedTuple):

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...value_text import degrees_text
 from ..plain_summary import plain_summary
 from ..run import Run
 from ..validity import BEYOND_LAW, ValidityLimit
@@ -18,7 +19,8 @@ from .statistics import LEAST_TURNS, overflown, turn_starts, turn_statistics
 def label(scenario: SliderCrankScenario, among: Any = ()) -> str:
     """A start in a few words: "from 523.6 rad/s at 0°"."""
     weight = float(scenario.gravity)
-    start = f"from {float(scenario.crank_speed):.4g} rad/s at {np.degrees(float(scenario.crank_angle)) + 0.0:.4g}°"
+    angle = degrees_text(np.degrees(float(scenario.crank_angle)), sign=False)
+    start = f"from {float(scenario.crank_speed):.4g} rad/s at {angle}"
     return f"{start}, gravity {weight:.4g} m/s²" if weight else start
 
 
@@ -68,9 +70,7 @@ def summary(run: Run) -> str:
     statistics = turn_statistics(run)
     lines = [f"  means over {statistics.turns} turns ± standard error"]
     for name in ("impacts", "largest_force", "mean_peak", "contact_share"):
-        mean = getattr(statistics, name)
-        shown = f"{mean.mean:.5g} ± {mean.standard_error:.2g} {mean.unit}".rstrip(" -")
-        lines.append(f"    {name.replace('_', ' '):22} {shown}")
+        lines.append(f"    {name.replace('_', ' '):22} {getattr(statistics, name)}")
     return "\n".join([text, *lines])
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...structures.contact import SOLID
+from ...value_text import degrees_text, percent_text
 from ..validity import ValidityLimit
 from ..view import Names, View
 from .design import TankDrop, TankDropScenario
@@ -20,8 +21,8 @@ from .tank_run import TankRun
 
 def label(scenario: TankDropScenario, among: Any = ()) -> str:
     """What people call a drop: "from 2.04 m, filled to 80 %"."""
-    turned = f", at {math.degrees(float(scenario.angle)):.4g}°" if float(scenario.angle) else ""
-    return f"from {float(scenario.height):.4g} m, filled to {100.0 * float(scenario.fill):.4g} %{turned}"
+    turned = f", at {degrees_text(math.degrees(float(scenario.angle)), sign=False)}" if float(scenario.angle) else ""
+    return f"from {float(scenario.height):.4g} m, filled to {percent_text(float(scenario.fill), '.4g')}{turned}"
 
 
 def warnings(run: TankRun) -> list[str]:
@@ -40,13 +41,14 @@ def warnings(run: TankRun) -> list[str]:
             f"the largest stress {'may be' if layered else 'is'} where a plate meets the wall, in a corner without a"
             " fillet: it grows with a finer mesh, and the reserve falls; compare with mesh.refinement = 2"
         )
+    compressed = percent_text(float(run.compression), ".3g")
     if float(run.compression) > 1.0:
         lines.append(
-            f"the cushion is pressed together by {100.0 * float(run.compression):.3g} % of its thickness: the slider is"
-            " inside the wall, and no number is sure; take a stiffer or thicker cushion"
+            f"the cushion is pressed together by {compressed} of its thickness: the slider is inside the wall, and no"
+            " number is sure; take a stiffer or thicker cushion"
         )
     elif float(run.compression) > SOLID:
-        lines.append(f"the cushion is solid: {100.0 * float(run.compression):.3g} % of its thickness are used up")
+        lines.append(f"the cushion is solid: {compressed} of its thickness are used up")
     if design.contents.kind != "none" and float(run.lowest_pressure) < -ATMOSPHERE:
         lines.append(
             f"the liquid would be torn: its pressure falls to {1e-3 * float(run.lowest_pressure):.4g} kPa over the"
