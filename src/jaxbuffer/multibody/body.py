@@ -18,5 +18,5 @@ class Body(eqx.Module):
 
     @property
     def centre_of_mass(self) -> tuple[Scalar, Scalar] | Marker:
-        """Where its weight acts."""
+        """Return where its weight acts."""
         return (0.0, 0.0)

@@ -23,7 +23,9 @@ def assemble(
     """
     if not system.joints:
         return q, v
+    # Without a force, `solve` gives the x with the least xᵀ M x among those with the Φ_q x wanted.
     none = jnp.zeros_like(q)
+    # A fixed number of steps, through which derivatives pass in both modes.
     for _ in range(iterations):
         kin = system.kinematics(q, v)
         q = q + system.solve(kin, none, -system.errors(kin))
