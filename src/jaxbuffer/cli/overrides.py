@@ -117,8 +117,8 @@ class Command(Plain):
 
 
 def fields_like(option: str) -> list[str]:
-    """The dotted options that one without a section may mean: of the fields whose last part it is or is in, or of the
-    field nearest to it; a capture's first."""
+    """Return the dotted options that one without a section may mean: of the fields whose last part it is or is in, or
+    of the field nearest to it; a capture's first."""
     # here, because both import JAX, for which neither help nor other refusals of options wait
     from ..fields import addresses
     from ..mechanisms import all_mechanisms
@@ -145,8 +145,8 @@ def check_words(words: Sequence[str], repeatable: Collection[str]) -> None:
 
 
 def split(arguments: Sequence[str], unfinished: bool = False) -> tuple[list[str], dict[str, str]]:
-    """Ordinary arguments, and the dotted options with their values; ``unfinished``: whether a shell completes them, so
-    that nothing is an error yet."""
+    """Split ordinary arguments from the dotted options with their values; ``unfinished``: whether a shell completes
+    them, so that nothing is an error yet."""
     rest, overrides = list[str](), dict[str, str]()
     words = iter(arguments)
     for word in words:

@@ -30,14 +30,14 @@ class Heedless:
         return getattr(self.stream, name)
 
     def write(self, text: str) -> int:
-        """As the stream's, or nothing."""
+        """Write to the stream, or do nothing where that fails."""
         try:
             return self.stream.write(text)
         except OSError:
             return len(text)
 
     def flush(self) -> None:
-        """As the stream's, or nothing."""
+        """Flush the stream, or do nothing where that fails."""
         try:
             self.stream.flush()
         except OSError:

@@ -90,8 +90,8 @@ def sobol_indices(
     resamples: int = 999,
     seed: int = 0,
 ) -> Indices:
-    """Which share of a quantity's variance each sampled number makes: alone (first-order), and with all that it does
-    together with others (total).
+    """Find which share of a quantity's variance each sampled number makes: alone (first-order), and with all that it
+    does together with others (total).
 
     From a sample of the method "saltelli" they are read off its runs; a row of which any run failed, or ended
     otherwise than it should, is left out and counted. From any other sample they are those of its response surface.
@@ -141,7 +141,7 @@ def estimated(
     seed: int = 0,
     name: str = "",
 ) -> Estimate:
-    """Indices from a quantity's values at `points` of the method "saltelli", NaN where there is none.
+    """Estimate indices from a quantity's values at `points` of the method "saltelli", NaN where there is none.
 
     **Arguments:** ``values``: d + 2 blocks; ``name``: the quantity, for a message.
 
@@ -177,7 +177,7 @@ def estimated(
 
 
 def estimators(blocks: Float[np.ndarray, "d_and_2 rows"]) -> Float[np.ndarray, "2 d"]:
-    """First-order and total indices: with f_A, f_B and f_ABi the blocks and V the variance of the first two,
+    """Return the first-order and total indices: with f_A, f_B and f_ABi the blocks and V the variance of the first two,
     S_i = mean(f_B (f_ABi - f_A)) / V and T_i = mean((f_A - f_ABi)²) / 2 V."""
     a, b, mixed = blocks[0], blocks[1], blocks[2:]
     variance = np.var(blocks[:2])

@@ -38,30 +38,30 @@ class Points:
         return len(self.shares)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Each path's value in every run, shape (n,)."""
+        """Return each path's value in every run, shape (n,)."""
         return {axis.path: axis.at(self.shares[:, k]) for k, axis in enumerate(self.axes)}
 
     def point(self, index: int) -> str:
-        """One run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
+        """Say one run's values in words: "k_A 640 N/m, misalignment 0.02 rad"."""
         values = (axis.at(self.shares[index, k]) for k, axis in enumerate(self.axes))
         return ", ".join(
             f"{a.name} {in_words(float(v), a.unit, a.typed)}" for a, v in zip(self.axes, values, strict=True)
         )
 
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
-        """All runs, with an array (n,) for each field that is sampled."""
+        """Return all runs, with an array (n,) for each field that is sampled."""
         spread = with_values(design, scenario, self.columns())
         check_pair(mechanism_of(design), *spread)
         return [Batch(np.arange(len(self)), *spread)]
 
     def applied(self, design: Part, scenario: Part) -> tuple[Part, Part]:
-        """Design and scenario with an array (n,) for each field that is sampled, the others as they are."""
+        """Return the design and scenario with an array (n,) for each field that is sampled, the others as they are."""
         ((_, design, scenario),) = self.batches(design, scenario)
         return design, scenario
 
 
 def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: int = 0) -> Points:
-    """Points spread over ranges.
+    """Spread points over ranges.
 
     - "sobol": a scrambled Sobol' sequence, ``count`` a power of two [scipy.stats.qmc.Sobol].
     - "latin_hypercube": each of ``count`` equal slices of each range has one point [scipy.stats.qmc.LatinHypercube].

@@ -36,7 +36,7 @@ def fitted(kind: str, places: np.ndarray, values: np.ndarray) -> Pipeline | Gaus
 
 
 def _process(ranges: int, kernel: Kernel | None = None) -> GaussianProcessRegressor:
-    """A Gaussian process; with a ``kernel`` its lengths are not looked for."""
+    """Make a Gaussian process; with a ``kernel`` its lengths are not looked for."""
     if kernel is not None:
         return GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True)
     lengths = Matern(np.ones(ranges), (0.05, 100.0), nu=2.5)

@@ -75,16 +75,16 @@ class Surface:
 
     @property
     def error(self) -> Error:
-        """Of the kind that was chosen."""
+        """Return the cross-validated error of the kind that was chosen."""
         return self.errors[self.kind]
 
     @property
     def trusted(self) -> bool:
-        """Whether it explains more than 90 % of the variance of runs it has not seen."""
+        """Return whether it explains more than 90 % of the variance of runs it has not seen."""
         return self.error.explained > ENOUGH
 
     def predict(self, values: Mapping[str, Any]) -> Float[np.ndarray, " n"]:
-        """The quantity [``unit``] at some values.
+        """Predict the quantity [``unit``] at some values.
 
         **Arguments:** ``values``: a number or an array (n,) for each path that was sampled, in its unit.
 
@@ -123,7 +123,7 @@ class Surface:
 
     @property
     def worth(self) -> str:
-        """What the surface misses, and whether it is to be trusted, in words."""
+        """Say what the surface misses, and whether it is to be trusted."""
         words = f"the surface misses {100 * self.error.relative:.3g} % of a value it has not seen (cross-validated)"
         return words if self.trusted else f"{words} and is not to be trusted"
 
@@ -211,7 +211,7 @@ def response_surface(
 
 
 def _left_out(sample: Sample, good: np.ndarray) -> dict[str, int]:
-    """Why runs are not in the fit, and how many each time."""
+    """Count the runs that are not in the fit by the reason."""
     outcomes = sample.outcomes
     reasons = Counter(
         outcomes[k].reason if not (sample.succeeded[k]) else "the quantity is not a number"

@@ -72,7 +72,7 @@ class Options(Part):
     solver: str = choice("automatic", *SOLVER_NAMES, doc="how runs are stepped")
 
     def stepper(self) -> Solver:
-        """The solver that ``solver`` names."""
+        """Return the solver that ``solver`` names."""
         return solver_named(self.solver)
 
 
@@ -115,12 +115,12 @@ class Config:
 
     @property
     def mechanism(self) -> Mechanism:
-        """Whose design it is."""
+        """Return the mechanism whose design it is."""
         return mechanism_of(self.design)
 
     @property
     def varied(self) -> set[str]:
-        """The paths that the study's tuning, sweep or sample gives values."""
+        """Return the paths that the study's tuning, sweep or sample gives values."""
         ranges = self.sample.get("ranges", {})
         return {*self.table.get("variables", {}), *self.sweep, *(ranges if isinstance(ranges, Mapping) else ())}
 
@@ -133,7 +133,7 @@ class Config:
         return dataclasses.replace(self, options=dataclasses.replace(self.options, duration=duration))
 
     def problem(self) -> Problem:
-        """The design problem; its start must lie within the bounds."""
+        """Read the design problem, whose start must lie within the bounds."""
         options = self.options
         with errors_in_typed_units(self.units):
             return read_problem(
@@ -179,7 +179,7 @@ def loads(content: bytes, name: str | Path) -> Config:
 
 
 def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
-    """A copy with fields replaced, as typed on a command line: ``{"buffer.k_A": "800"}``.
+    """Return a copy with fields replaced, as typed on a command line: ``{"buffer.k_A": "800"}``.
 
     A scenario's field holds for every scenario of the study; scenarios that thereby become equal count once.
     """
@@ -204,7 +204,8 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
 
 
 def apply_options(settings: T, typed: Mapping[str, str]) -> T:
-    """`Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol 1e-8."""
+    """Return `Options` or `Settings` with fields replaced as typed on a command line: ``{"rtol": "1e-8"}`` of --rtol
+    1e-8."""
     values = {name: _typed(settings, name, text) for name, text in typed.items()}
     for name, value in values.items():
         if (least := metadata(settings, name).get("least")) is not None:
@@ -219,7 +220,7 @@ def design_toml(
     units: Mapping[str, str] = MappingProxyType({}),
     heading: str = "[[scenarios]]",
 ) -> str:
-    """A study that `load` reads back to exactly the same numbers.
+    """Write a study that `load` reads back to exactly the same numbers.
 
     **Arguments:** ``units``: those that numbers were typed with, by address, in which they are written; others have
     theirs as a comment; ``heading``: of the table of each scenario.
@@ -236,7 +237,7 @@ def design_toml(
 
 
 def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:
-    """A line for each field; ``prefix`` makes its address of its name."""
+    """Yield a line for each field; ``prefix`` makes its address of its name."""
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
@@ -302,7 +303,7 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
 
 
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """The unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
+    """Return the unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
     sampled. ``path``: of ``value`` in the file."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
@@ -317,13 +318,13 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:
-    """The parts of its designs."""
+    """Return the parts of its designs."""
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
 
 def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Path = Path()) -> T:
-    """`replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``:
-    where mesh files lie."""
+    """Do as `replace` with values from TOML or the command line. ``prefix``: of paths in messages; ``folder``: where
+    mesh files lie."""
     known = [prefix + path for path in (*paths(module), *point_paths(module))]
     checked = {}
     for path, value in values.items():
@@ -338,7 +339,7 @@ def _replaced(module: T, values: Mapping[str, Any], prefix: str = "", folder: Pa
 
 
 def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
-    """A float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
+    """Read a float from an integer, a float or a text with a unit, in range; everything else TOML knows is an error."""
     number = as_number(in_unit(path, value, unit, **limits))
     if type(number) is not float:
         number = str(value).lower() if isinstance(value, bool) else str(value)  # as TOML spells it
@@ -347,7 +348,7 @@ def _number(path: str, value: Any, unit: str, **limits: Any) -> float:
 
 
 def _typed(owner: eqx.Module, path: str, text: str) -> Any:
-    """What was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
+    """Read what was typed for a field: "2" is a whole number where it takes such, "[[1, 2], [3, 4]]" the points of a
     curve."""
     value = text == "true" if text in ("true", "false") else literal(text)
     known = metadata(owner, path)

@@ -15,7 +15,7 @@ FAR = 100.0  # a factor to the default from which on it is told: a unit may be m
 
 
 def explained(study: Config, name: str) -> str:
-    """A study in some twenty lines.
+    """Explain a study in some twenty lines.
 
     **Arguments:** ``name``: of its file, as the commands take it.
 
@@ -50,7 +50,7 @@ def explained(study: Config, name: str) -> str:
 
 
 def _differences(study: Config) -> list[str]:
-    """Each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
+    """Say each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     mechanism, differences = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
@@ -69,7 +69,7 @@ def _differences(study: Config) -> list[str]:
 
 
 def _beside_default(part: Part, default: Part, path: str) -> str:
-    """The default, and by which factor a number is away from it, where that is large."""
+    """Say the default, and by which factor a number is away from it, where that is large."""
     value, usual = get(part, path), get(default, path)
     if isinstance(value, float) and isinstance(usual, float) and value and usual:
         ratio = abs(value / usual)
@@ -96,7 +96,8 @@ def _variables(problem: Problem) -> list[str]:
 
 
 def _variables_with_start(study: Config) -> tuple[Mapping[str, Any], list[str]]:
-    """Of a study without bounds of its own: the default ones that hold the start, and a line for each other."""
+    """Return, for a study without bounds of its own, the default ones that hold the start, and a line for each
+    other."""
     if "variables" in study.table:
         return {}, []
     design, usual = study.design, study.mechanism.variables(study.design)
@@ -126,7 +127,7 @@ def _limits(problem: Problem) -> list[str]:
 
 
 def _commands(study: Config, name: str, problem: Problem | None, swept: Grid, missing: bool) -> list[str]:
-    """What each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
+    """Say what each command would do. ``missing``: whether a tuning needs bounds that the study has not."""
     mechanism = study.mechanism
     run = mechanism.view.run_name
     counts = f"{' × '.join(map(str, swept.shape))} = {len(swept)}" if len(swept.shape) > 1 else str(len(swept))
@@ -151,7 +152,7 @@ def _shown(part: Part, path: str, prefix: str = "") -> str:
 
 
 def _value(part: Part, path: str) -> str:
-    """A field's value with its unit."""
+    """Say a field's value with its unit."""
     value = get(part, path)
     if value is None:
         return "not set"

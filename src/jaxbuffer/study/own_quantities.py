@@ -29,7 +29,8 @@ class Named(NamedTuple):
 
 
 def named_quantities(table: Mapping[str, Any], mechanism: Mechanism) -> dict[str, Named]:
-    """Those of a ``[problem]``, whose files are not looked at. **Raises:** `InputError` for what names none."""
+    """Return the own quantities of a ``[problem]``, without looking at their files. **Raises:** `InputError` for what
+    names none."""
     given = table.get("quantities", {})
     if not isinstance(given, dict):
         raise InputError(f"problem.quantities = {shown(given)} is not a table; write effort = {EXAMPLE} below it")
@@ -57,7 +58,7 @@ def _named(name: str, entry: Any, mechanism: Mechanism) -> Named:
 
 
 def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path) -> dict[str, Derived]:
-    """The own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
+    """Load the own quantities of a ``[problem]``; their files, beside the study in ``folder``, are run.
 
     **Raises:** `InputError` for files that are missing or raise something, and functions that make no quantity.
     """
@@ -79,7 +80,7 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
 
 
 def _run(path: Path, shown_as: str) -> dict[str, Any]:
-    """What a Python file defines; nothing is written beside it."""
+    """Run a Python file and return what it defines; nothing is written beside it."""
     try:
         source = path.read_bytes()
     except FileNotFoundError:
@@ -99,7 +100,7 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
 
 
 def _function(defined: Mapping[str, Any], named: Named) -> Callable[..., Any]:
-    """The function of that name."""
+    """Return the function of that name."""
     if named.function in defined:
         function: Callable[..., Any] = defined[named.function]
         return function

@@ -60,7 +60,7 @@ def _variables(problem: Problem) -> list[str]:
 
 
 def _list(values: Iterable[Any]) -> str:
-    """A list on one line."""
+    """Write a list on one line."""
     return "[" + ", ".join(f'"{value}"' if isinstance(value, str) else repr(float(value)) for value in values) + "]"
 
 
@@ -72,8 +72,8 @@ def _objective(problem: Problem) -> list[str]:
 
 
 def _weights(problem: Problem, objective: Objective) -> list[str]:
-    """Weights and options; all of them as comments where one is on a quantity of the user's own: what is left would be
-    another objective."""
+    """Write weights and options; all of them as comments where one is on a quantity of the user's own: what is left
+    would be another objective."""
     lines = [f"{name} = {float(weight)!r}" for name, weight in objective.weights.items()]
     lines.append(f'over = "{objective.over}"')
     if objective.over == "cvar":

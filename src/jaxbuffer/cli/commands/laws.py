@@ -25,7 +25,7 @@ def laws(request: CommandLine, mass: str | None, speed: str | None) -> int:
 
 
 def _number(option: str, text: str | None, unit: str) -> float | None:
-    """What was typed as a number above 0."""
+    """Read what was typed as a number above 0."""
     if text is None:
         return None
     try:

@@ -82,7 +82,7 @@ def _whole(name: str, text: str) -> int:
 
 
 def _computed(study: Config, points: Points, folder: Any, **options: Any) -> tuple[Sample | None, bool]:
-    """The sample, as far as it came, and whether it was interrupted; ``options`` as of `sample`."""
+    """Compute the sample; return it as far as it came, and whether it was interrupted. ``options``: as of `sample`."""
     options |= {"solver": study.options.stepper(), "rtol": study.options.rtol, "folder": folder}
     task = (points, study.design, study.scenario, study.options.duration)
     try:

@@ -65,7 +65,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
 
 
 def _limits(study: Config, over: Grid) -> Limits | None:
-    """The limits of a sweep's envelope: the study's; None where there is no envelope."""
+    """Return the study's limits for a sweep's envelope; None where there is no envelope."""
     mechanism = study.mechanism
     of_study = limits(study.table, mechanism) if "constraints" in study.table else Limits()
     varied = {axis.path for axis in over.axes}
@@ -89,7 +89,7 @@ def check_scheduler(scheduler: str, request: CommandLine) -> None:
 
 
 def _computed(study: Config, spans: Mapping[str, Any], count: int, **options: Any) -> tuple[Sweep | StoredSweep, bool]:
-    """A sweep, in memory or stored by workers, and whether it was interrupted."""
+    """Compute a sweep, in memory or stored by workers, and return it and whether it was interrupted."""
     usual = study.options
     settings = {"over": spans, "solver": usual.stepper(), "rtol": usual.rtol, "save": False, **options}
     swept = study.design, study.scenario, usual.duration
@@ -112,7 +112,7 @@ def resumable(stop: SweepInterrupted | StoredInterrupted, folder: Any) -> Any:
 
 
 def any_solved(runs: RunTable) -> int:
-    """The exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
+    """Return the exit code of many runs: `FAILED`, with a line that says so, where not one of them was solved."""
     if runs.solved.any():
         return OK
     return fail(f"none of the {int(runs.done.sum())} {runs.mechanism.view.run_name}s was solved; the outcomes say why")

@@ -119,8 +119,8 @@ def _success(name: str) -> Callable[[Rows], Verdict]:
 
 
 def _times(row: str, rising: bool) -> Callable[[Rows], Verdict]:
-    """Both readings of the paper's "contact duration": time in contact, and time from first contact to capture; of the
-    captures that succeed."""
+    """Return both readings of the paper's "contact duration": time in contact, and time from first contact to capture;
+    of the captures that succeed."""
 
     def judge(rows: Rows) -> Verdict:
         sign = 1.0 if rising else -1.0

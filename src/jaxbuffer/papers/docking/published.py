@@ -10,7 +10,7 @@ SUFFIX = "_published"
 
 
 def as_published(part: Part) -> Part:
-    """The same studies and claims with the paper's equations."""
+    """Return the same studies and claims with the paper's equations."""
     return part._replace(studies=tuple(map(_study, part.studies)), claims=tuple(map(_claim, part.claims)))
 
 

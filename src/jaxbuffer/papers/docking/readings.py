@@ -49,7 +49,7 @@ class Reading(NamedTuple):
 
     @property
     def changes(self) -> Mapping[str, Any]:
-        """Of Table 2's design; the tip is a solid ball of its radius."""
+        """Return the reading's changes of Table 2's design; the tip is a solid ball of its radius."""
         return {
             **(EQUATIONS if self.published else {}),
             **({"probe.bending_stiffness": BENDING} if self.bends else {}),
@@ -62,7 +62,8 @@ class Reading(NamedTuple):
 
 
 def readings() -> Iterator[Reading]:
-    """All combinations of equations, radius, mass and restitution; with one restitution slip speeds and bending."""
+    """Return all combinations of equations, radius, mass and restitution; with one restitution slip speeds and
+    bending."""
     yield from itertools.starmap(Reading, itertools.product((False, True), RADII, RODS, RESTITUTIONS))
     for radius, rod in itertools.product(RADII, RODS):
         yield Reading(False, radius, rod, bends=True)
@@ -88,7 +89,7 @@ STUDY = Study(
 
 
 def table(studied: Studied) -> list[Row]:
-    """One row a reading: what a free tip changes, what is left of the stroke, what 0.05 m/s ends as."""
+    """Return one row a reading: what a free tip changes, what is left of the stroke, what 0.05 m/s ends as."""
     return [
         {"reading": str(reading), **_compared(studied.rows[4 * k : 4 * k + 4])} for k, reading in enumerate(READINGS)
     ]
@@ -152,7 +153,7 @@ CLAIMS = (
 
 
 def figure(studied: Studied) -> Figure:
-    """What the probe's mass changes, for both radii, with our equations and e = 0.9."""
+    """Draw what the probe's mass changes, for both radii, with our equations and e = 0.9."""
     compared = dict(zip(READINGS, table(studied), strict=True))
     with drawing():
         drawn, grid = panels(9.0, 6.5, 2, 2)

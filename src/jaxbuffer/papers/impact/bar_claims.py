@@ -46,7 +46,7 @@ def _viscous(rows: Rows) -> Verdict:
 
 
 def _force_of(printed: tuple[float, ...], case: int) -> Callable[[Rows], Verdict]:
-    """Whether any of our models gives the printed forces [N], and what steps of the paper's length would see."""
+    """Judge whether any of our models gives the printed forces [N], and what steps of the paper's length would see."""
 
     def judge(rows: Rows) -> Verdict:
         names = {"drop": "rigid", "speed": "rigid at 1.325 m/s", "plate": "bending plate", "bodies": "both bend"}
@@ -110,7 +110,7 @@ def _rough(rows: Rows) -> Verdict:
 
 
 def _heights(rows: Rows) -> tuple[list[float], str]:
-    """Of the bar's end after the first impact [mm], from no friction to the largest, if both bend; in words."""
+    """Say the heights of the bar's end after the first impact [mm], from no friction to the largest, if both bend."""
     pairs = [[1e3 * number(row, "height_after") for row in rows[name]] for name in ("friction", "friction_rigid")]
     shown = ["{:.3g}, {:.3g}, {:.3g}, {:.3g} mm".format(*heights) for heights in pairs]
     return pairs[0], f"for μ = 0, 0.3, 1, 10 {shown[0]} if both bend, {shown[1]} if rigid and lossless"

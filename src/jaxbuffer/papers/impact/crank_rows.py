@@ -40,7 +40,7 @@ SHOWN = tuple(name for name in COLUMNS if name not in ("outcome", "touching_shar
 
 
 def row(case: Case, run: Run) -> Row:
-    """The numbers of one run with a history. The least and the largest torque are those after the first 10 ms;
+    """Return the numbers of one run with a history. The least and the largest torque are those after the first 10 ms;
     ``start_takes``: until the torque is a tenth of that at the start."""
     history = run.history
     assert history is not None
@@ -74,13 +74,13 @@ def row(case: Case, run: Run) -> Row:
 
 
 def frequencies(rod: Rod) -> Row:
-    """Lowest and highest natural frequency of the free rod's modes [Hz], 0 for a rigid one."""
+    """Return the lowest and highest natural frequency of the free rod's modes [Hz], 0 for a rigid one."""
     modes = free_bar(rod.bar, rod.modes - 2).modes.frequencies() if rod.modes else (0.0,)
     return {"lowest_mode": float(modes[0]), "highest_mode": float(modes[-1])}
 
 
 def torque_of(run: Run) -> Float[np.ndarray, " steps"]:
-    """M_0 (1 - ω/ω_0) at every step [N m]."""
+    """Return M_0 (1 - ω/ω_0) at every step [N m]."""
     drive, history = run.design.drive, run.history
     assert history is not None
     speed = np.asarray(history.velocity)[:, 0, 2]
@@ -88,7 +88,8 @@ def torque_of(run: Run) -> Float[np.ndarray, " steps"]:
 
 
 def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray, " steps"]]:
-    """Size of the contact force along the slider's line and across it [N]: two sides each, of which one touches."""
+    """Return the size of the contact force along the slider's line and across it [N]: two sides each, of which one
+    touches."""
     history = run.history
     assert history is not None
     right, left, above, below = np.asarray(history.contact_force).T
@@ -96,8 +97,8 @@ def components(run: Run) -> tuple[Float[np.ndarray, " steps"], Float[np.ndarray,
 
 
 def end_off(run: Run) -> Float[np.ndarray, " steps"]:
-    """How far the end of a rod that bends, at the piston pin, is across its mean rotation [m], which modes of a free
-    bar have as their axis."""
+    """Return how far the end of a rod that bends, at the piston pin, is across its mean rotation [m], which modes of a
+    free bar have as their axis."""
     history = run.history
     assert history is not None
     place, angle = np.asarray(history.position), np.asarray(history.position)[:, 1, 2]
@@ -107,7 +108,7 @@ def end_off(run: Run) -> Float[np.ndarray, " steps"]:
 
 
 def turn_times(time: Float[np.ndarray, " steps"], angle: Float[np.ndarray, " steps"]) -> tuple[float, float]:
-    """When the crank has turned once and twice [s], NaN where it has not. ``angle``: from its start [rad]."""
+    """Return when the crank has turned once and twice [s], NaN where it has not. ``angle``: from its start [rad]."""
     times = []
     for turns in (1, 2):
         past = np.flatnonzero(angle >= 2.0 * math.pi * turns)
