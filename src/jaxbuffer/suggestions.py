@@ -90,6 +90,7 @@ def suggest(name: Any, known: Iterable[str], meaning: Meaning | None = None) -> 
     with_word = [
         option for option in beside if last in _first_words(option.rpartition(".")[2], meaning and meaning(option))
     ]
+    # Too many to be a suggestion: only those that are nearest are named.
     if len(with_word) > FEW:  # the names that have the word stand before those that only mean it
         words = {option: option.rpartition(".")[2].split("_") for option in with_word}
         with_word = sorted((it for it in with_word if last in words[it]), key=lambda it: len(words[it]))[:FEW]
@@ -112,6 +113,7 @@ def nearest(name: Any, known: Iterable[str]) -> str | None:
 
     def alike(option: str) -> tuple[float, float]:
         words, others = (text.lower().split(".")[::-1] for text in (str(name), option))
+        # From the last word backwards: a section may be left out, a name may not.
         least = min(_alike(word, other) for word, other in zip(words, others, strict=False))
         return least, _alike(str(name).lower(), option.lower())
 

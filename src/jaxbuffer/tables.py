@@ -24,6 +24,7 @@ def table(title: str, left: tuple[str, ...] = (), right: tuple[str, ...] = ()) -
 
 def text(*parts: str | Table) -> str:
     """Print lines and tables one below the other into text."""
+    # Not the terminal's own width and colours: the same text must come out everywhere, in files too.
     console = Console(file=io.StringIO(), width=WIDTH, color_system=None, force_terminal=False, legacy_windows=False)
     with console.capture() as captured:
         for part in parts:

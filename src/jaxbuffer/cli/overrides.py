@@ -128,6 +128,7 @@ def fields_like(option: str) -> list[str]:
     exact = ([path for path in known if path.rpartition(".")[2] == name] for known in every)
     partly = ([path for path in known if name in path.rpartition(".")[2]] for known in every if len(name) > 2)
     near = ([path] for known in every if (path := nearest(name, known)))
+    # The closest kind of likeness counts, within it the first mechanism: a capture's.
     matches = next((paths for group in (exact, partly, near) for paths in group if paths), [])
     return [f"--{path}" for path in matches]
 
@@ -151,6 +152,7 @@ def split(arguments: Sequence[str], unfinished: bool = False) -> tuple[list[str]
     words = iter(arguments)
     for word in words:
         name, equals, value = word.partition("=")
+        # After this word there are no more options, by convention.
         if word == "--":
             rest += [word, *words]
         elif name.startswith("--") and "." in name:

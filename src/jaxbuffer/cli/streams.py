@@ -46,6 +46,7 @@ class Heedless:
 
 def prepare() -> None:
     """Let both streams print what their encoding can, and stderr fail in silence; warnings become one line each."""
+    # A terminal without these characters gets a spelling of them instead of an error.
     codecs.register_error("jaxbuffer.plain", _plain)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever started this process

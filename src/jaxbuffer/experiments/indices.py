@@ -154,6 +154,7 @@ def estimated(
         raise InputError(f"indices of {name}: {rows} rows of the sample have all their runs; at least {LEAST} must")
     size = float(np.max(np.abs(blocks)))
     blocks = blocks - np.mean(blocks[:2])  # a multiplier of the variance less [Sobol' and Levitan 1999]
+    # Written so that NaN is refused too.
     if not np.std(blocks[:2]) > ROUNDING * size:
         raise InputError(
             f"indices of {name}: it is the same in all runs but for rounding, so that it has no variance to share out"
@@ -163,6 +164,7 @@ def estimated(
         return estimators(blocks[:, chosen])
 
     first, total = of_rows(np.arange(rows))
+    # Rows are drawn by their number, as the runs of a row belong together.
     drawn = scipy.stats.bootstrap(
         (np.arange(rows),),
         of_rows,

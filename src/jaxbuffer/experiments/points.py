@@ -79,6 +79,7 @@ def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: in
         raise InputError(f"sample.count = {count} makes {total} runs; at most {MOST} are allowed")
     if method == "latin_hypercube":
         return Points(tuple(axes), qmc.LatinHypercube(d, rng=seed).random(count), method, count, seed)
+    # A Sobol' sequence is balanced at powers of two only.
     if count & (count - 1):
         near = 1 << (count - 1).bit_length()
         raise InputError(
@@ -87,6 +88,7 @@ def points(axes: Sequence[Range], count: int, method: str = METHODS[0], seed: in
         )
     if method == "sobol":
         return Points(tuple(axes), qmc.Sobol(d, rng=seed).random(count), method, count, seed)
+    # One sequence in twice the dimensions: its halves are independent, as two sequences would not be.
     both = qmc.Sobol(2 * d, rng=seed).random(count)
     first, second = both[:, :d], both[:, d:]
     mixed = [np.where(np.arange(d) == k, second, first) for k in range(d)]

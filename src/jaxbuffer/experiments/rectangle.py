@@ -135,6 +135,7 @@ class SafeRectangle:
 
 def _range_words(axis: Axis, part: tuple[float, float]) -> str:
     """Say a range in its unit, angles in degrees besides: "-0.05 … 0.05 rad (-2.86° … +2.86°)"."""
+    # Adding zero makes 0 of -0.
     (low, symbol), (high, _) = (as_typed(value + 0.0, axis.unit, axis.typed) for value in part)
     words = f"{low:.4g} … {high:.4g} {symbol}".rstrip(" -")
     return f"{words} ({np.degrees(low):+.3g}° … {np.degrees(high):+.3g}°)" if symbol == "rad" else words
@@ -180,6 +181,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     _check_limits(swept, limits)
     share, reasons = np.zeros((len(first), len(second))), face(_ends(swept, limits))
     for limit, values in _limited(swept, limits):
+        # Not `maximum`: a limit on what a run does not have must not hide the others.
         share = np.fmax(share, face(limit.share(values)))
         name, kept = limit.name.replace("_", " "), face(limit.keeps(values))
         reasons[face(np.isnan(values)) & (reasons == "")] = f"{name} not known"
@@ -243,6 +245,7 @@ def largest_rectangle(mask: Bool[np.ndarray, "m n"]) -> tuple[slice, slice]:
     for row, entries in enumerate(mask):
         heights = np.where(entries, heights + 1, 0)
         rising: list[tuple[int, int]] = []  # where each bar could begin, and its height
+        # A last bar of no height closes all that are still rising.
         for column, height in enumerate([*heights.tolist(), 0]):
             begin = column
             while rising and rising[-1][1] >= height:

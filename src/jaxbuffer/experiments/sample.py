@@ -77,6 +77,7 @@ class Sample(RunTable):
         tolerance leaves open, relative as `Trust.errors` are. ``what``: is made of it."""
         known = self.succeeded & np.isfinite(self.quantity(name))
         values, swept = self.quantity(name)[known], self.mechanism.swept
+        # Of all quantities, because what is negligible depends on the largest one of the unit.
         sizes = {it: np.max(np.abs(np.nan_to_num(self.columns[it][known])), initial=0.0) for it in swept}
         if values.size and np.std(values) <= ROUNDING * scales(self.mechanism, sizes)[name]:
             value = self.mechanism.quantities[name].in_words(np.mean(values))

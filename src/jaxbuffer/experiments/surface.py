@@ -187,10 +187,12 @@ def response_surface(
         left = f"{known.size} {mechanism.view.run_name}s are left to fit, and a surface of {count} numbers needs"
         raise InputError(f"response surface of {quantity}: {left} {needed}; take a larger sample")
     sample.check_varies(quantity, "response surface")
+    # A product of powers, as an impact's force is, is linear in logarithms; and the surface is never negative.
     logarithmic = bool(np.all(known > 0.0))
     smooth = np.log(known) if logarithmic else known
     back = np.exp if logarithmic else np.asarray
     tried = KINDS[1:] if kind == "automatic" else (kind,)
+    # Errors are those of the quantity itself, whether or not its logarithm is fitted.
     predictions = {name: back(cross_validated(name, places, smooth, folds, seed)) for name in tried}
     errors = {name: _error(known, predicted) for name, predicted in predictions.items()}
     chosen = min(errors, key=lambda name: errors[name].rms)
@@ -226,6 +228,7 @@ def _error(known: np.ndarray, predicted: np.ndarray) -> Error:
     miss = predicted - known
     square = float(np.mean(miss**2))
     variance = float(np.var(known))
+    # A value of zero has no relative error.
     nonzero = known != 0.0
     relative = float(np.sqrt(np.mean((miss[nonzero] / known[nonzero]) ** 2))) if nonzero.any() else float("nan")
     explained = 1.0 - square / variance if variance > 0.0 else float("nan")

@@ -164,6 +164,7 @@ class stored(Generic[R]):  # a decorator
             if stored is None:
                 return None
             seconds = stored.description["seconds"]
+            # What JAX's cache has compiled is only loaded, which takes too little time to be announced.
             quick = store.compiled_from(file, _of_jax()) or seconds < QUICK
             said = contextlib.nullcontext() if quick else _announced(seconds)
             with said, store.being_loaded(file):
@@ -210,6 +211,7 @@ class stored(Generic[R]):  # a decorator
             leaves, carried = separate(*arrays)
             arguments = [*jax.tree.unflatten(tree, leaves), *(jax.tree.unflatten(it, carried) for it in between)]
             outputs, output_structure = jax.tree.flatten(self.last(*arguments))
+            # A function that returns an argument unchanged returns the same object.
             place = {id(leaf): k for k, leaf in enumerate(leaves)}
             sources = tuple(place.get(id(leaf)) for leaf in outputs)
             result[:] = [output_structure, sources]
@@ -299,6 +301,7 @@ def _loaded(stored: store.Stored, given: list[Any], file: Path) -> _Program:
     with ThreadPoolExecutor(len(exported)) as beside:
         begun = [beside.submit(_lowered(part, file, k).compile) for k, part in enumerate(exported)]
         parts = [it.result() for it in begun]
+    # Run once here, where a program that this machine cannot run may still be compiled anew.
     jax.block_until_ready(_run(parts, given))
     description = stored.description
     output_structure = structure.read(description["structure"])
@@ -311,6 +314,7 @@ def _lowered(part: export.Exported, file: Path, k: int) -> Lowered:
     def call(*arrays: Any) -> Any:
         return part.call(*arrays)
 
+    # JAX names what it keeps after the function, by which `store.compiled_from` finds it.
     call.__name__ = store.part_name(file, k)
     return jax.jit(call).lower(*(jax.ShapeDtypeStruct(it.shape, it.dtype) for it in part.in_avals))
 

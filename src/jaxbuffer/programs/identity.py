@@ -175,6 +175,7 @@ def _described(thing: Any, visited: Visited) -> Hashable:  # noqa: PLR0911, PLR0
         return (kind.__name__, *(_described(part, visited) for part in thing))
     if id(thing) in visited:  # code refers to its own class, and classes to each other
         return ("again", visited[id(thing)][0])
+    # Kept with the thing itself, since the id of one that is gone may become another's.
     visited[id(thing)] = (len(visited), thing)
     if known(thing):
         return ("known", *_address(thing)) if visited.for_all else Same(thing)
@@ -212,6 +213,7 @@ def _object(thing: Any, visited: Visited) -> Hashable:
     elif isinstance(thing, types.ModuleType):
         return ("module", thing.__name__)
     elif not known(kind) and not _installed(kind) and hasattr(thing, "__dict__"):
+        # Whether a cached property was asked for yet says nothing of the thing.
         cached = {name for name, value in vars(kind).items() if isinstance(value, functools.cached_property)}
         parts = {name: value for name, value in vars(thing).items() if name not in cached}
     elif hasattr(thing, "__wrapped__"):

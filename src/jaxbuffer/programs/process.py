@@ -74,6 +74,7 @@ def configure(*, cache: str | Path | bool | None = True) -> None:
     dtype('float64')
     """
     jax.config.update("jax_enable_x64", True)
+    # A folder that was given before, to jaxbuffer or to JAX, stays.
     if cache is True and folder() is None:
         if (usual := cache_folder()) is None:
             print(f"note: compiled programs are not stored: {NO_HOME}", file=sys.stderr)
@@ -157,6 +158,7 @@ def check_ready() -> None:
 def _check_switches() -> None:
     """Raise `InputError` for a switch in `UNSUITABLE`: it would end in JAX's own traceback."""
     for name, (values, why) in UNSUITABLE.items():
+        # Read each time, since a switch may be changed at any time.
         value = getattr(jax.config, name)
         value = getattr(value, "value", value)  # of an enumeration
         if value in values:

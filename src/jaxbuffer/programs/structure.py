@@ -135,6 +135,7 @@ def _plain(value: Any) -> Any:
     """Write static values for JSON; a tuple becomes an object, to tell it from a list."""
     if type(value) in _JSON:
         return value
+    # By type, not by `isinstance`: a subclass would not be read back as itself.
     if type(value) is tuple:
         return {"tuple": [_plain(part) for part in value]}
     if type(value) is list:

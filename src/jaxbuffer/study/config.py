@@ -103,6 +103,7 @@ class Config:
         check_pair(mechanism, self.design, self.scenario)
         if self.options.duration is None:
             filled = dataclasses.replace(self.options, duration=mechanism.duration(self.design))
+            # Frozen for everyone else: what was left out is filled in here, once.
             object.__setattr__(self, "options", filled)
             object.__setattr__(self, "usual_duration", True)
         for i, scenario in enumerate(self.scenarios, 1):
@@ -166,6 +167,7 @@ def loads(content: bytes, name: str | Path) -> Config:
     """Read a study from a file's content; ``name`` starts an error's line."""
     text = ""
     try:
+        # Some editors begin a file with a byte order mark, which TOML does not allow.
         text = content.decode("utf-8-sig")
         data = tomllib.loads(text)
     except ValueError as error:  # TOML syntax, with line and column, or bytes that are not UTF-8
@@ -183,6 +185,7 @@ def apply_overrides(config: Config, values: Mapping[str, str]) -> Config:
 
     A scenario's field holds for every scenario of the study; scenarios that thereby become equal count once.
     """
+    # First of all, so that a mistyped address is not blamed on its value.
     for path in values:
         check_address(config.design, config.scenario, path)
     meeting = {path.removeprefix(SCENARIO): text for path, text in values.items() if path.startswith(SCENARIO)}
@@ -237,7 +240,7 @@ def design_toml(
 
 
 def _lines(part: eqx.Module, prefix: str, units: Mapping[str, str]) -> list[str]:
-    """Yield a line for each field; ``prefix`` makes its address of its name."""
+    """Return a line for each field; ``prefix`` makes its address of its name."""
     lines = []
     for name in (field.name for field in dataclasses.fields(part)):
         value, symbol = getattr(part, name), unit(part, name)
@@ -303,7 +306,7 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
 
 
 def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Return the unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
+    """Yield the unit that was typed with each number, by the address of its field, wherever it is set, tuned, swept or
     sampled. ``path``: of ``value`` in the file."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
@@ -312,13 +315,14 @@ def _typed_units(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
         for inner in value:
             yield from _typed_units(inner, "scenario")
     elif symbol := typed_unit(value):
+        # From the number's place in the file to the address of the field that it is about.
         path = re.sub(r"\.(from|to|uniform|normal)$", "", path)
         path = re.sub(r"^(problem\.variables|sweep|sample\.ranges)\.", "", path)
         yield re.sub(r"^problem\.(grid|sample\.scenario)\.", "scenario.", path), symbol
 
 
 def sections(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the parts of its designs."""
+    """Return the names of the parts of a mechanism's designs."""
     return tuple(f.name for f in dataclasses.fields(mechanism.design) if isinstance(f.default, Part))
 
 

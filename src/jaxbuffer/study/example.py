@@ -52,7 +52,7 @@ def example_toml(mechanism: Mechanism) -> str:
 
 
 def _fields(part: Part, commented: bool, own: Mapping[str, Any] = MappingProxyType({})) -> Iterator[str]:
-    """Return a line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values
+    """Yield a line for each field; ``commented``: whether a field that has a value is a comment too; ``own``: values
     that the example has beside the defaults."""
     for name in (field.name for field in dataclasses.fields(part)):
         known, value = metadata(part, name), get(part, name)
@@ -81,7 +81,7 @@ def _allowed(known: Mapping[str, Any]) -> str:
 
 
 def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
-    """Return the sections of jaxbuffer tune."""
+    """Yield the sections of jaxbuffer tune."""
     catalogue, defaults = mechanism.quantities, mechanism.defaults
     starts_inside = {
         path: bounds
@@ -115,7 +115,7 @@ def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
 
 
 def _sampled(mechanism: Mechanism, field: str) -> Iterator[str]:
-    """Return the section of tolerances; ``field``: of the scenario."""
+    """Yield the section of tolerances; ``field``: of the scenario."""
     value = float(getattr(mechanism.scenario(), field))
     low, high = 0.9 * value, 1.1 * value
     yield "# [problem.sample]  # robust designs: what scatters; each sample at every point of a grid, if there is one"

@@ -50,7 +50,7 @@ def explained(study: Config, name: str) -> str:
 
 
 def _differences(study: Config) -> list[str]:
-    """Say each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
+    """Return a line for each field that is not at its default: "buffer.k_A 0.8 kN/m = 800 N/m (default 500 N/m)"."""
     mechanism, differences = study.mechanism, []
     usual = {"": mechanism.design(), "scenario.": mechanism.scenario()}
     for (prefix, default), part in zip(usual.items(), (study.design, study.scenario), strict=True):
@@ -73,6 +73,7 @@ def _beside_default(part: Part, default: Part, path: str) -> str:
     value, usual = get(part, path), get(default, path)
     if isinstance(value, float) and isinstance(usual, float) and value and usual:
         ratio = abs(value / usual)
+        # So far from the default a unit may be mistyped, which a factor shows.
         if max(ratio, 1.0 / ratio) > FAR:
             times = f"{ratio:.4g} times" if ratio > 1.0 else f"1/{1.0 / ratio:.4g} of"
             return f"{times} the default {_value(default, path)}"

@@ -74,6 +74,7 @@ def no_table(name: str, known: Iterable[str]) -> str:
     if (within := WITHIN.get(first.lower())) and within.partition(".")[0] in names:
         return f"; did you mean [{within}]?"
     part, meaning = SYNONYMS.get(first.lower(), ("", ""))
+    # A name that is merely misspelt is more likely than one from elsewhere.
     if part not in names or nearest(first, names):
         return suggest(first, names)
     return f"; did you mean [{part}] ({meaning})?"

@@ -67,6 +67,7 @@ def own_quantities(table: Mapping[str, Any], mechanism: Mechanism, folder: Path)
     for name, named in named_quantities(table, mechanism).items():
         where = f"problem.quantities.{name}"
         try:
+            # Each file is run once, though several quantities may name functions of it.
             if named.file not in modules:
                 modules[named.file] = _run(folder / user_path(named.file), named.file)
             function = _function(modules[named.file], named)
@@ -87,6 +88,7 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
+    # Not an import: a study's file need not lie on Python's path, and must not be found again by its name.
     module = types.ModuleType(f"study {path.stem}")
     module.__file__ = str(path)
     try:
@@ -94,6 +96,7 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
     except SyntaxError as error:
         raise InputError(f"{shown_as}, line {error.lineno}: {error.msg}") from None
     except (Exception, SystemExit) as error:
+        # A script may end itself, which must not end the command without a word.
         line = line_in(str(path), error)
         raise InputError(f"{shown_as}{'' if line is None else f', line {line},'} {raised(error)}") from None
     return vars(module)

@@ -62,9 +62,11 @@ def read_problem(
     try:
         parts = _parts(table, design, base, listed)
         _check_start(design, parts["variables"], "variables" in table, units)
+        # Last, since it runs files: whatever is wrong with the table itself is said before.
         own = own_quantities(table, mechanism, folder)
         return Problem(design, **parts, duration=duration, rtol=rtol, quantities=own, units=units)
     except InputError as error:
+        # A `Problem` names its own part first: here the place in the file is put in front.
         if not str(error).startswith(SECTIONS):
             raise
         at_most, symbols = limits(table, mechanism).at_most, _units(table, mechanism)
@@ -293,4 +295,5 @@ def _table(data: Mapping[str, Any], name: str, default: Mapping[str, Any]) -> Ma
 
 
 def _is_number(value: Any) -> bool:
+    # Python counts true and false among the whole numbers.
     return isinstance(value, (int, float)) and not isinstance(value, bool)

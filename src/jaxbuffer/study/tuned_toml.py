@@ -139,6 +139,7 @@ def _grid(scenarios: list[Part]) -> dict[str, list[Any]] | None:
     values = {name: list(dict.fromkeys(getattr(it, name) for it in scenarios)) for name in names}
     differing = {name: several for name, several in values.items() if len(several) > 1}
     every = {tuple(getattr(it, name) for name in differing) for it in scenarios}
+    # A grid says the same only if every combination is there, each once.
     whole = every == set(itertools.product(*differing.values())) and len(scenarios) == len(every)
     return differing if whole else None
 

@@ -31,6 +31,7 @@ def _number(option: str, text: str | None, unit: str) -> float | None:
     try:
         value: Any = float(text)
     except ValueError:
+        # The check below says what is wrong with it.
         value = text
     check_number(option, value, unit, low=0.0, low_open=True)
     return value

@@ -151,5 +151,6 @@ def _interruptible(work: Callable[[], T]) -> T:
     thread.start()
     threading.stack_size(before)
     while thread.is_alive():
+        # Not for good: Python delivers a signal only while the main thread runs.
         thread.join(0.2)
     return future.result()

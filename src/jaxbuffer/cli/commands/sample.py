@@ -38,6 +38,7 @@ def sample(
     study = request.study()
     if scheduler is not None:
         check_scheduler(scheduler, request)
+    # Before anything is computed or written: mistakes of the command line are found at once.
     points = _points(study, over or [], count, method, seed, indices)
     check_swept_once(request.fields, (axis.path for axis in points.axes), "this sample")
     varied = [axis.path for axis in points.axes]

@@ -42,6 +42,7 @@ def simulate(request: CommandLine, scenario_number: str | None, trust: str) -> i
         note(f"the history holds the first {HISTORY_STEPS} steps only")
     verdict = trusted(run, closer) if asked_for(trust) else None
     contents = run_files(run, request.made(study), limits, verdict)
+    # Said only where files are wanted, since it is about files.
     if request.output is not None and (missing := left_out(contents)):
         note(missing)
     files.save_and_show(lambda: contents, run, lambda: str(contents[f"{name}.json"]()))

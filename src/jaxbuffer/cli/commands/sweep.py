@@ -55,6 +55,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
         files.save_and_show(dict, result, lambda: json.dumps(result.outcomes))
         return INTERRUPTED if interrupted else OK
     swept = result.load() if isinstance(result, StoredSweep) else result
+    # Interrupted before its first run: there is nothing to save.
     if not swept.done.any():
         return INTERRUPTED
     envelope = None if limits is None else safe_rectangle(swept, limits, study.scenarios)
