@@ -129,5 +129,6 @@ def _parts(stress: PlyStress) -> tuple[Array, Array, Array]:
 def _by_sign(stress: PlyStress, strength: Strength) -> tuple[Array, Array]:
     """Return X and Y, of tension or of compression."""
     along, across, _ = _parts(stress)
+    # Fibres and matrix fail at other stresses when they are pressed than when they are pulled.
     x = jnp.where(along < 0.0, strength.along_compression, strength.along_tension)
     return x, jnp.where(across < 0.0, strength.across_compression, strength.across_tension)

@@ -54,6 +54,7 @@ class Laminate(NamedTuple):
         """Return A, B and D."""
         z = self.interfaces
         turned = jnp.stack([self.ply.stiffness(angle) for angle in self.angles])
+        # A, B and D are one integral over the thickness, of the stiffness times z to the power 0, 1 and 2.
         weighed = lambda n: jnp.einsum("kij,k->ij", turned, (z[1:] ** n - z[:-1] ** n) / n)  # noqa: E731
         return Stiffness(weighed(1), weighed(2), weighed(3))
 
@@ -67,6 +68,7 @@ class Laminate(NamedTuple):
         **Returns:** (εx, εy, γxy) [-] and (κx, κy, κxy) [1/m].
         """
         a, b, d = self.stiffness()
+        # Together, since an unsymmetric lay-up couples stretching and bending.
         whole = jnp.block([[a, b], [b, d]])
         both = jnp.linalg.solve(whole, jnp.concatenate([forces, moments]))
         return both[:3], both[3:]

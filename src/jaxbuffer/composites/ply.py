@@ -30,6 +30,7 @@ class Ply(NamedTuple):
         factor = 1.0 / (1.0 - self.poisson * other)
         q11, q12, q22 = factor * self.along, factor * self.poisson * self.across, factor * self.across
         own = stacked([q11, q12, 0.0, q12, q22, 0.0, 0.0, 0.0, self.shear]).reshape(3, 3)
+        # The same matrix turns strains there and stresses back, since their product, work, does not change.
         turn = in_ply_axes(angle)
         return turn.T @ own @ turn
 

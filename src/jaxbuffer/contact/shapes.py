@@ -88,6 +88,7 @@ class Hole(Shape):
         square = off_x * off_x + off_y * off_y
         apart = square > 0.0
         eccentricity = jnp.sqrt(jnp.where(apart, square, 1.0))  # guarded: no derivative of a root at zero
+        # Where the centres coincide any direction would do; this one is fixed (see the class).
         out_x = jnp.where(apart, off_x / eccentricity, 1.0)
         out_y = jnp.where(apart, off_y / eccentricity, 0.0)
         distance = self.radius - jnp.where(apart, eccentricity, 0.0)

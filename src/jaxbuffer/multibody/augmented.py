@@ -71,6 +71,7 @@ class MassMatrix(NamedTuple):
     ) -> "MassMatrix":
         """Collect the diagonal's reciprocals, and each block's columns and lower half; Python's 0 are left out."""
         values: list[Scalar] = []
+        # Where entries stand is known when compiling; only their values are arrays of the program.
         layout = []
         for columns, rows in blocks:
             indices = []
@@ -104,6 +105,7 @@ class FactoredMass(NamedTuple):
             column: entry * self.inverse[column] for column, entry in row.items() if column not in inside
         }
         for columns, factors in self.blocks:
+            # M⁻¹ of a row that does not touch a block has no entries there either.
             if any(column in row for column in columns):
                 solved.update(zip(columns, factors.solve([row.get(column, 0.0) for column in columns]), strict=True))
         return solved
@@ -113,6 +115,7 @@ class FactoredMass(NamedTuple):
         solved = self.inverse * vector
         if not self.blocks:
             return solved
+        # Number by number: writing blocks into an array would be scatters.
         entries = [solved[k] for k in range(vector.shape[0])]
         for columns, factors in self.blocks:
             for column, entry in zip(columns, factors.solve([vector[column] for column in columns]), strict=True):
@@ -155,6 +158,7 @@ def _solve(
         [sum((weighted[j][c] * entry for c, entry in rows[i].items() if c in weighted[j]), 0.0) for j in range(i + 1)]
         for i in range(len(rows))
     ]
+    # What Φ_q q̈ would be without the joints.
     unheld = [sum(entry * force[column] for column, entry in row.items()) for row in weighted]
     # Written out: a call of LAPACK would split the loop's kernel.
     multipliers = ldl_solve(schur, [unheld[i] - rhs[i] for i in range(len(pattern))])

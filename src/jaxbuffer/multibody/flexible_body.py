@@ -20,6 +20,7 @@ class FlexibleBody(Body):
     modes: ComponentModes
 
     def __init__(self, modes: ComponentModes):
+        # As a rigid body has them, so that whatever asks only for these takes either.
         self.mass, self.inertia, self.modes = modes.mass, modes.inertia, modes
 
     @property
@@ -40,6 +41,7 @@ class FlexibleBody(Body):
         few entries fill in when it is factorised. Python's 0 stands for what vanishes always."""
         modes, n = self.modes, self.size
         block: list[list[Scalar]] = [[modes.mass_matrix[i, j] for j in range(i + 1)] for i in range(n)]
+        # The entries beside the diagonal are Python's 0, so that nothing is computed with them.
         if modes.orthogonal:
             block = [[*[0.0] * i, row[i]] for i, row in enumerate(block)]
         moment = self._static_moment(frame, q)
@@ -59,6 +61,7 @@ class FlexibleBody(Body):
         origin [N], about it [N m], and on each modal coordinate [N]."""
         modes, spin = self.modes, frame.spin
         radial = self._radial(q)
+        # The centrifugal force on the modes, less what stiffness and damping hold against it.
         modal = radial * (spin * spin) - _times(modes.stiffness, q) - _times(modes.damping, rate)
         if modes.gyroscopic is not None:
             modal = modal + _times(modes.gyroscopic, rate) * (2.0 * spin)
@@ -67,6 +70,7 @@ class FlexibleBody(Body):
         if moment is not None:
             force = moment * (spin * spin)
         if modes.translation is not None:
+            # Coriolis's force of what moves in the turning frame.
             force = force - self._momentum(frame, rate).perp() * (2.0 * spin)
         return force, -2.0 * spin * jnp.sum(radial * rate), tuple(modal)
 

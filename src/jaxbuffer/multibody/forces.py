@@ -144,6 +144,7 @@ class AxialSpringDamper(ForceElement):
     def loads(self, kin: Kinematics) -> tuple[Load, ...]:
         s = self.state(kin)
         elastic = s.along * (self.stiffness * (s.length - self.free_length))
+        # The published damper resists the whole rate of separation, rigid rotation included.
         viscous = s.separation_rate if self.published_damping else s.along * s.rate
         pull = elastic + viscous * self.damping
         return load_at(s.first, pull), load_at(s.second, -pull)

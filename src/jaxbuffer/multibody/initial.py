@@ -29,6 +29,7 @@ def assemble(
     for _ in range(iterations):
         kin = system.kinematics(q, v)
         q = q + system.solve(kin, none, -system.errors(kin))
+    # Velocities last, since the rows that they are projected onto depend on the positions.
     kin = system.kinematics(q, v)
     constraints = system.constraints(kin)
     return q, v - system.solve(kin, none, constraints.rate + jnp.sum(constraints.jacobian * v[None], axis=-1))

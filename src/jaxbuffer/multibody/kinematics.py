@@ -118,6 +118,7 @@ class Kinematics(eqx.Module):
         """Return a material point of a body. ``body``: its index, or ``GROUND``; ``point``: which one."""
         frame = self.frame(body)
         if not isinstance(point, Marker):
+            # A place says nothing of how the material there deforms.
             if body != GROUND and self.modes and self.modes[body]:
                 raise ValueError(f"body {body} is flexible: give a marker instead of {point}, such as Marker.on_frame")
             arm = frame.turn(Vector(*point))

@@ -142,6 +142,7 @@ class System(eqx.Module):
         # kernel.
         total: list[Scalar] = [0.0] * self.coordinates
         loads = [load for element in self.forces for load in element.loads(kin)] + list(extra)
+        # Elastic and velocity forces are loads like all others: one sum takes them in.
         loads += [Load(k, *body.velocity_force(kin.frame(k), *kin.modal(k))) for k, body in self.flexible]
         for load in loads:
             if load.body != GROUND:
@@ -200,6 +201,7 @@ class System(eqx.Module):
         **Arguments:** ``kin``: frames; ``directions``: (coordinates, rank), a force a column. **Returns:** the same
         shape.
         """
+        # The joints hold, so Φ_q x is zero.
         rest = jnp.zeros(len(self._rows(kin)))
         return jax.vmap(lambda direction: self.solve(kin, direction, rest), in_axes=1, out_axes=1)(directions)
 
@@ -208,6 +210,7 @@ class System(eqx.Module):
 
         **Arguments:** ``kin``: frames; ``direction``: d, (coordinates,), with d·q̇ a speed [m/s].
         """
+        # The acceleration along the direction by a unit force along it is one over the mass.
         return 1.0 / jnp.sum(direction * self.response(kin, direction[:, None])[:, 0])
 
     def kinetic_energy(self, kin: Kinematics) -> Float[Array, ""]:

@@ -124,6 +124,7 @@ def verdict(parts: Sequence[bool]) -> str:
 
 def near(value: float, other: float) -> bool:
     """Return whether two numbers count as the same: see `NEAR`."""
+    # Relative to the printed number, the second one.
     return abs(value / other - 1.0) < NEAR
 
 

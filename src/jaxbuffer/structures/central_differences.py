@@ -137,6 +137,7 @@ def _liquid_after(
     if liquid.follows:  # half a step later: with the wall half way, the area that it sweeps is exact
         rate = liquid.rate(impulse, velocity, holes.after, positions + 0.5 * step * velocity)
     else:
+        # The accelerations at t, by M126 from the velocities half a step before and after.
         wall, through = (velocity - state.velocity) / step, (holes.after - state.through) / step
         rate = state.pressure_rate + step * liquid.acceleration(pressure, wall, through)
     raised = state.raised + step * liquid.rising(impulse, velocity, holes.after)

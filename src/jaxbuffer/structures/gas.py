@@ -34,6 +34,7 @@ class Gas(eqx.Module):
 
     def push(self, positions: Float[Array, "nodes 2"]) -> Float[Array, "nodes 2"]:
         """Return the gas's forces on the nodes [N]."""
+        # The outside presses on the other side of the wall: only the difference acts.
         forces = self.overpressure(positions) * boundary_areas(positions[self.wall])
         return added_at(self.wall, forces, len(positions))
 

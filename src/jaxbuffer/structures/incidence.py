@@ -25,6 +25,7 @@ class Incidence(NamedTuple):
         for place, node in enumerate(corners.ravel()):
             meeting[node].append(place)
         most = max([1, *map(len, meeting)])
+        # Filled up with the number of a zero that stands behind all corners, so that every node gathers as many.
         places = np.array([[*group, *[corners.size] * (most - len(group))] for group in meeting], int)
         return Incidence(corners, places.reshape(nodes, most))
 

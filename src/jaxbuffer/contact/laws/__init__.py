@@ -120,6 +120,7 @@ def contact_law(name: str, numbers: Mapping[str, Scalar]) -> ContactLaw:
     has.
     """
     law = LAWS[name]
+    # A design has numbers for all laws; each takes its own.
     return law(**{field: numbers[field] for field in _numbers_of(law) if field in numbers})
 
 

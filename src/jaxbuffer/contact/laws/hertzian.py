@@ -66,6 +66,7 @@ class DampedHertz(Hertz):
 
     def max_penetration(self, mass: Scalar, speed: Scalar) -> Scalar:
         """Return the deepest penetration by M48 with d = a v [m]."""
+        # M48 solved for the stored energy: ψ is negative.
         return self.depth_storing(-mass * speed**2 * psi(self.damping * speed))
 
 

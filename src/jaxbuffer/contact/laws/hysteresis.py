@@ -75,6 +75,7 @@ class PowerLaw(DampedSpring):
         return root((self.exponent + 1.0) * energy / self.stiffness, self.exponent + 1.0)
 
     def time_scale(self, mass: Scalar, speed: Scalar) -> Scalar:
+        # One root for the usual exponent, whose general form takes two powers.
         if isinstance(self.exponent, float) and self.exponent == 1.5:
             return (mass**2 / (self.stiffness**2 * speed)) ** 0.2
         return (mass * speed ** (1.0 - self.exponent) / self.stiffness) ** (1.0 / (self.exponent + 1.0))

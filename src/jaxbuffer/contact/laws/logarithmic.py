@@ -76,6 +76,7 @@ class LogarithmicLaw(PinInHoleLaw):
         within = (x > LEAST) & (x < END_X)
         # Guarded as in `power`: the branch that is not taken must have finite derivatives.
         inner = jnp.where(within, x, END_X)
+        # Beyond the end the law is its tangent, which has no logarithm.
         y = jnp.where(x < END_X, -inner * jnp.log(inner), END_Y + (x - END_X) / END_SLOPE)
         return self.log_length * jnp.where(x > LEAST, y, 0.0)
 

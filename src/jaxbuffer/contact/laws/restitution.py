@@ -25,6 +25,7 @@ def psi(x: Scalar) -> Scalar:
     near = jnp.where(small, x, 0.0)
     series = jnp.zeros_like(near)
     for k in reversed(range(TERMS)):
+        # Horner's rule, from the last term.
         series = (-1.0) ** (k + 1) / (k + 2) + near * series
     return jnp.where(small, series, (jnp.log1p(far) - far) / (far * far))
 
@@ -83,6 +84,7 @@ def _restitution_jvp(primals: tuple, tangents: tuple) -> tuple:
 def _slope(d: Scalar, e: Scalar) -> tuple[Scalar, Scalar]:
     """Return dd/de and de/dd along the relation (M47); the limit of dd/de at d = 0 is -3/2."""
     d, e = jnp.asarray(d, float), jnp.asarray(e, float)
+    # Near d = 0 numerator and denominator vanish together: the limit takes their place.
     small = d < 1e-7
     below = jnp.where(small, 1.0, (1.0 + e) * (e - 1.0 + d * e))
     slope = jnp.where(small, -1.5, -d * e * (1.0 + d) / below)

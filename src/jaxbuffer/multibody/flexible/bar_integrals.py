@@ -39,6 +39,7 @@ def component_modes(bar: Bar, shapes: BarShapes, centre: Scalar) -> ComponentMod
         translation=jnp.asarray(mass * mean),
         rotation=jnp.concatenate([jnp.asarray(mass * length * moment), no_axial]),
         radial=jnp.concatenate([none, jnp.asarray(mass * length * axial_moment)]) if axial else None,
+        # Only a bar that stretches has shapes along two axes.
         gyroscopic=jnp.asarray(mass * (coupling - coupling.T)) if axial else None,
         orthogonal=shapes.orthogonal_axial or not axial,
     )
@@ -86,6 +87,7 @@ def with_damping_ratio(modes: ComponentModes, ratio: Scalar) -> ComponentModes:
     # Python's 0 alone: a traced ratio may become positive, so its matrix must be there.
     if isinstance(ratio, float | int) and ratio == 0:
         return modes
+    # Modes that are coupled, by a tip's mass say: the ratio is that of the natural ones.
     if not modes.orthogonal:
         return modes.with_damping(modal_damping(modes.mass_matrix, modes.stiffness, ratio))
     mass, stiffness = jnp.diag(modes.mass_matrix), jnp.diag(modes.stiffness)

@@ -79,6 +79,7 @@ def cantilever_bar(
     """
     shapes = cantilever_shapes(interior, axial_interior)
     tip = 0.0 if tip_mass is None else tip_mass
+    # With the origin in the centre of mass, static moments vanish.
     centre = (0.5 * bar.mass + tip) / (bar.mass + tip)
     modes, end = component_modes(bar, shapes, centre), marker_on(bar, shapes, centre, 1.0)
     if tip_mass is not None or tip_inertia is not None:
@@ -87,6 +88,7 @@ def cantilever_bar(
     if geometric:
         modes = with_geometric(modes, _tension_of_a_spin(bar, shapes, tip, hub_radius))
     if tip_inertia is not None:
+        # Cancels what the mass matrix has of that inertia in K + ω² (G - M).
         modes = with_geometric(modes, tip_inertia * jnp.outer(end.rotation, end.rotation))
     return FlexibleBar(bar, modes, centre, shapes)
 

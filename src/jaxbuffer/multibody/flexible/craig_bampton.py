@@ -56,6 +56,7 @@ def craig_bampton(mass: Any, stiffness: Any, interface: Any, modes: int) -> Redu
     coupled = stiffness[inner][:, outer]
     inside = stiffness[inner][:, inner]
     if outer.size and inner.size:
+        # Constraint modes: the inside follows a unit displacement of the interface at rest.
         basis[inner, : outer.size] = -_solve(inside, coupled if isinstance(coupled, np.ndarray) else coupled.toarray())
     if modes:
         basis[inner, outer.size :] = _lowest(mass[inner][:, inner], inside, modes)

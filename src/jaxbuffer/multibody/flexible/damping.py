@@ -32,6 +32,7 @@ def modal_damping(mass_matrix: ModalMatrix, stiffness: ModalMatrix, ratio: Scala
     >>> round(float(modal_damping(jnp.array([[2.0]]), jnp.array([[200.0]]), 0.01)[0, 0]), 12)  # 2 ζ √(k m)
     0.4
     """
+    # By the Cholesky factor the general eigenproblem becomes a symmetric one.
     lower = jnp.linalg.cholesky(mass_matrix)
     half = jnp.linalg.solve(lower, stiffness)
     values, vectors = jnp.linalg.eigh(jnp.linalg.solve(lower, half.T))

@@ -110,6 +110,7 @@ class ComponentModes(eqx.Module):
         stiffness = self.stiffness - spin**2 * self.mass_matrix
         if self.geometric is not None:
             stiffness = stiffness + spin**2 * self.geometric
+        # By the Cholesky factor the general eigenproblem becomes a symmetric one.
         lower = jnp.linalg.cholesky(self.mass_matrix)
         half = jnp.linalg.solve(lower, stiffness)
         values = jnp.linalg.eigvalsh(jnp.linalg.solve(lower, half.T))

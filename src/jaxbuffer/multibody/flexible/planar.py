@@ -120,6 +120,7 @@ def planar_modes(mesh: Any, attachments: Sequence[Attachment], interior: int, po
         raise ValueError("attachments: give at least one")
     basis = Basis(mesh, ElementVector(ElementTriP2() if isinstance(mesh, MeshTri) else ElementQuad2()))
     mass, stiffness, places, order = _elasticity(basis, poissons_ratio)
+    # Rigid translations, unknown by unknown: with the mass matrix they give area and centre.
     ones, other = np.tile([1.0, 0.0], places.shape[1]), np.tile([0.0, 1.0], places.shape[1])
     area = float(ones @ mass @ ones)
     centre = np.array([ones @ mass @ places.T.ravel(), other @ mass @ places.T.ravel()]) / area

@@ -39,6 +39,7 @@ def _until(studied: Studied) -> float:
     """Return where time axes end [s]: at the longest run's end, or soon after the latest capture."""
     ends = [float(capture.end_time) for capture in studied.captures]
     captured = [end for end, row in zip(ends, studied.rows, strict=True) if row["outcome"] == "captured"]
+    # A run that is not captured goes on until its time is up, which would press the others together.
     return min(BEYOND * max(captured, default=max(ends)), max(ends))
 
 
@@ -65,6 +66,7 @@ def _captured(studied: Studied, axes: Any) -> None:
         time, force = np.asarray(history.time), _force(history)
         thin = {**curve, "linewidth": 0.8}
         axes[0].plot(time, 1e3 * np.asarray(history.throat_distance), **curve, label=label)
+        # Evenly and densely: a history has some ten steps an impact.
         early = np.linspace(0.0, FIRST * longest, DENSE)
         axes[1].plot(1e3 * early, _force(at_times(capture, early)), **curve, label=label)
         axes[2].plot(time, force, **thin)

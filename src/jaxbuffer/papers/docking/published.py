@@ -24,4 +24,5 @@ def _claim(claim: Claim) -> Claim:
 
 
 def _of_published(judge: Callable[[Rows], Verdict]) -> Callable[[Rows], Verdict]:
+    # The same judges read these rows under the names of the others.
     return lambda rows: judge({n.removesuffix(SUFFIX): made for n, made in rows.items() if n.endswith(SUFFIX)})

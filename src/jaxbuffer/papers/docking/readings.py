@@ -96,6 +96,7 @@ def table(studied: Studied) -> list[Row]:
 
 
 def _compared(rows: Sequence[Row]) -> Row:
+    # In the order of `_cases`.
     welded, welded_slow, free, free_slow = rows
     first, whole = (float(free[name]) / float(welded[name]) - 1.0 for name in ("first_peak", "peak_force"))
     left = [abs(float(row["end_stroke"])) / float(row["stroke"]) for row in (welded, free)]
@@ -136,6 +137,7 @@ def _any(*tests: str) -> Callable[[Rows], Verdict]:
         if holding:
             said += f", such as: {holding[0]}"
         elif len(tests) > 1:
+            # Where no reading bears all of it out, how far the best pair gets is told.
             best = max(itertools.combinations(tests, 2), key=lambda pair: len(_holding(rows, pair)))
             two = _holding(rows, best)
             said += f"; «{best[0]}» and «{best[1]}» in {len(two)}" + (f", such as: {two[0]}" if two else "")

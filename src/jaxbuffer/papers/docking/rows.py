@@ -66,6 +66,7 @@ def _buffer(capture: Capture, history: History) -> Row:
     value."""
     time, stroke = np.asarray(history.time), np.asarray(history.stroke)
     releases = np.asarray(capture.impacts.release_time)[: int(capture.impact_count)]
+    # Of a contact that is still closed at the end there is no release.
     last = np.max(releases[~np.isnan(releases)], initial=0.0)
     top = int(np.argmax(stroke))
     back = np.flatnonzero(stroke[top:] <= 0.0)
@@ -99,10 +100,12 @@ def _first_impacts(capture: Capture, history: History) -> Row:
     masses, parting, bounce = [math.nan] * FIRST, math.nan, 0.0
     for k in range(min(FIRST, int(capture.impact_count))):
         start, end, side = float(impacts.time[k]), float(impacts.release_time[k]), int(impacts.contact[k])
+        # An impact that the run's end cuts off has no impulse to compare.
         if math.isnan(end):
             break
         inside = (time >= start) & (time <= end)
         apart = -float(np.asarray(history.approach_speed)[inside, side][-1])
+        # A history may hold an instant twice, which a spline does not take.
         instants, first = np.unique(time[inside], return_index=True)
         forces = np.asarray(history.contact_force)[inside, side][first]
         impulse = float(CubicSpline(instants, forces).integrate(start, end))  # some ten steps an impact

@@ -61,6 +61,7 @@ def row(case: Case, run: Any) -> Row:
     }
 
 
+# For the row and for the figure.
 @cache
 def _peaks(damping: float, step: str) -> Any:
     """Return `peaks` of the study's case with a damping [N s/mm]."""

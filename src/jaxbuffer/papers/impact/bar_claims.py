@@ -119,6 +119,7 @@ def _heights(rows: Rows) -> tuple[list[float], str]:
 def _bounce(rows: Rows) -> Verdict:
     heights, said = _heights(rows)
     start, length = 194.0, 240.0  # mm
+    # The printed height is above what energy allows; this is what it may have been taken for.
     path = 2.0 * length * math.sin(0.5 * math.asin(start / length))
     said += f"; energy allows {start:.0f} mm. The end's way from its start to the plate is a chord of {path:.1f} mm"
     return Verdict(said, verdict([near(max(heights), 230.16)]))
@@ -149,6 +150,7 @@ def _falls(rows: Rows) -> Verdict:
 
 def _stiffness(rows: Rows) -> Verdict:
     bar = BarDrop()
+    # From N/m^1.5 to the paper's N/mm^1.5.
     hertz = float(bar.hertz_stiffness) * 1e-3**HERTZ_EXPONENT
     radius = float(bar.bar.ball_radius) * 1e3 * (PRINTED_STIFFNESS / hertz) ** 2
     said = (

@@ -65,9 +65,11 @@ def row(case: Case, run: BarDropRun) -> Row:
     medians = {
         f"seen_at_{step:.0e}".replace("e-0", "e-"): float(np.median(sampled_at(step, time, force))) for step in STEPS
     }
+    # Without a release in the run the bar is still on the plate.
     stays = bool(np.isnan(hits.release_time[0]))
     since, gap = time - float(hits.time[0]), np.asarray(history.gap)[:, 0]
     touching, above = (since >= 0.0) & (gap <= 0.0), (since >= 0.0) & (gap > APART)
+    # The paper's impact is all touches until the bar has left the plate, not the first of them.
     left = since[above][0] if np.any(above) else np.inf
     return {
         "outcome": run.outcome.name,
@@ -112,5 +114,6 @@ def sampled_at(step: float, time: np.ndarray, force: np.ndarray) -> np.ndarray:
 def harmonics(since: np.ndarray, force: np.ndarray) -> int:
     """Count the force's maxima in the paper's detailed view. ``since``: the time from the first contact [s]."""
     inside = (since >= 0.0) & (since < WINDOW)
+    # With zeros on both sides a maximum at an end of the view counts too.
     padded = np.concatenate([[0.0], force[inside], [0.0]])
     return len(find_peaks(padded, prominence=COUNTED * force.max())[0])

@@ -47,6 +47,7 @@ def row(case: Case, run: Run) -> Row:
     time, torque = np.asarray(history.time), torque_of(run)
     along, across = components(run)
     turns = turn_times(time, np.asarray(history.position)[:, 0, 2])
+    # The torque is largest at rest, by its formula: what contacts do to it shows only after the start.
     later, begun = time > turns[0], torque[time >= STARTED]
     low = np.flatnonzero(np.abs(torque) < TENTH * abs(torque[0]))
     return {
@@ -112,6 +113,7 @@ def turn_times(time: Float[np.ndarray, " steps"], angle: Float[np.ndarray, " ste
     times = []
     for turns in (1, 2):
         past = np.flatnonzero(angle >= 2.0 * math.pi * turns)
+        # Between two steps: without one before there is nothing to interpolate.
         if len(past) == 0 or past[0] == 0:
             times.append(math.nan)
             continue

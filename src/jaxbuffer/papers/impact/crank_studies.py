@@ -44,6 +44,7 @@ def rods(
     """Return a rigid rod, and the same bar with modes of a damping ``ratio``; the spring comes in over ``onset``
     [m]."""
     design = replace(published(exponent, stiffness, torque), {"piston_pin.onset_depth": onset})
+    # The same mass and inertia, so that bending is all that differs.
     rigid = {"rod.mass": BAR.body.mass, "rod.inertia": BAR.body.inertia}
     bends = {"rod.depth": BAR.depth, "rod.damping_ratio": ratio}
     return tuple(

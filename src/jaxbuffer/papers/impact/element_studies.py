@@ -103,6 +103,7 @@ def _curves(run: Any) -> dict[str, Any]:
     history = run.history
     time, still = np.asarray(history.time) - float(run.impacts.time[0]), np.zeros(len(history.time))
     slip = np.asarray(history.slip)[:, 0]
+    # A history has the slip's speed: the way is its integral.
     way = np.concatenate([[0.0], np.cumsum(0.5 * (slip[1:] + slip[:-1]) * np.diff(time))])
     curves = {
         "time": time,
@@ -121,6 +122,7 @@ def _rise(run: BarDropRun) -> float:
     assert history is not None
     (x, y, _), (along, up, spin) = (np.asarray(part)[-1, 0] for part in (history.position, history.velocity))
     length = float(bar.length)
+    # The angular momentum about the hinge over the bar's moment of inertia about it.
     turning = 3.0 / length**2 * (x * up - y * along + length**2 / 12.0 * spin)
     return float(length * y / x + np.sign(turning) * (length * turning) ** 2 / (3.0 * float(DROP.gravity)))
 

@@ -79,6 +79,8 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
             state, normal, friction, stress, _ = carry
             state, instant = advance(system, state, step, near)
             force = instant.contacts[0].nodes[corner]
+            # Each material has its part's width in its modulus, because the two differ: stresses are divided by it
+            # again.
             worst = jnp.max(mises(instant.resistances[1].stress)) / drop.plate.width
             energy = sum(instant.energies, jnp.zeros(()))
             largest = (normal, force[1]), (friction, jnp.abs(force[0])), (stress, worst)
@@ -92,12 +94,14 @@ def _followed(drop: BarDrop, scenario: BarDropScenario, along: int) -> tuple[Arr
 
     last, records = jax.lax.scan(record, start, length=RECORDS)
     rise = _rise(system, last, scenario.gravity, drop.bar.length, 3 * (along + 1))
+    # The step's share is computed in the program, so it is judged outside of it.
     return records.T, rise, step / system.stable_step()
 
 
 def _rise(system: System, last: State, gravity: Scalar, length: Scalar, count: int) -> Array:
     """Return how high the mean rotation of the bar, its first ``count`` nodes, would carry its end [m]: v² = 3 g h."""
     mass, at, v = (x[:count] for x in (system.mass[:, 0], system.positions + last.displacement, last.velocity))
+    # The hinge is the origin: angular momentum over moment of inertia is the mean rotation's speed.
     spin = jnp.sum(mass * (at[:, 0] * v[:, 1] - at[:, 1] * v[:, 0])) / jnp.sum(mass * jnp.sum(at**2, axis=1))
     sine = jnp.sum(mass * at[:, 1]) / jnp.sum(mass * at[:, 0])
     return length * sine + jnp.sign(spin) * (length * spin) ** 2 / (3.0 * gravity)

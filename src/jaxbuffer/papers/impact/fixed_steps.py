@@ -33,7 +33,9 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
 
     touch.terminal = True  # type: ignore[attr-defined]
     start = [math.asin(float(scenario.height) / length), 0.0]
+    # The grids begin on the exact fall, so that only the contact is wrong in them.
     fall = solve_ivp(fallen, (0.0, 2.0), start, events=touch, rtol=1e-11, atol=1e-14, dense_output=True)
+    # Where the instants of a grid lie about the touch is chance, so many beginnings are tried.
     begin = fall.t[-1] - step * (1.0 + np.linspace(0.0, 1.0, BEGINNINGS, endpoint=False))
     (last, spin), (before, spin_before) = fall.sol(begin), fall.sol(begin - step)
     largest = np.zeros(BEGINNINGS)
@@ -52,6 +54,7 @@ def peaks(design: BarDrop, scenario: BarDropScenario, step: float) -> Float[np.n
     for _ in range(2 + max(10, math.ceil(FOLLOWED / step))):
         free = (4.0 * spin - spin_before - 2.0 * step * weight) / 3.0  # without contact
         ahead = (4.0 * last - before + 2.0 * step * free) / 3.0
+        # Without contact the new angle would be `ahead`; contact moves it towards zero, where the force ends.
         bracket = ahead - ACROSS, np.maximum(ahead, 0.0) + ACROSS
         angle = find_root(residual, bracket, args=(last, before, spin, spin_before)).x
         turning = rate(angle, last, before)

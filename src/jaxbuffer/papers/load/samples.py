@@ -96,6 +96,7 @@ def draw(ranges: Ranges) -> list[dict[str, float]]:
     runs = np.random.default_rng(SEED).uniform(size=(len(ranges), RUNS))  # a row each: later ones change no earlier one
     drawn = {}
     for (name, (low, high)), share in zip(ranges.items(), runs, strict=True):
+        # A range that reaches zero has no logarithm.
         even = low <= 0.0 or low == high
         drawn[name] = low + share * (high - low) if even else low * (high / low) ** share
     return [{name: float(values[k]) for name, values in drawn.items()} for k in range(RUNS)]
@@ -113,6 +114,7 @@ def solve(case: Case) -> Impacts:
         begin, release, peak, speed = (
             np.asarray(x)[:count] for x in (hits.time, hits.release_time, hits.peak_force, hits.approach_speed)
         )
+        # Without a release, an impact counts if it has lasted so long that its peak is past.
         whole = np.isfinite(release) | (float(run.end_time) - begin > LONGEST)
         energy = run.loads("effective_energy")
         rows.append(np.array([energy, peak, speed, np.arange(count) == 0])[:, whole])
@@ -125,6 +127,7 @@ def row(case: Case, impacts: Impacts) -> Row:
     """Return how well the effective energy orders the peaks: rank correlations, of first impacts and of all; the
     approach speed's for comparison; a power law F ∝ T_c^a through the first ones, and the rms of ln F about it."""
     first, pressed = impacts.first > 0.0, impacts.peak > 0.0
+    # A power law is a straight line in logarithms.
     energy, peak = np.log(impacts.energy[first]), np.log(impacts.peak[first])
     exponent, intercept = np.polyfit(energy, peak, 1)
     return {

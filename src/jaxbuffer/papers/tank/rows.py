@@ -58,6 +58,7 @@ def spring_force(run: TankRun) -> float:
     k)."""
     design, scenario = run.design, run.scenario
     weight = float(design.slider.mass) * float(scenario.gravity)
+    # The cushion lies on the flat part of the top.
     area = (float(design.tank.width) - 2.0 * float(design.tank.corner_radius)) * float(design.tank.length)
     stiffness = float(design.cushion.stiffness) * area
     return weight + math.sqrt(weight**2 + 2.0 * weight * float(scenario.height) * stiffness)

@@ -56,6 +56,7 @@ class RigidPlane(eqx.Module):
 
     def on_nodes(self, slaves: np.ndarray, force: Float[Array, "pairs 2"], nodes: int) -> Float[Array, "nodes 2"]:
         """Return the (nodes, 2) forces on the slaves and, against them, on the plane's node."""
+        # By a mask, since XLA writes a scatter as a loop over its numbers (see `Incidence`).
         against = jnp.where(jnp.arange(nodes)[:, None] == self.node, jnp.sum(force, axis=0)[None], 0.0)
         return added_at(slaves, force, nodes) - against
 
@@ -80,6 +81,7 @@ class Segments(eqx.Module):
         normal = jnp.stack([along[..., 1], -along[..., 0]], axis=-1) / length[..., None]
         gap = jnp.sum(off * normal, axis=-1)
         beside = (share - on) * length
+        # A foot a little beyond an end still counts, so that none is lost between two segments.
         fits = (jnp.abs(share - on) <= TERRITORY) & (gap > -DEEPEST * length)
         distance = jnp.where(fits, jnp.hypot(jnp.where(fits, gap, 1.0), beside), jnp.inf)
         best = jnp.argmin(distance, axis=1)
