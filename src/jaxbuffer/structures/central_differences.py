@@ -196,8 +196,7 @@ def march(
 
     def body(carry: tuple[Array, State, T]) -> tuple[Array, State, T]:
         done, state, observations = carry
-        # Which segments are near is a choice: it has no derivative.
-        near = jax.lax.stop_gradient(system.search(state.displacement))
+        near = jax.lax.stop_gradient(system.search(state.displacement))  # a choice has no derivative
         state, observations = jax.lax.scan(lambda c, _: (again(c, near), None), (state, observations), length=BLOCK)[0]
         return done + 1, state, observations
 

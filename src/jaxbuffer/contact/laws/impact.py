@@ -80,8 +80,7 @@ def free_impact(law: ForceLaw, mass: float, speed: float, points: int = 400) -> 
     course = np.linspace(0.0, end, points)
     depth, rate = run.sol(course)
     forces = force(depth, rate)
-    top = int(np.argmax(forces))
-    # The peak lies between two points of the course: look more closely around the highest.
+    top = int(np.argmax(forces))  # the peak lies between two points of the course
     around = np.linspace(course[max(top - 1, 0)], course[min(top + 1, points - 1)], points)
     return FreeImpact(
         restitution=float(-run.y_events[0][-1][1]),

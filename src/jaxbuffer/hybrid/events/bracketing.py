@@ -113,17 +113,14 @@ def refine(
     ``shortfall``: by how much an observable may be below its maximum where the step ends.
     """
     exact = bracket.guard < rated
-    # While no event is located the guard is -1 and all of this, about the last guard, is of no consequence.
     z = guards.value[bracket.guard]
     rate = jnp.where(exact, guards.rate[bracket.guard], _parabola_rate(bracket, step, z))
     rising = (rate > 0.0) & jnp.isfinite(rate)
-    # One stands for a rate that is of no use, so that nothing is divided by zero; the offset is then infinite.
-    rate = jnp.where(rising, rate, 1.0)
+    rate = jnp.where(rising, rate, 1.0)  # no division by zero where it is of no use and the offset infinite
     offset = jnp.where(rising, _newton(z, rate, guards.acceleration[bracket.guard]), jnp.inf)
     below = z < 0.0
     low, low_value = jnp.where(below, step, bracket.low), jnp.where(below, z, bracket.low_value)
     high, high_value = jnp.where(below, bracket.high, step), jnp.where(below, bracket.high_value, z)
-    # The secant knows only values at step lengths that were tried, so it also sees how the step's own error changes.
     secant = (low * high_value - high * low_value) / (high_value - low_value)
     following = jnp.where((bracket.tries >= NEWTON_TRIES) & (bracket.tries % 3 > 0), secant, step + offset)
     following = jnp.where((following > low) & (following < high), following, 0.5 * (low + high))
