@@ -90,6 +90,7 @@ def verb(
 
     # CONFIG.toml comes first; in the help a command's own options stand before the shared ones.
     first, *others = shared.values()
+    # By name only, so that options may stand in any order in the signature.
     keywords = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     # typer reads a command's options off its signature and annotations.
     command.__signature__ = inspect.Signature([context, first, *keywords, *others])  # type: ignore[attr-defined]

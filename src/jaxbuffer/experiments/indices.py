@@ -127,6 +127,7 @@ def sobol_indices(
     else:
         surfaces = {name: response_surface(sample, name) for name in names}
         spread = points(axes, THROUGH, "saltelli", seed)
+        # A surface costs next to nothing to ask, so it is asked at the points of the scheme itself.
         values = {name: surface.predict(spread.columns()) for name, surface in surfaces.items()}
         rows = THROUGH
     estimates = {name: estimated(values[name], len(axes), *how, name=name) for name in names}

@@ -51,6 +51,7 @@ class Points:
     def batches(self, design: Part, scenario: Part) -> list[Batch]:
         """Return all runs, with an array (n,) for each field that is sampled."""
         spread = with_values(design, scenario, self.columns())
+        # All runs at once: what no field alone can say is wrong with some of them.
         check_pair(mechanism_of(design), *spread)
         return [Batch(np.arange(len(self)), *spread)]
 

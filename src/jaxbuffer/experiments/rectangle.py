@@ -173,6 +173,7 @@ def safe_rectangle(swept: Sweep, limits: Limits | None = None, scenarios: Sequen
     first, second = (swept.grid.axes[k] for k in moving)
     if choices := [axis.path for axis in (first, second) if not axis.unit]:
         raise InputError(f"a safe rectangle is over numbers; {choices[0]} is a choice")
+    # In increasing order, since a sweep's values may be listed in any.
     right, up = np.argsort(first.values), np.argsort(second.values)
 
     def face(column: np.ndarray) -> np.ndarray:

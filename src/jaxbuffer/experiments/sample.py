@@ -175,6 +175,7 @@ def sample_at(points: Points, design: Part, scenario: Part, duration: Scalar | N
         return Sample(table.mechanism, table.columns, design, scenario, points, table.identity)
 
     try:
+        # Not saved as the sweep that it is run as: `sample` saves it as itself.
         return made(sweep(*points.applied(design, scenario), duration, save=False, **options))
     except SweepInterrupted as stop:
         raise SweepInterrupted(made(stop.found), stop.done) from None

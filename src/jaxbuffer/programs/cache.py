@@ -105,6 +105,8 @@ class stored(Generic[R]):  # a decorator
         def compiled_for(*arguments: Any, made_from: Any = None) -> R:
             return self.function(*arguments)
 
+        # `made_from` is only part of the key: where a law's name means another one by now, the function is traced
+        # again.
         self.jitted = jax.jit(compiled_for, static_argnames="made_from")
         self.programs: dict[Any, _Program] = {}
         functools.update_wrapper(self, function)
@@ -125,6 +127,7 @@ class stored(Generic[R]):  # a decorator
             )
         numbers = np.array([leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is float])
         given = [numbers, *(leaf for leaf, kind in zip(leaves, kinds, strict=True) if kind is not float)]
+        # The folder too, so that programs are kept in one that is given later.
         key = (store.folder(), tree, kinds, structure.changeable(tree))
         if key not in self.programs:
             with _compiling:  # of many threads that come at once, one compiles

@@ -214,6 +214,7 @@ def backend_is_up() -> bool:
 def source() -> str:
     """Return a hash of this package's own source."""
     content, top = hashlib.sha256(), Path(__file__).parent.parent
+    # Sorted, since file systems list files in orders of their own.
     for file in sorted(top.rglob("*.py")):
         content.update(f"{file.relative_to(top)}\0".encode() + file.read_bytes())
     return content.hexdigest()[:16]

@@ -136,6 +136,7 @@ class Config:
     def problem(self) -> Problem:
         """Read the design problem, whose start must lie within the bounds."""
         options = self.options
+        # Messages say numbers in the units that they were typed with.
         with errors_in_typed_units(self.units):
             return read_problem(
                 self.table,
@@ -165,6 +166,7 @@ def load(path: str | Path | None) -> Config:
 
 def loads(content: bytes, name: str | Path) -> Config:
     """Read a study from a file's content; ``name`` starts an error's line."""
+    # For the message, where the bytes are no text.
     text = ""
     try:
         # Some editors begin a file with a byte order mark, which TOML does not allow.
@@ -271,6 +273,7 @@ def _config(data: dict[str, Any], folder: Path) -> Config:
     if "scenarios" in data and not (isinstance(listed, list) and listed and all(isinstance(x, dict) for x in listed)):
         raise InputError("scenarios is not a list of tables; write each under its own [[scenarios]]")
     scenarios = tuple(_replaced(scenario, entry, f"scenarios[{i}].") for i, entry in enumerate(listed, 1))
+    # Commands of one run need one scenario: without a [scenario] it is the first that is listed.
     if scenarios and "scenario" not in data:
         scenario = scenarios[0]
     options = _replaced(Options(), _table(data, "options"), "options.")
@@ -301,6 +304,7 @@ def _sample(table: Mapping[str, Any], design: Part, scenario: Part) -> dict[str,
             raise InputError(f"sample.ranges = {shown(table['ranges'])} is not a table; write [sample.ranges]")
         sample["ranges"] = by_path(table["ranges"], where="sample.ranges", fields=single_fields(design, scenario))
         axes = ranges(sample["ranges"], design, scenario)
+        # Made only to be checked: a sample is drawn when it is run.
         points(axes, table.get("count", 1), table.get("method", METHODS[0]), table.get("seed", 0))
     return sample
 

@@ -83,6 +83,7 @@ def _allowed(known: Mapping[str, Any]) -> str:
 def _problem(mechanism: Mechanism, design: Part) -> Iterator[str]:
     """Yield the sections of jaxbuffer tune."""
     catalogue, defaults = mechanism.quantities, mechanism.defaults
+    # `tune` refuses a start outside its bounds, so only bounds that hold it are offered.
     starts_inside = {
         path: bounds
         for path, bounds in mechanism.variables(design).items()

@@ -61,6 +61,7 @@ def _differences(study: Config) -> list[str]:
                 differences.append(
                     f"{prefix}{path} {typed}{_value(part, path)} ({_beside_default(part, default, path)})"
                 )
+    # What is usual for this very design, so that a duration that nobody typed is no difference.
     default_options = Options(duration=mechanism.duration(study.design))
     for path in paths(study.options):
         if get(study.options, path) != get(default_options, path):

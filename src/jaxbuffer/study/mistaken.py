@@ -53,6 +53,7 @@ def no_toml(text: str, error: ValueError) -> str:
     place = PLACE.search(message)
     number = int(place[1]) if place else 0
     is_open = message.startswith(QUOTES)
+    # Of some open quotes tomllib says only that the file has ended: the first line that leaves one open is meant.
     if is_open and not number:
         number = next((k for k, line in enumerate(lines, 1) if OPEN.search(line)), 0)
         message += f", opened at line {number}" if number else ""

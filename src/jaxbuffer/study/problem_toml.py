@@ -78,6 +78,7 @@ def read_problem(
 def check_table(table: Mapping[str, Any], design: Part, base: Part) -> None:
     """Raise `InputError` for whatever is wrong with the table in itself, wherever the start may be."""
     parts = _parts(table, design, base, ())
+    # Drawn only to be checked: samples may leave the fields' ranges.
     if (scatter := parts["scatter"]) is not None:
         scatter.cases(parts["scenarios"], design)
 

@@ -48,6 +48,7 @@ def study_schema(mechanism: Mechanism) -> Schema:
 
 
 def _object(properties: Mapping[str, Schema], **others: Any) -> Schema:
+    # Closed, so that an editor marks a name that is misspelt.
     return {"type": "object", "properties": dict(properties), "additionalProperties": False, **others}
 
 

@@ -147,6 +147,7 @@ def _interruptible(work: Callable[[], T]) -> T:
             future.set_exception(error)
 
     before = threading.stack_size(STACK)
+    # A daemon, so that the process may end while a compiler is still at work in it.
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     threading.stack_size(before)

@@ -83,6 +83,7 @@ class CommandLine:
         """
         if resume and self.output is None:
             raise InputError("--resume needs --output DIR, the folder of the run to go on with")
+        # Said before anything is computed, not when figures are drawn at the end.
         if self.output is not None and any(name.endswith(".png") for name in names):
             style.require_matplotlib()
         return Output(self.output, names, self.force, resumable, resume, self.as_json)

@@ -42,6 +42,7 @@ def sweep(request: CommandLine, over: list[str] | None, scheduler: str | None, r
     varied = [axis.path for axis in grid.axes]
     say_cautions(study.design, (study.scenario,), varied, geometry=False)
     study = study.varying(varied)
+    # A sweep that is too large for tables and figures stays in its store.
     tabulated = scheduler is None or len(grid) <= LARGEST
     if tabulated:
         grid.batches(study.design, study.scenario)  # checks that the values go together
