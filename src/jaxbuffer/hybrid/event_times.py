@@ -85,8 +85,8 @@ def _moves(
             # A move is None where nothing moves: in a mechanism without observables.
             return jax.tree.map(still, values, moves)
 
-        # The implicit function theorem: the guard stays zero when the parameters move. Its rate is the one that the run
-        # found by differences, as a maximum's guard has a rate that takes one derivative more.
+        # The implicit function theorem: the guard stays zero when the parameters move. Its rate is the run's own, since
+        # that of a maximum's guard would take one derivative more here.
         later = jnp.where(entry.moves, -pushed(_guard, row_move) / entry.guard_rate, 0.0)
         # From the derivative at a fixed time to that at the event.
         moved = row_move + later * build(*parameters).derivative(entry.time, row, entry.active)

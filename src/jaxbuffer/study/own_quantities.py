@@ -88,7 +88,7 @@ def _run(path: Path, shown_as: str) -> dict[str, Any]:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from None
-    # Not an import: a study's file need not lie on Python's path, and must not be found again by its name.
+    # Not an import, since a study's file need not lie on Python's path.
     module = types.ModuleType(f"study {path.stem}")
     module.__file__ = str(path)
     try:
